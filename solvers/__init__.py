@@ -1,0 +1,1 @@
+"""What is computed: scenes, solvers, error estimators and results. Nothing here imports the page."""

@@ -1,0 +1,44 @@
+"""The bar's exact solution (eqs 29-34), as functions of the material coordinate X and the time t.
+
+u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(F - 1) and
+b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers.scene import Scene
+
+WAVENUMBER = 2 * np.pi
+
+
+def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+    """u(X, t) in metres."""
+    return scene.amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+
+
+def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+    """v = u_t in m/s."""
+    w = scene.angular_frequency
+    return scene.amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
+
+
+def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+    """a = u_tt = -w^2 u in m/s^2."""
+    return -scene.angular_frequency**2 * displacement(scene, X, t)
+
+
+def deformation_gradient(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+    """F = 1 + u_X."""
+    return 1 + WAVENUMBER * scene.amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+
+
+def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+    """P = E(F - 1) in pascals (eq 29)."""
+    return scene.modulus * (deformation_gradient(scene, X, t) - 1)
+
+
+def body_force(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+    """b = 3 w^2 u per unit mass, in m/s^2 (eq 34, corrected)."""
+    return 3 * scene.angular_frequency**2 * displacement(scene, X, t)

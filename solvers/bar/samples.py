@@ -1,0 +1,73 @@
+"""The bar's samples: sums over particles for the norms of the true and the estimated error, and the energy.
+
+True errors are at fixed X: computed minus exact. The acceleration is the one that the last step used, so it is
+compared at that step's time, one step before the rest.
+"""
+
+import taichi as ti
+
+from solvers.samples import BASE, EACH, column
+
+
+@ti.func
+def true_error(bar: ti.template(), p, sin_t, cos_t, sin_before, on: ti.template()):
+    """Errors of x, v, sigma = E(F - 1) and a at particle p."""
+    w = bar.angular_frequency
+    u = bar.amplitude * bar.sine[p]
+    stretch = 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * sin_t  # exact F - 1
+    a = 0.0
+    if ti.static(on.acceleration):
+        a = bar.acceleration[p] + w * w * u * sin_before
+    return ti.Vector([bar.position[p] - bar.material_position[p] - u * sin_t,
+                      bar.velocity[p] - u * w * cos_t,
+                      bar.modulus * (bar.deformation_gradient[p] - 1 - stretch),
+                      a])
+
+
+@ti.func
+def logarithmic_stress_error(bar: ti.template(), p, sin_t):
+    """Error of the stress that rate form sigma' = E L integrates to, E ln F (the paper's Table 1)."""
+    stretch = 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * sin_t
+    return bar.modulus * (ti.log(ti.max(bar.deformation_gradient[p], 1e-300)) - stretch)
+
+
+@ti.func
+def sample(bar: ti.template(), row, step, on: ti.template()):
+    """Write one row of sums."""
+    out = ti.static(bar.samples)
+    out[row, ti.static(column("step"))] = step
+    out[row, ti.static(column("work"))] = bar.totals[1]
+    out[row, ti.static(column("crossings"))] = bar.totals[0]
+    angle = bar.angular_frequency * bar.dt * step
+    sin_t, cos_t = ti.sin(angle), ti.cos(angle)
+    sin_before = ti.sin(angle - bar.angular_frequency * bar.dt)
+    if ti.static(on.truth):
+        squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        extra = 0.0
+        for p in range(bar.particles):
+            e = true_error(bar, p, sin_t, cos_t, sin_before, on)
+            squares += e * e
+            extra += logarithmic_stress_error(bar, p, sin_t) ** 2
+        for q in ti.static(range(4)):
+            out[row, ti.static(column("error_x")) + q] = squares[q]
+        out[row, ti.static(column("error_extra"))] = extra
+    for e in range(bar.estimators):
+        squares, apart = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+        for p in range(bar.particles):
+            estimate = bar.estimate[e * bar.particles + p]
+            squares += estimate * estimate
+            if ti.static(on.truth):
+                d = estimate - true_error(bar, p, sin_t, cos_t, sin_before, on)
+                apart += d * d
+        for q in ti.static(range(4)):
+            at = ti.static(len(BASE)) + ti.static(len(EACH)) * e + q
+            out[row, at] = squares[q]
+            if ti.static(on.truth):
+                out[row, at + 4] = apart[q]
+    if ti.static(on.energy):
+        kinetic, strain = 0.0, 0.0
+        for p in range(bar.particles):
+            kinetic += bar.velocity[p] ** 2
+            strain += (bar.deformation_gradient[p] - 1) ** 2
+        out[row, ti.static(column("kinetic"))] = 0.5 * bar.density * bar.volume * kinetic
+        out[row, ti.static(column("strain"))] = 0.5 * bar.modulus * bar.volume * strain

@@ -1,0 +1,124 @@
+"""Result: what a run leaves behind, and the JSON object that the command line prints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.norms import distance, error_index, summary
+from solvers.samples import QUANTITIES
+from solvers.scene import Scene
+
+SCHEMA = "mpm-lab/run/1"
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
+
+    ``error`` (P, 4) is computed minus exact, or None without the truth; ``estimate`` maps an estimator to
+    (P, 4); ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
+    """
+
+    step: int
+    time: float
+    material_position: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    deformation_gradient: np.ndarray
+    error: np.ndarray | None
+    estimate: dict[str, np.ndarray]
+    last_crossing: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Wall time: compiling (or loading from the cache), running, and the part of it the estimators took."""
+
+    compile: float
+    run: float
+    estimate: float | None
+
+
+@dataclass(frozen=True)
+class Result:
+    """A finished run. ``series`` holds the sampled norms over time (see ``solvers.samples``)."""
+
+    scene: Scene
+    status: str  # "ok" or "unstable"
+    reason: str | None
+    time: float
+    steps: int
+    series: dict[str, np.ndarray]
+    final: Snapshot
+    bytes: int
+    seconds: Seconds
+    arch: str
+    threads: int
+
+    @property
+    def rate(self) -> float:
+        """Million particle-steps per second of the run."""
+        return 1e-6 * self.scene.particles * self.steps / self.seconds.run if self.seconds.run > 0 else math.nan
+
+    @property
+    def effects(self) -> list[str]:
+        """What was really computed beyond the bare method."""
+        scene = self.scene
+        extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
+        return [e for e in ("truth", "estimate", "crossings", "energy", "acceleration") if scene.has(e)] \
+            + [name for name, on in extra.items() if on]
+
+    def errors(self) -> dict:
+        """``{"x": {"final", "max", "mean"}, ...}`` of the true errors, nulls where the truth was off."""
+        extra = {"sigma_log": summary(self.series["error_extra"])}
+        return {**{q: summary(self.series[f"error_{q}"]) for q in QUANTITIES}, **extra}
+
+    def estimates(self, estimator: str) -> dict:
+        return {q: summary(self.series[f"{estimator}/estimate_{q}"]) for q in QUANTITIES}
+
+    def index(self, estimator: str) -> dict:
+        """The error index of each quantity (eq 35)."""
+        return {q: error_index(self.series[f"{estimator}/estimate_{q}"], self.series[f"error_{q}"])
+                for q in QUANTITIES}
+
+    def distance(self, estimator: str) -> dict:
+        """How far the estimate is from the truth particle by particle, over the size of the truth."""
+        return {q: distance(self.series[f"{estimator}/distance_{q}"], self.series[f"error_{q}"])
+                for q in QUANTITIES}
+
+    def energy(self) -> dict | None:
+        """Kinetic plus strain energy, and the drift (E - W - E0)/E0 with the body force's work W."""
+        if not self.scene.has("energy"):
+            return None
+        total = self.series["kinetic"] + self.series["strain"]
+        drift = (total[-1] - self.series["work"][-1] - total[0]) / total[0] if total[0] > 0 else math.nan
+        return {"initial": _number(total[0]), "final": _number(total[-1]), "drift": _number(drift)}
+
+    def to_dict(self) -> dict:
+        """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
+        crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
+        return {
+            "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
+            "t": self.time, "steps": self.steps, "particles": self.scene.particles,
+            "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
+            "index": self._each(self.index, None), "distance": self._each(self.distance, None),
+            "grid_crossings": None if math.isnan(crossings) else int(crossings), "energy": self.energy(),
+            "effects": self.effects, "bytes": self.bytes,
+            "seconds": {"compile": self.seconds.compile, "run": self.seconds.run,
+                        "estimate": self.seconds.estimate},
+            "rate": _number(self.rate), "arch": self.arch, "threads": self.threads}
+
+    def _each(self, what, missing) -> dict:
+        """One estimator's values as they are, several keyed by estimator, nulls for none."""
+        names = self.scene.active_estimators
+        if len(names) == 1:
+            return what(names[0])
+        return {name: what(name) for name in names} if names else dict.fromkeys(QUANTITIES, missing)
+
+
+def _number(value: float) -> float | None:
+    """JSON has no NaN: what is not a finite number is null."""
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,76 @@
+"""run(scene) -> Result: the one way to run anything without a page."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from solvers import samples
+from solvers.bar.solver import BarSolver
+from solvers.result import Result, Seconds
+from solvers.scene import Scene
+
+SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
+
+
+def build(scene: Scene) -> BarSolver:
+    """The solver of a scene's problem, with its particles in place and nothing run."""
+    return BarSolver(scene)
+
+
+def run(scene: Scene, on_progress: Callable[[float], None] | None = None) -> Result:
+    """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
+
+    ``on_progress`` is called several times a second with the part done, 0 to 1.
+    """
+    solver = build(scene)
+    begun = time.perf_counter()
+    solver.compile()
+    compiled = time.perf_counter() - begun
+    rows = [solver.measure()]
+    ran, slice_steps = 0.0, 64
+    while solver.step < scene.steps and solver.sound:
+        steps = min(slice_steps, scene.steps - solver.step, solver.longest_advance)
+        begun = time.perf_counter()
+        rows.append(solver.advance(steps))
+        took = time.perf_counter() - begun
+        ran += took
+        slice_steps = max(1, int(min(2.0, SLICE_SECONDS / took) * steps)) if took > 0 else 2 * slice_steps
+        if on_progress:
+            on_progress(solver.step / scene.steps)
+    if solver.step % scene.sample_interval or not solver.sound:
+        rows.append(solver.measure())
+    series = samples.read(np.concatenate(rows), scene.active_estimators, scene.particles, scene.time_step)
+    sound = solver.sound
+    return Result(scene=scene, status="ok" if sound else "unstable", reason=None if sound else solver.reason(),
+                  time=solver.time, steps=solver.step, series=series, final=solver.snapshot(),
+                  bytes=solver.bytes, seconds=Seconds(compiled, ran, _estimate_seconds(scene, ran)),
+                  arch=solver.arch, threads=solver.threads)
+
+
+def _estimate_seconds(scene: Scene, ran: float) -> float | None:
+    """The part of ``ran`` that the estimators took.
+
+    The estimators share the kernel with the method, so their time is found by running two copies of the
+    scene's beginning side by side, with and without them, and keeping the faster of several turns of each.
+    """
+    if not scene.active_estimators:
+        return None
+    pair = [build(scene), build(replace(scene, estimators=()))]
+    steps = min(scene.steps, pair[0].longest_advance, max(32, TIMED_PARTICLE_STEPS // scene.particles))
+    for solver in pair:
+        solver.compile()
+    best = [float("inf"), float("inf")]
+    for _ in range(TIMED_TURNS):
+        for k, solver in enumerate(pair):
+            begun = time.perf_counter()
+            solver.advance(steps)
+            best[k] = min(best[k], time.perf_counter() - begun)
+    return max(0.0, 1 - best[1] / best[0]) * ran
+
+
+TIMED_PARTICLE_STEPS = 400_000
+TIMED_TURNS = 3

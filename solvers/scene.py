@@ -1,0 +1,248 @@
+"""Scene: everything that defines a run, in one frozen object, and the rules that it must satisfy.
+
+The command line, the page and the tests all build a ``Scene``; nothing else is configured anywhere.
+A ``Scene`` that exists is valid: a bad value raises :class:`SceneError` with one sentence that names the
+input, says what is wrong and what is allowed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Literal, get_args
+
+Problem = Literal["bar"]
+Method = Literal["mpm", "ugimp", "cpgimp", "bspline"]
+BodyForce = Literal["material", "node", "none"]
+PositionUpdate = Literal["grid", "particle", "corners"]
+Estimator = Literal["transport"]
+Effect = Literal["truth", "estimate", "crossings", "energy", "acceleration"]
+Arch = Literal["cpu", "gpu"]
+
+ESTIMATORS: tuple[Estimator, ...] = get_args(Estimator)
+EFFECTS: tuple[Effect, ...] = get_args(Effect)
+
+#: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
+BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
+
+MOST_PARTICLES = 1_000_000
+MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
+MOST_SAMPLES = 1_000_000
+
+#: Where a field's name and its flag differ. The flag, with ``_`` for ``-``, is also the key in the JSON object.
+FLAGS = {"particles_per_cell": "ppc", "estimators": "estimator"}
+
+
+class SceneError(ValueError):
+    """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
+
+    def __init__(self, field: str, value: object, sentence: str):
+        self.field, self.value, self.sentence = field, value, sentence
+        super().__init__(f"{field_label(field)} {value}: {sentence}")
+
+
+def field_key(field: str) -> str:
+    """The name of a field in the JSON object: ``particles_per_cell`` is ``ppc``."""
+    return FLAGS.get(field, field)
+
+
+def field_label(field: str) -> str:
+    """The name of a field as a person reads it: ``body_force`` is ``body force``."""
+    return field_key(field).replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
+
+    ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods``
+    the end. A ``None`` takes the default: ``cfl`` 0.05, 5 ``periods``, about 200 samples a period.
+    """
+
+    problem: Problem = "bar"
+    method: Method = "ugimp"
+    cells: int = 40
+    particles_per_cell: int = 4
+    amplitude: float = 0.025
+    modulus: float = 4.0
+    density: float = 1.0
+    dt: float | None = None
+    cfl: float | None = None
+    t_end: float | None = None
+    periods: float | None = None
+    body_force: BodyForce = "material"
+    linearity_preserving: bool = False
+    velocity: PositionUpdate = "grid"
+    estimators: tuple[Estimator, ...] = ("transport",)
+    effects: tuple[Effect, ...] = EFFECTS
+    arch: Arch = "cpu"
+    threads: int = 1
+    sample_every: int | None = None
+
+    def __post_init__(self) -> None:
+        self._check_choices()
+        self._check_numbers()
+        self._check_time()
+        self._check_combinations()
+
+    # ---- derived quantities -------------------------------------------------------------------------------
+
+    @property
+    def spacing(self) -> float:
+        """Cell size h."""
+        return 1.0 / self.cells
+
+    @property
+    def wave_speed(self) -> float:
+        """c = sqrt(E/rho)."""
+        return math.sqrt(self.modulus / self.density)
+
+    @property
+    def angular_frequency(self) -> float:
+        """w = c pi/l of the exact solution (eq 32), l = 1."""
+        return self.wave_speed * math.pi
+
+    @property
+    def period(self) -> float:
+        """One full vibration, 2 pi/w."""
+        return 2 * math.pi / self.angular_frequency
+
+    @property
+    def particles(self) -> int:
+        return self.cells * self.particles_per_cell
+
+    @property
+    def time_step(self) -> float:
+        """The step in seconds, from ``dt`` or ``cfl``."""
+        if self.dt is not None:
+            return self.dt
+        return (DEFAULT_CFL if self.cfl is None else self.cfl) * self.spacing / self.wave_speed
+
+    @property
+    def courant_number(self) -> float:
+        return self.time_step * self.wave_speed / self.spacing
+
+    @property
+    def end_time(self) -> float:
+        if self.t_end is not None:
+            return self.t_end
+        return (DEFAULT_PERIODS if self.periods is None else self.periods) * self.period
+
+    @property
+    def steps(self) -> int:
+        """Whole steps to the end time; the end time is met to the nearest step."""
+        return max(1, round(self.end_time / self.time_step))
+
+    @property
+    def sample_interval(self) -> int:
+        """Steps between two samples of the norms."""
+        if self.sample_every is not None:
+            return self.sample_every
+        wanted = int(self.period / self.time_step) // SAMPLES_A_PERIOD
+        return max(1, wanted // self.estimate_interval) * self.estimate_interval
+
+    @property
+    def estimate_interval(self) -> int:
+        """Steps between two steps of an estimator: half the time a wave takes through a cell, at most 10."""
+        return max(1, min(10, int(0.5 / self.courant_number)))
+
+    @property
+    def active_estimators(self) -> tuple[Estimator, ...]:
+        return self.estimators if "estimate" in self.effects else ()
+
+    def has(self, effect: Effect) -> bool:
+        """Whether the effect is switched on (``acceleration`` needs the ``truth`` that it is compared with)."""
+        if effect == "acceleration":
+            return "acceleration" in self.effects and "truth" in self.effects
+        return bool(self.active_estimators) if effect == "estimate" else effect in self.effects
+
+    def to_dict(self) -> dict:
+        """Every input with the defaults filled in, keyed as in the JSON contract."""
+        values = {field_key(f.name): getattr(self, f.name) for f in fields(self)}
+        filled = {"dt": self.time_step, "cfl": self.courant_number, "t_end": self.end_time,
+                  "periods": self.end_time / self.period, "sample_every": self.sample_interval}
+        lists = {"estimator": list(self.estimators), "effects": list(self.effects)}
+        return {**values, **filled, **lists}
+
+    # ---- rules --------------------------------------------------------------------------------------------
+
+    def _check_choices(self) -> None:
+        for field, literal in (("problem", Problem), ("method", Method), ("body_force", BodyForce),
+                               ("velocity", PositionUpdate), ("arch", Arch)):
+            _require_choice(field, getattr(self, field), get_args(literal))
+        for field, allowed in (("estimators", ESTIMATORS), ("effects", EFFECTS)):
+            chosen = getattr(self, field)
+            for item in chosen:
+                _require_choice(field, item, allowed, also="none")
+            if len(set(chosen)) != len(chosen):
+                raise SceneError(field, " ".join(chosen), "names something twice; give each name once")
+
+    def _check_numbers(self) -> None:
+        _require_whole("cells", self.cells, 4, 100_000)
+        _require_whole("particles_per_cell", self.particles_per_cell, 1, 64)
+        _require_whole("threads", self.threads, 1, 1024)
+        _require_number("amplitude", self.amplitude, 0, math.inf)
+        if self.amplitude >= BAR_AMPLITUDE_LIMIT:
+            raise SceneError("amplitude", self.amplitude,
+                             "the exact bar inverts from 1/(2 pi) = 0.159 on; "
+                             "give a number above 0 and below 0.159")
+        _require_number("modulus", self.modulus, 1e-6, 1e12)
+        _require_number("density", self.density, 1e-6, 1e12)
+        if self.particles > MOST_PARTICLES:
+            raise SceneError("particles_per_cell", self.particles_per_cell,
+                             f"{self.cells} cells with so many particles each make {self.particles:,} particles; "
+                             f"at most {MOST_PARTICLES:,} are allowed")
+
+    def _check_time(self) -> None:
+        for one, other in (("dt", "cfl"), ("t_end", "periods")):
+            if getattr(self, one) is not None and getattr(self, other) is not None:
+                raise SceneError(other, getattr(self, other),
+                                 f"{field_label(one)} is given too; give one of the two")
+            for field in (one, other):
+                if getattr(self, field) is not None:
+                    _require_number(field, getattr(self, field), 0, math.inf)
+        if self.courant_number > MOST_CFL:
+            field, allowed = ("dt", f"{MOST_CFL * self.spacing / self.wave_speed:.3g}") if self.dt is not None \
+                else ("cfl", f"{MOST_CFL:g}")
+            raise SceneError(field, getattr(self, field), "is far beyond any stable step; "
+                             f"give a number above 0 and up to {allowed} (cfl {MOST_CFL:g})")
+        if self.end_time / self.time_step > MOST_STEPS:
+            field = "t_end" if self.t_end is not None else "periods"
+            raise SceneError(field, getattr(self, field) or DEFAULT_PERIODS,
+                             f"needs {self.end_time / self.time_step:.3g} steps; "
+                             f"at most {MOST_STEPS:,} are allowed: end earlier or take longer steps")
+        if self.sample_every is not None:
+            _require_whole("sample_every", self.sample_every, 1, MOST_STEPS)
+        if self.steps / self.sample_interval > MOST_SAMPLES:
+            raise SceneError("sample_every", self.sample_interval,
+                             f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
+                             f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
+
+    def _check_combinations(self) -> None:
+        if self.velocity == "corners" and self.method != "cpgimp":
+            raise SceneError("velocity", "corners", "moves the corners of convected domains and needs "
+                             "--method cpgimp; with other methods give grid or particle")
+
+
+DEFAULT_CFL = 0.05
+DEFAULT_PERIODS = 5.0
+SAMPLES_A_PERIOD = 200
+MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
+
+
+def _require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
+    if value not in allowed:
+        names = ", ".join((*allowed, also) if also else allowed)
+        raise SceneError(field, value, f"is not known; give {'one of ' if ',' in names else ''}{names}")
+
+
+def _require_whole(field: str, value: object, least: int, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
+
+
+def _require_number(field: str, value: object, above: float, most: float) -> None:
+    number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    if not number or not above < value <= most:
+        upper = "" if math.isinf(most) else f" and up to {most:g}"
+        raise SceneError(field, value, f"give a number above {above:g}{upper}")

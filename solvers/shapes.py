@@ -1,0 +1,67 @@
+"""Shape functions in one dimension, as three-node stencils.
+
+Each returns ``(first, S, dS)``: the first of three neighbouring nodes, their weights ``S`` and the gradients
+``dS`` in 1/cell. Positions and half widths are in cells (x/h). Weights sum to one and gradients to zero to
+round-off, because the middle node takes what the outer two leave.
+
+Sources: hat and GIMP, Bardenhagen & Kober (2004); quadratic B-spline, Steffen, Kirby & Berzins (2008).
+"""
+
+import taichi as ti
+
+
+@ti.func
+def stencil(outer_left, outer_right, slope_left, slope_right):
+    """Complete a stencil from its outer nodes: partition of unity and its derivative fix the middle one."""
+    return (ti.Vector([outer_left, 1 - outer_left - outer_right, outer_right]),
+            ti.Vector([slope_left, -slope_left - slope_right, slope_right]))
+
+
+@ti.func
+def hat(position):
+    """Piecewise linear: the original MPM. The third node's weight is zero."""
+    first = ti.floor(position)
+    weight, slope = stencil(1 - (position - first), 0.0, -1.0, 0.0)
+    return first, weight, slope
+
+
+@ti.func
+def gimp(position, half_width):
+    """The hat averaged over the particle's domain [position - half_width, position + half_width].
+
+    ``half_width`` at most 1/2, so that the domain meets at most two cells. With a constant half width this is
+    uGIMP, with one that follows F cpGIMP. The average of the hat (1 - s) over the part of the domain in the
+    first cell and of (s - 1) over the part in the second gives the outer weights; the gradient is the
+    difference of the hat at the domain's two ends over its length.
+    """
+    first = ti.floor(position - half_width)
+    start = position - half_width - first  # left end of the domain, in [0, 1)
+    end = start + 2 * half_width
+    uncovered = ti.max(0.0, 1 - end)
+    beyond = ti.max(0.0, end - 1)
+    per_length = 0.5 / half_width
+    rest = 1 - start
+    weight, slope = stencil(0.5 * per_length * (rest * rest - uncovered * uncovered),
+                            0.5 * per_length * beyond * beyond,
+                            per_length * (uncovered - rest), per_length * beyond)
+    return first, weight, slope
+
+
+@ti.func
+def bspline(position):
+    """Quadratic B-spline centred on the nodes: the GIMP function of a domain one cell wide."""
+    first = ti.floor(position - 0.5)
+    s = position - first - 0.5  # in [0, 1)
+    weight, slope = stencil(0.5 * (1 - s) * (1 - s), 0.5 * s * s, s - 1, s)
+    return first, weight, slope
+
+
+@ti.func
+def weights_1d(method: ti.template(), position, half_width):
+    """The stencil of ``method``: "mpm", "ugimp", "cpgimp" or "bspline"."""
+    first, weight, slope = hat(position)
+    if ti.static(method in ("ugimp", "cpgimp")):
+        first, weight, slope = gimp(position, half_width)
+    elif ti.static(method == "bspline"):
+        first, weight, slope = bspline(position)
+    return first, weight, slope
