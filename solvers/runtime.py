@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
@@ -20,8 +22,9 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     """
     global _started
     if _started != (arch, threads):
-        ti.init(arch=ti.gpu if arch == "gpu" else ti.cpu, default_fp=ti.f64, cpu_max_num_threads=threads,
-                fast_math=False, log_level=ti.ERROR, verbose=False)
+        with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
+            ti.init(arch=ti.gpu if arch == "gpu" else ti.cpu, default_fp=ti.f64,
+                    cpu_max_num_threads=threads, fast_math=False, log_level=ti.ERROR, verbose=False)
         _started = (arch, threads)
     return running_arch()
 

@@ -1,0 +1,20 @@
+"""The colours of the page and of every picture: one for the estimate, one for the truth, one map for sizes.
+
+The pair is from Okabe and Ito's set, which people with any of the common colour blindnesses tell apart; the
+map's lightness rises evenly, so that equal steps of error look equally far apart, in print as well.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+ESTIMATE = "#D55E00"
+TRUTH = "#0072B2"
+COLOUR_MAP = "viridis"
+
+
+def colour_table() -> np.ndarray:
+    """The colour map as 256 rows of red, green, blue, 0 to 255 (uint8), from the smallest size to the largest."""
+    from matplotlib import colormaps  # here, because it takes long to import and few commands draw
+
+    return (255 * colormaps[COLOUR_MAP](np.arange(256))[:, :3]).round().astype(np.uint8)

@@ -1,0 +1,81 @@
+"""What the page and an engine say to each other. Everything here is small and pickles quickly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.scene import Scene
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Everything a visitor wants, in one piece: an engine acts on the latest and forgets the rest.
+
+    ``number`` grows with every wish and comes back in frames, so that an answer can be told from an echo.
+    ``restarts`` and ``single_steps`` are counts: an engine acts when they have grown. ``speed`` is simulated
+    seconds a second. ``memory`` names the shared memory block that frames go to.
+    """
+
+    session: int
+    number: int
+    scene: Scene
+    playing: bool
+    speed: float
+    restarts: int
+    single_steps: int
+    memory: str
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The page has copied the session's last frame: the block may be written again."""
+
+    session: int
+
+
+@dataclass(frozen=True)
+class Goodbye:
+    """The visitor has left: free what the session holds."""
+
+    session: int
+
+
+@dataclass(frozen=True)
+class FrameReport:
+    """A frame lies in the session's block. ``rows`` are the samples since the last frame.
+
+    ``fresh`` marks the first frame after a build, when what was collected before belongs to another run.
+    ``rate`` is million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a
+    second, None until it has been measured.
+    """
+
+    session: int
+    number: int
+    scene: Scene
+    fresh: bool
+    playing: bool
+    step: int
+    time: float
+    rows: np.ndarray
+    reason: str | None
+    rate: float
+    real_speed: float | None
+    arch: str
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """The engine could not do what the wish says; ``sentence`` is for the visitor."""
+
+    session: int
+    number: int
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Ready:
+    """The engine has started and compiled what the first page needs."""
+
+    arch: str

@@ -1,0 +1,134 @@
+"""EnginePool: the page's side of the engines. Starts them and gives each visitor a line to one."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from dataclasses import replace
+from multiprocessing.shared_memory import SharedMemory
+from typing import Protocol
+
+from solvers.engine import memory
+from solvers.engine.memory import FrameArrays
+from solvers.engine.messages import FrameReport, Goodbye, Seen, Wish
+from solvers.engine.process import EngineProcess
+from solvers.scene import Scene
+
+DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between before its scene is given up
+
+
+class Listener(Protocol):
+    """What a session hears. Called from the engine's reader thread: be quick."""
+
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
+
+    def on_trouble(self, sentence: str) -> None: ...
+
+    def on_engine_lost(self) -> None: ...
+
+
+class EnginePool:
+    """A fixed number of engine processes and the sessions they serve."""
+
+    def __init__(self, warm_up: Scene, engines: int = 1):
+        self._numbers = itertools.count(1)
+        self._engines = [EngineProcess(warm_up) for _ in range(engines)]
+
+    def open(self, listener: Listener) -> SessionLink:
+        """A new session, on the engine that has fewest."""
+        engine = min(self._engines, key=lambda e: e.load)
+        return SessionLink(next(self._numbers), engine, listener)
+
+    def wait_ready(self, timeout: float) -> bool:
+        """Wait until every engine has compiled the first page's kernels; False when time is up."""
+        return all(engine.ready.wait(timeout) for engine in self._engines)
+
+    @property
+    def process_ids(self) -> list[int]:
+        return [engine.process_id for engine in self._engines]
+
+    def close(self) -> None:
+        """End all engines. The pool cannot be used afterwards."""
+        for engine in self._engines:
+            engine.close()
+
+
+class SessionLink:
+    """One session's line to its engine. Thread-safe; a wish replaces the one before."""
+
+    def __init__(self, session: int, engine: EngineProcess, listener: Listener):
+        self.session, self.listener = session, listener
+        self.wish: Wish | None = None
+        self._engine = engine
+        self._lock = threading.Lock()
+        self._block: SharedMemory | None = None
+        self._block_since = 0  # the first wish whose frames go to the present block
+        self._outgrown: list[SharedMemory] = []
+        self._deaths = 0
+        engine.add(self)
+
+    def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int) -> int:
+        """Say what is wanted now; returns the wish's number."""
+        with self._lock:
+            number = 1 if self.wish is None else self.wish.number + 1
+            self._fit_block(scene, number)
+            self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
+                             self._block.name)
+            self._deaths = 0
+            self._engine.send(self.wish)
+            return number
+
+    def close(self) -> None:
+        """Leave. Frames still on their way are dropped."""
+        self._engine.remove(self.session)
+        self._engine.send(Goodbye(self.session))
+        with self._lock:
+            _free([*self._outgrown, *([self._block] if self._block else [])])
+            self._block, self._outgrown = None, []
+
+    # ---- called by the engine's reader thread -------------------------------------------------------------
+
+    def receive(self, report: FrameReport) -> None:
+        """Copy a frame out of the block, free the block for the next and hand the copy on."""
+        with self._lock:
+            if self._block is None:
+                return
+            self._deaths = 0
+            arrays = None
+            if report.number >= self._block_since:  # else it lies in a block that has been replaced
+                arrays = memory.read(self._block, report.scene)
+                _free(self._outgrown)
+                self._outgrown = []
+            self._engine.send(Seen(self.session))
+        if arrays is not None:
+            self.listener.on_frame(report, arrays)
+
+    def trouble(self, sentence: str) -> None:
+        self.listener.on_trouble(sentence)
+
+    def engine_lost(self) -> None:
+        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it."""
+        self._deaths += 1
+        if self._deaths > DEATHS_ALLOWED:
+            self.listener.on_trouble("the simulation process keeps ending with this scene; change a setting")
+            return
+        self.listener.on_engine_lost()
+        with self._lock:
+            if self.wish:
+                self.wish = replace(self.wish, number=self.wish.number + 1)
+                self._engine.send(self.wish)
+
+    # ---- inside -------------------------------------------------------------------------------------------
+
+    def _fit_block(self, scene: Scene, number: int) -> None:
+        need = memory.block_bytes(scene)
+        if self._block is None or self._block.size < need:
+            if self._block is not None:
+                self._outgrown.append(self._block)  # the engine may still be writing to it
+            self._block, self._block_since = SharedMemory(create=True, size=2 * need), number
+
+
+def _free(blocks: list[SharedMemory]) -> None:
+    for block in blocks:
+        block.close()
+        block.unlink()

@@ -1,0 +1,94 @@
+"""The engine process: one thread that does everything with Taichi, and one pipe to the page.
+
+Sessions are served in fair turns: each that is behind its clock gets one short slice, then the next. Wishes are
+read before every turn, so a dragged slider never leaves stale work in a queue.
+"""
+
+from __future__ import annotations
+
+import signal
+from multiprocessing.connection import Connection
+from time import perf_counter
+
+from solvers import runtime
+from solvers.engine.messages import Goodbye, Ready, Seen, Trouble, Wish
+from solvers.engine.stepper import Stepper
+from solvers.run import build
+from solvers.scene import Scene
+
+IDLE_SECONDS = 0.5
+
+
+def main(pipe: Connection, warm_up: Scene) -> None:
+    """Serve sessions until the page goes away. ``warm_up`` is compiled before the first visitor comes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
+    arch = runtime.start()
+    build(warm_up).compile()
+    try:
+        pipe.send(Ready(arch))
+        Worker(pipe).serve()
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        pass  # the page is gone, and so is the reason to be here
+
+
+class Worker:
+    """The sessions of one engine."""
+
+    def __init__(self, pipe: Connection):
+        self._pipe = pipe
+        self._steppers: dict[int, Stepper] = {}
+
+    def serve(self) -> None:
+        while True:
+            self._read_messages()
+            busy = [self._serve_one(stepper) for stepper in self._steppers.values()]
+            if not any(busy):
+                self._wait()
+
+    def _serve_one(self, stepper: Stepper) -> bool:
+        """One turn of one session; says whether there was anything to do."""
+        busy = stepper.behind
+        if busy:
+            stepper.turn()
+        if stepper.next_due <= perf_counter():
+            self._pipe.send(stepper.frame())
+            busy = True
+        return busy
+
+    def _wait(self) -> None:
+        """Sleep until a message comes or the next frame or step is due."""
+        due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
+        self._pipe.poll(min(IDLE_SECONDS, max(0.001, due - perf_counter())))
+
+    def _read_messages(self) -> None:
+        """Take all messages; of a session's wishes only the last counts."""
+        wishes: dict[int, Wish] = {}
+        while self._pipe.poll(0):
+            message = self._pipe.recv()
+            match message:
+                case Wish():
+                    wishes[message.session] = message
+                case Seen():
+                    if message.session in self._steppers:
+                        self._steppers[message.session].seen()
+                case Goodbye():
+                    wishes.pop(message.session, None)
+                    self._drop(message.session)
+        for wish in wishes.values():
+            self._accept(wish)
+
+    def _accept(self, wish: Wish) -> None:
+        try:
+            if wish.session in self._steppers:
+                self._steppers[wish.session].accept(wish)
+            else:
+                self._steppers[wish.session] = Stepper(wish)
+        except MemoryError:
+            self._drop(wish.session)
+            self._pipe.send(Trouble(wish.session, wish.number,
+                                    "this scene needs more memory than there is: choose fewer particles"))
+
+    def _drop(self, session: int) -> None:
+        stepper = self._steppers.pop(session, None)
+        if stepper:
+            stepper.close()
