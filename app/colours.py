@@ -14,7 +14,7 @@ COLOUR_MAP = "viridis"
 
 
 def colour_table() -> np.ndarray:
-    """The colour map as 256 rows of red, green, blue, 0 to 255 (uint8), from the smallest size to the largest."""
+    """The colour map as 256 rows of red, green, blue, 0 to 255 (uint8), from no error to the largest."""
     from matplotlib import colormaps  # here, because it takes long to import and few commands draw
 
     return (255 * colormaps[COLOUR_MAP](np.arange(256))[:, :3]).round().astype(np.uint8)

@@ -41,8 +41,9 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None) -> Res
         slice_steps = max(1, int(min(2.0, SLICE_SECONDS / took) * steps)) if took > 0 else 2 * slice_steps
         if on_progress:
             on_progress(solver.step / scene.steps)
-    if solver.step % scene.sample_interval or not solver.sound:
-        rows.append(solver.measure())
+    last = solver.measure()  # also the last look for a run gone bad: the kernel's own look may be steps ago
+    if solver.step % scene.sample_interval:
+        rows.append(last)
     series = samples.read(np.concatenate(rows), scene.active_estimators, scene.particles, scene.time_step)
     sound = solver.sound
     return Result(scene=scene, status="ok" if sound else "unstable", reason=None if sound else solver.reason(),

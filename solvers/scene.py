@@ -8,6 +8,7 @@ input, says what is wrong and what is allowed.
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass, fields
 from typing import Literal, get_args
 
@@ -114,13 +115,14 @@ class Scene:
     @property
     def time_step(self) -> float:
         """The step in seconds, from ``dt`` or ``cfl``."""
-        if self.dt is not None:
-            return self.dt
-        return (DEFAULT_CFL if self.cfl is None else self.cfl) * self.spacing / self.wave_speed
+        return self.dt if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
 
     @property
     def courant_number(self) -> float:
-        return self.time_step * self.wave_speed / self.spacing
+        """``cfl`` as given, or that of ``dt``."""
+        if self.dt is not None:
+            return self.dt * self.wave_speed / self.spacing
+        return DEFAULT_CFL if self.cfl is None else self.cfl
 
     @property
     def end_time(self) -> float:
@@ -138,7 +140,7 @@ class Scene:
         """Steps between two samples of the norms."""
         if self.sample_every is not None:
             return self.sample_every
-        wanted = int(self.period / self.time_step) // SAMPLES_A_PERIOD
+        wanted = int(min(self.period / self.time_step, MOST_STEPS)) // SAMPLES_A_PERIOD
         return max(1, wanted // self.estimate_interval) * self.estimate_interval
 
     @property
@@ -170,8 +172,13 @@ class Scene:
         for field, literal in (("problem", Problem), ("method", Method), ("body_force", BodyForce),
                                ("velocity", PositionUpdate), ("arch", Arch)):
             _require_choice(field, getattr(self, field), get_args(literal))
+        if not isinstance(self.linearity_preserving, bool):
+            raise SceneError("linearity_preserving", self.linearity_preserving, "give True or False")
         for field, allowed in (("estimators", ESTIMATORS), ("effects", EFFECTS)):
             chosen = getattr(self, field)
+            if not isinstance(chosen, (tuple, list)):
+                raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
+            object.__setattr__(self, field, tuple(chosen))  # a list is welcome, but a scene must be hashable
             for item in chosen:
                 _require_choice(field, item, allowed, also="none")
             if len(set(chosen)) != len(chosen):
@@ -181,7 +188,7 @@ class Scene:
         _require_whole("cells", self.cells, 4, 100_000)
         _require_whole("particles_per_cell", self.particles_per_cell, 1, 64)
         _require_whole("threads", self.threads, 1, 1024)
-        _require_number("amplitude", self.amplitude, 0, math.inf)
+        _require_number("amplitude", self.amplitude, 0, math.inf, "give a number above 0 and below 0.159")
         if self.amplitude >= BAR_AMPLITUDE_LIMIT:
             raise SceneError("amplitude", self.amplitude,
                              "the exact bar inverts from 1/(2 pi) = 0.159 on; "
@@ -206,6 +213,11 @@ class Scene:
                 else ("cfl", f"{MOST_CFL:g}")
             raise SceneError(field, getattr(self, field), "is far beyond any stable step; "
                              f"give a number above 0 and up to {allowed} (cfl {MOST_CFL:g})")
+        if self.courant_number < LEAST_CFL:
+            field, allowed = ("dt", LEAST_CFL * self.spacing / self.wave_speed) if self.dt is not None \
+                else ("cfl", LEAST_CFL)
+            raise SceneError(field, getattr(self, field), "is so short a step that rounding would swallow it; "
+                             f"give {allowed:.3g} (cfl {LEAST_CFL:g}) or more")
         if self.end_time / self.time_step > MOST_STEPS:
             field = "t_end" if self.t_end is not None else "periods"
             raise SceneError(field, getattr(self, field) or DEFAULT_PERIODS,
@@ -227,6 +239,7 @@ class Scene:
 DEFAULT_CFL = 0.05
 DEFAULT_PERIODS = 5.0
 SAMPLES_A_PERIOD = 200
+LEAST_CFL = 1e-9
 MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
 
 
@@ -241,8 +254,9 @@ def _require_whole(field: str, value: object, least: int, most: int) -> None:
         raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
 
 
-def _require_number(field: str, value: object, above: float, most: float) -> None:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+def _require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
+    number = isinstance(value, (int, float)) and not isinstance(value, bool) \
+        and abs(value) <= sys.float_info.max  # False for NaN, infinity and integers beyond them
     if not number or not above < value <= most:
         upper = "" if math.isinf(most) else f" and up to {most:g}"
-        raise SceneError(field, value, f"give a number above {above:g}{upper}")
+        raise SceneError(field, value, allowed or f"give a number above {above:g}{upper}")

@@ -40,7 +40,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
     out[row, ti.static(column("crossings"))] = bar.totals[0]
     angle = bar.angular_frequency * bar.dt * step
     sin_t, cos_t = ti.sin(angle), ti.cos(angle)
-    sin_before = ti.sin(angle - bar.angular_frequency * bar.dt)
+    sin_before = ti.sin(ti.max(0.0, angle - bar.angular_frequency * bar.dt))  # at the start both a are 0
     if ti.static(on.truth):
         squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
         extra = 0.0
@@ -48,7 +48,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
             e = true_error(bar, p, sin_t, cos_t, sin_before, on)
             squares += e * e
             extra += logarithmic_stress_error(bar, p, sin_t) ** 2
-        for q in ti.static(range(4)):
+        for q in ti.static(range(3 + on.acceleration)):  # what is off stays NaN
             out[row, ti.static(column("error_x")) + q] = squares[q]
         out[row, ti.static(column("error_extra"))] = extra
     for e in range(bar.estimators):
@@ -62,7 +62,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
         for q in ti.static(range(4)):
             at = ti.static(len(BASE)) + ti.static(len(EACH)) * e + q
             out[row, at] = squares[q]
-            if ti.static(on.truth):
+            if ti.static(on.truth and (q < 3 or on.acceleration)):
                 out[row, at + 4] = apart[q]
     if ti.static(on.energy):
         kinetic, strain = 0.0, 0.0

@@ -12,7 +12,7 @@ import threading
 from collections import deque
 from typing import Protocol
 
-from solvers.engine import worker
+from solvers.engine import entry
 from solvers.engine.messages import FrameReport, Goodbye, Ready, Seen, Trouble, Wish
 from solvers.scene import Scene
 
@@ -114,7 +114,7 @@ class EngineProcess:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
         self._pipe, theirs = context.Pipe()
-        self._process = context.Process(target=worker.main, args=(theirs, self._warm_up), daemon=True,
+        self._process = context.Process(target=entry.main, args=(theirs, self._warm_up), daemon=True,
                                         name="mpm-lab-engine")
         self._process.start()
         theirs.close()

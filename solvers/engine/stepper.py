@@ -14,7 +14,8 @@ from solvers.scene import MOST_STEPS
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 FRAME_SECONDS = 1 / 30
-LAG_SECONDS = 0.1  # further behind than this, the clock gives up the arrears: the session is capped
+LATEST_FRAME = 1 / 20  # a frame that cannot catch up in time goes out as it is
+LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
 EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
 LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
@@ -53,27 +54,30 @@ class Stepper:
 
     @property
     def behind(self) -> bool:
-        """Whether the solver is behind the time that its clock shows."""
-        return self._running and self._target(perf_counter()) >= self.solver.time + self.solver.scene.time_step
+        """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
+        if not self._running or self._unseen and self._frame_due(FRAME_SECONDS):
+            return False
+        return self._steps_wanted() >= (1 if self._frame_due(FRAME_SECONDS) else self._slice)
+
+    @property
+    def ready(self) -> bool:
+        """Whether a frame can go: the last was seen, and this one is due and as far as it can be in time."""
+        if self._unseen:
+            return False
+        return self._frame_wanted or self._running and (
+            self._frame_due(LATEST_FRAME) or self._frame_due(FRAME_SECONDS) and self._steps_wanted() < 1)
 
     @property
     def next_due(self) -> float:
-        """When the session next has something to do, by ``perf_counter``."""
-        if self._unseen:
-            return float("inf")
-        if self._frame_wanted:
-            return 0.0
-        return self._last_frame + FRAME_SECONDS if self._running else float("inf")
+        """When the session next has something to do, by ``perf_counter``; infinite while it waits for the page."""
+        return self._last_frame + FRAME_SECONDS if self._running and not self._unseen else float("inf")
 
     def turn(self) -> None:
         """Step for at most one slice towards the clock's time."""
-        now = perf_counter()
-        arrears = self._target(now) - self.solver.time
-        wanted = int(arrears / self.solver.scene.time_step)
-        fits = max(1, int(SLICE_SECONDS / self._seconds_a_step))
-        self._advance(max(1, min(wanted, fits, self.solver.longest_advance)))
-        if arrears > LAG_SECONDS * self.wish.speed and wanted > fits:
-            self._anchor = (now, self.solver.time)
+        wanted = self._steps_wanted()
+        self._advance(max(1, min(wanted, self._slice, self.solver.longest_advance)))
+        if wanted * self._seconds_a_step > LAG_SECONDS:
+            self._anchor = (perf_counter(), self.solver.time)
 
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
@@ -100,15 +104,31 @@ class Stepper:
         self.solver.compile()
         self._rows = [self.solver.measure()]
         self._fresh, self._last_frame = True, 0.0
-        self._rate, self._real_speed = 0.0, None
+        self._kernel_seconds, self._kernel_steps, self._real_speed = 0.0, 0, None
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
 
     def _start_clock(self) -> None:
         self._anchor = self._window = (perf_counter(), self.solver.time)
 
-    def _target(self, now: float) -> float:
+    @property
+    def _rate(self) -> float:
+        """Million particle-steps per second of kernel time since the build."""
+        steps = self._kernel_steps * self.solver.scene.particles
+        return 1e-6 * steps / self._kernel_seconds if steps else 0.0
+
+    @property
+    def _slice(self) -> int:
+        """Steps that fit into one turn."""
+        return max(1, int(SLICE_SECONDS / self._seconds_a_step))
+
+    def _frame_due(self, after: float) -> bool:
+        return perf_counter() >= self._last_frame + after
+
+    def _steps_wanted(self) -> int:
+        """Whole steps from here to the time that the clock shows."""
         wall, simulated = self._anchor
-        return simulated + (now - wall) * self.wish.speed
+        target = simulated + (perf_counter() - wall) * self.wish.speed
+        return int((target - self.solver.time) / self.solver.scene.time_step)
 
     def _single_steps(self, steps: int) -> None:
         if self.solver.sound:
@@ -119,7 +139,8 @@ class Stepper:
         self._rows.append(self.solver.advance(steps))
         took = max(perf_counter() - begun, 1e-7)
         self._seconds_a_step = took / steps
-        self._rate = 1e-6 * steps * self.solver.scene.particles / took
+        self._kernel_seconds += took
+        self._kernel_steps += steps
         self._frame_wanted |= not self.solver.sound  # the last frame says why
 
     def _measure_speed(self, now: float) -> None:

@@ -50,7 +50,7 @@ class Worker:
         busy = stepper.behind
         if busy:
             stepper.turn()
-        if stepper.next_due <= perf_counter():
+        if stepper.ready:
             self._pipe.send(stepper.frame())
             busy = True
         return busy

@@ -1,0 +1,74 @@
+"""A camera that looks flat at a rectangle of the plane z = 0 and keeps it in view.
+
+The viewer has no orthographic camera; one far away with a small field of view is as good. Its first reports
+of the canvas size can be stale and come in any order, and it skips values that it believes unchanged, so a fit
+is repeated while things settle, each time changed by a hair.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from time import monotonic
+
+import numpy as np
+import viser
+
+FIELD_OF_VIEW = math.radians(4.0)
+MARGIN = 1.02
+SETTLE_SECONDS = 1.5
+
+
+class FlatCamera:
+    """Fits ``rectangle`` = (x0, x1, y0, y1) into a client's canvas, whatever its shape."""
+
+    def __init__(self, client: viser.ClientHandle, rectangle: tuple[float, float, float, float]):
+        self._client, self._rectangle = client, rectangle
+        self._lock = threading.Lock()
+        self._size: tuple[int, int] | None = None
+        self._target: np.ndarray | None = None
+        self._settle_until = 0.0
+        self._hair = 0
+        client.camera.on_update(lambda _: self.fit())
+        # Rectangle selection takes the left drag, which would otherwise rotate the view.
+        client.scene.on_rect_select()(lambda _: None)
+        self.fit(force=True)
+
+    @property
+    def settling(self) -> bool:
+        return monotonic() < self._settle_until + 1
+
+    def fit(self, force: bool = False) -> None:
+        """Look straight at the rectangle if the canvas changed, the view was turned, or ``force``."""
+        with self._lock:
+            camera = self._client.camera
+            size = (camera.image_width, camera.image_height)
+            if size != self._size:
+                self._settle_until = monotonic() + SETTLE_SECONDS
+            if not (force or size != self._size or self._turned() or self._astray()):
+                return
+            self._size = size
+            self._look(size[0] / max(1, size[1]))
+
+    def _turned(self) -> bool:
+        turn = viser.transforms.SO3(self._client.camera.wxyz).as_matrix()
+        return turn[2, 2] > -0.9999 or abs(turn[0, 0]) < 0.9999
+
+    def _astray(self) -> bool:
+        position = self._client.camera.position
+        return monotonic() < self._settle_until and (
+            self._target is None or not np.allclose(position, self._target, rtol=1e-3, atol=1e-3))
+
+    def _look(self, aspect: float) -> None:
+        x0, x1, y0, y1 = self._rectangle
+        self._hair = (self._hair + 1) % 7
+        height = max(y1 - y0, (x1 - x0) / aspect) * (MARGIN + 1e-4 * self._hair)
+        distance = 0.5 * height / math.tan(FIELD_OF_VIEW / 2)
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        self._target = np.array((x, y, distance))
+        camera = self._client.camera
+        with self._client.atomic():
+            camera.near, camera.far, camera.fov = 0.05 * distance, 20 * distance, FIELD_OF_VIEW
+            camera.min_orbit_distance, camera.max_orbit_distance = distance / 20, 3 * distance
+            camera.up_direction = (0.0, 1.0, 0.0)
+            camera.position, camera.look_at = (x, y, distance), (x, y, 0.0)

@@ -1,0 +1,15 @@
+"""The commands of ``mpm-lab``, one file each.
+
+A command is a frozen dataclass: its fields are its flags, its docstring is its help, and ``execute()`` does
+the work and returns the exit status. To add one, write the dataclass and list it here.
+"""
+
+from app.commands.run_bar import RunBar
+from app.commands.serve import Serve
+
+COMMANDS: dict[tuple[str, ...], type] = {
+    ("serve",): Serve,
+    ("run", "bar"): RunBar,
+}
+#: What ``mpm-lab`` does when no command is given.
+DEFAULT_COMMAND = ("serve",)

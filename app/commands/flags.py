@@ -1,0 +1,89 @@
+"""Flags that let anything through, so that whoever knows the allowed range can word the error.
+
+A number that does not parse stays text: ``Scene`` then says what is wrong and what is allowed, in one line,
+as it does for a number out of range. That is why these flags take any count of words (none, or too many, is
+wrong in the same way) and why no range is repeated here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, Any, get_args
+
+import tyro
+
+LARGEST_EXACT = 1e15  # "1e3" is a fine way to write 1000, but a float this large no longer means one integer
+
+
+class BadInput(Exception):
+    """Something typed that no command can use. ``flag`` is without its dashes, "" for what is not a flag."""
+
+    def __init__(self, flag: str, value: object, sentence: str):
+        self.flag, self.value, self.sentence = flag, value, sentence
+        super().__init__(f"{f'--{flag} ' if flag else ''}{shown(value)}: {sentence}")
+
+
+def shown(value: object) -> str:
+    """A value as it goes into a one-line message: nothing is named, length and odd characters are tamed."""
+    text = f"{value:.12g}" if isinstance(value, float) else str(value)
+    text = text if text.isprintable() else ascii(text)
+    return (text if len(text) <= 60 else text[:57] + "...") if text.strip() else "(no value)"
+
+
+def _lenient(metavar: str, parse) -> Any:
+    """A tyro constructor that takes any words and never fails."""
+    return tyro.constructors.PrimitiveConstructorSpec(
+        nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
+        str_from_instance=lambda value: [str(word) for word in value] if isinstance(value, tuple)
+        else [str(value)])
+
+
+def _number(words: list[str]) -> Any:
+    """A whole number or a float where the words are one, else the words."""
+    text = " ".join(words)
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    return int(value) if value.is_integer() and "e" in text.lower() and abs(value) < LARGEST_EXACT else value
+
+
+def _real(words: list[str]) -> Any:
+    """A float where the words are one, else the words."""
+    text = " ".join(words)
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _words(words: list[str]) -> tuple[str, ...]:
+    """Words separated by commas, spaces or both."""
+    return tuple(word for group in words for word in group.replace(",", " ").split())
+
+
+def choice_flag(choices: Any) -> Any:
+    """A flag for one of a ``Literal``'s values."""
+    return Annotated[Any, _lenient("{" + ",".join(get_args(choices)) + "}", " ".join)]
+
+
+def list_flag(choices: Iterable[str]) -> Any:
+    """A flag for several of the choices, separated by commas or spaces."""
+    return Annotated[Any, _lenient("{" + ",".join(choices) + "} ...", _words)]
+
+
+def default_hint(text: str) -> Any:
+    """What the help says about the default of a flag that has none of its own."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {text})")
+
+
+NumberFlag = Annotated[Any, _lenient("N", _number)]
+RealFlag = Annotated[Any, _lenient("X", _real)]
+TextFlag = Annotated[Any, _lenient("TEXT", " ".join)]
+PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
+#: A flag without a value.
+Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff]

@@ -1,0 +1,134 @@
+"""Where results go: checked and atomic files, a clean standard output, messages and a progress bar."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import json
+import os
+import stat
+import sys
+import time
+from collections.abc import Iterator
+from typing import TextIO
+
+from app.commands.flags import BadInput
+
+
+def say(message: object) -> None:
+    """One line on standard error."""
+    print("mpm-lab: " + " ".join(str(message).split()), file=sys.stderr, flush=True)
+
+
+def json_text(values: dict, lines: bool = False) -> str:
+    """One JSON object, on one line or on many; NaN and infinity, which JSON has not, are an error."""
+    return json.dumps(values, allow_nan=False, indent=2 if lines else None) + "\n"
+
+
+@contextlib.contextmanager
+def stdout_to_stderr() -> Iterator[None]:
+    """Meanwhile, what native code or Taichi prints to standard output goes to standard error."""
+    sys.stdout.flush()
+    saved = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        with contextlib.suppress(OSError, AttributeError, TypeError):
+            ctypes.CDLL(None).fflush(None)  # native text still in C's own buffer would come out later
+        os.dup2(saved, 1)
+        os.close(saved)
+
+
+class Target:
+    """A file to be written later, tried now. It appears whole or not at all: written beside, then renamed."""
+
+    def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
+        self.flag, self.text = flag, text
+        self.is_stdout = may_be_stdout and text == "-"
+        self.path = None if self.is_stdout else os.path.realpath(text)
+        if not text.strip():
+            raise BadInput(flag, text, f"give a file{' or - for standard output' if may_be_stdout else ''}")
+        if not text.lower().endswith(ending):
+            raise BadInput(flag, text, f"give a file that ends in {ending}")
+        if not self.is_stdout:
+            try:
+                self._try()
+            except OSError as error:
+                raise BadInput(flag, text, f"cannot be written: {_why(error)}; "
+                               "give a file in a directory that exists and may be written to") from None
+
+    def write(self, content: bytes) -> None:
+        """Write the content, replacing what was there."""
+        if self.is_stdout:
+            sys.stdout.flush()
+            sys.stdout.buffer.write(content)
+            sys.stdout.buffer.flush()
+        elif self._is_device():
+            with open(self.path, "wb") as file:
+                file.write(content)
+        else:
+            self._replace(content)
+
+    def _try(self) -> None:
+        if self._is_device():
+            return
+        if os.path.isdir(self.path) or self.text.endswith(os.sep):
+            raise IsADirectoryError("is a directory")
+        with open(self._beside(), "wb"):
+            pass
+        os.remove(self._beside())
+
+    def _replace(self, content: bytes) -> None:
+        try:
+            with open(self._beside(), "wb") as file:
+                file.write(content)
+            os.replace(self._beside(), self.path)
+        finally:
+            with contextlib.suppress(OSError):
+                os.remove(self._beside())
+
+    def _beside(self) -> str:
+        return os.path.join(os.path.dirname(self.path), f".mpm-lab-{self.flag}-{os.getpid()}.part")
+
+    def _is_device(self) -> bool:
+        """A pipe, a terminal or the like, which must be written to and not replaced."""
+        try:
+            mode = os.stat(self.path).st_mode
+        except FileNotFoundError:
+            return False
+        return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
+
+
+def _why(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
+
+
+class Progress:
+    """A bar on a terminal for runs that take longer than a second; nothing elsewhere."""
+
+    WIDTH = 30
+    PATIENCE = 1.0  # seconds
+
+    def __init__(self, stream: TextIO, quiet: bool):
+        self._stream, self._begun, self._drawn = stream, time.monotonic(), False
+        self._on = not quiet and stream.isatty()
+
+    def show(self, part: float) -> None:
+        """Draw the bar at ``part``, 0 to 1."""
+        elapsed = time.monotonic() - self._begun
+        if not self._on or elapsed < self.PATIENCE:
+            return
+        self._drawn = True
+        left = f"{elapsed * (1 - part) / part:.0f} s left" if part > 0 else ""
+        full = round(part * self.WIDTH)
+        bar = "#" * full + "." * (self.WIDTH - full)
+        self._stream.write(f"\r[{bar}] {100 * part:3.0f} %  {left:<14}")
+        self._stream.flush()
+
+    def close(self) -> None:
+        """Wipe the bar off the line."""
+        if self._drawn:
+            self._stream.write("\r" + " " * (self.WIDTH + 26) + "\r")
+            self._stream.flush()

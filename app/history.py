@@ -1,0 +1,66 @@
+"""The history of a live run: the sampled norms from its start until now, at a resolution that fits a plot."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers import samples
+from solvers.samples import QUANTITIES
+from solvers.scene import Scene
+
+MOST_ROWS = 800  # then every other row is dropped: a long run keeps its whole course, more coarsely
+CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are counted
+
+
+class History:
+    """Sampled norms and the running error index of one run. Not thread-safe: the session guards it."""
+
+    def __init__(self, scene: Scene):
+        self._scene = scene
+        self._rows: dict[str, np.ndarray] = {}
+        self._stride, self._skip = 1, 0
+        self._sums: dict[str, float] = {}
+
+    @property
+    def series(self) -> dict[str, np.ndarray]:
+        """Named series as in ``solvers.samples.read``, and ``transport/index_x`` ...: eq 35 up to that time."""
+        return self._rows
+
+    def add(self, rows: np.ndarray) -> None:
+        """Append rows of samples (``solvers.samples``)."""
+        if not len(rows):
+            return
+        scene = self._scene
+        new = samples.read(rows, scene.active_estimators, scene.particles, scene.time_step)
+        for estimator in scene.active_estimators:
+            for q in QUANTITIES:
+                above = self._running(f"{estimator}/estimate_{q}", new)
+                below = self._running(f"error_{q}", new, key=f"{estimator}/{q}")
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    new[f"{estimator}/index_{q}"] = np.where(below > 0, above / below, np.nan)
+        kept = slice(self._skip, None, self._stride)
+        self._skip = (self._skip - len(rows)) % self._stride
+        for name, values in new.items():
+            self._rows[name] = np.concatenate([self._rows.get(name, values[:0]), values[kept]])
+        if len(self._rows["time"]) > MOST_ROWS:
+            self._thin()
+
+    def crossings_per_second(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times and grid crossings per second of simulated time, each over a twentieth of a period or more."""
+        time, count = self._rows.get("time", np.zeros(0)), self._rows.get("crossings", np.zeros(0))
+        if len(time) < 2:
+            return np.zeros(0), np.zeros(0)
+        spacing = (time[-1] - time[0]) / (len(time) - 1)
+        lag = max(1, min(len(time) - 1, round(CROSSING_WINDOW * self._scene.period / spacing)))
+        return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])
+
+    def _running(self, name: str, new: dict[str, np.ndarray], key: str | None = None) -> np.ndarray:
+        totals = np.cumsum(new[name]) + self._sums.get(key or name, 0.0)
+        self._sums[key or name] = float(totals[-1])
+        return totals
+
+    def _thin(self) -> None:
+        self._rows = {name: values[::2] for name, values in self._rows.items()}
+        last = len(self._rows["time"]) and self._stride
+        self._stride *= 2
+        self._skip = (self._skip + last) % self._stride

@@ -1,0 +1,1 @@
+"""The page's panels: what a visitor sets and reads beside the stage."""

@@ -1,0 +1,62 @@
+"""The page's furniture: title, icon and style. The viewer offers no way to set these but html of one's own."""
+
+from __future__ import annotations
+
+import colorsys
+
+import viser
+
+from app.colours import TRUTH
+
+PAGE_TITLE = "mpm-lab"
+CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316
+
+_ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
+         "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "
+         "stroke='white' stroke-width='1.6'/%3E%3Ccircle cx='5' cy='4.6' r='1.7' fill='%23D55E00'/%3E%3C/svg%3E")
+_PIXEL = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///ywAAAAAAQABAAACAUwAOw=="
+# An image's onload is the one moment in a page's life that html alone can hook: it sets the tab's title and icon.
+# The viewer's own buttons (its server, its scene tree, its share link) are of no use to a visitor, and its warning
+# of slow graphics, which would cover the colour bar, does not hold for so light a picture.
+_HEAD = f"""<img src='{_PIXEL}' style='display:none' onload="document.title='{PAGE_TITLE}';
+document.querySelector('link[rel=icon]').href=this.dataset.icon;
+new MutationObserver(()=>document.querySelectorAll('.mantine-Notification-root').forEach(n=>{{
+if(n.innerText.startsWith('Software WebGL'))n.style.display='none'}})).observe(document.body,{{childList:true,
+subtree:true}})" data-icon="{_ICON}">
+<style>
+button:has(svg.tabler-icon-adjustments), button:has(svg.tabler-icon-list-search),
+svg.tabler-icon-cloud-check {{ display: none !important; }}
+.lab-notice {{ margin: 6px 10px 2px; padding: 7px 10px; border-radius: 6px; font: 12.5px/1.4 system-ui, sans-serif;
+  border-left: 4px solid; color: #222831; }}
+.lab-refused {{ background: #fff6e0; border-color: #e69f00; }}
+.lab-unstable, .lab-trouble {{ background: #fdecea; border-color: #c0392b; }}
+.lab-wait {{ background: #eaf2fa; border-color: #0072b2; }}
+.lab-readout {{ padding: 6px 12px 2px; font: 12px/1.5 system-ui, sans-serif; color: #222831;
+  font-variant-numeric: tabular-nums; }}
+.lab-readout table {{ width: 100%; border-collapse: collapse; }}
+.lab-readout td:first-child {{ color: #6b7480; padding-right: 8px; white-space: nowrap; }}
+.lab-capped {{ background: #e69f00; color: #222; border-radius: 3px; padding: 0 4px; font-weight: 600; }}
+.lab-about {{ padding: 4px 12px; font: 13px/1.5 system-ui, sans-serif; color: #222831; }}
+.lab-about h3 {{ font-size: 14px; margin: 10px 0 4px; }} .lab-about p {{ margin: 4px 0 8px; }}
+.lab-key {{ font-weight: 600; }}
+</style>"""
+
+
+def furnish(gui: viser.GuiApi) -> None:
+    """Theme, title, icon and style of a page."""
+    gui.configure_theme(dark_mode=False, show_logo=False, show_share_button=False, brand_color=_brand(TRUTH))
+    gui.main_panel.dock_right()
+    gui.main_panel.set_width(CONTROLS_WIDTH)
+    gui.set_panel_label("mpm-lab: how wrong is it?")
+
+
+def add_head(gui: viser.GuiApi) -> None:
+    """The html that sets title, icon and style, in an element of its own so that it runs once."""
+    gui.add_html(_HEAD)
+
+
+def _brand(colour: str) -> tuple[int, int, int]:
+    """The theme colour for which buttons come out as ``colour``: they are drawn two shades lighter."""
+    rgb = [int(colour[k:k + 2], 16) / 255 for k in (1, 3, 5)]
+    hue, light, full = colorsys.rgb_to_hls(*rgb)
+    return tuple(round(255 * v) for v in colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full))

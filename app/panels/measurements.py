@@ -1,0 +1,119 @@
+"""The left panel: numbers of the run and three plots over time."""
+
+from __future__ import annotations
+
+import html
+
+import numpy as np
+import viser
+
+from app.colours import ESTIMATE, TRUTH
+from app.history import History
+from app.panels.furniture import MEASUREMENTS_WIDTH
+from app.session import Session
+
+SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
+INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index beyond is drawn at its edge
+_FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
+_GRID = {"stroke": "#e6e9ee", "width": 1}
+
+
+class Measurements:
+    """Readout and plots of one visitor's session. Call :meth:`refresh` a few times a second."""
+
+    def __init__(self, client: viser.ClientHandle):
+        gui = client.gui
+        panel = gui.add_panel()
+        with panel.add_tab("Measurements", viser.Icon.CHART_LINE):
+            self._readout = gui.add_html("<div class='lab-readout'>waiting for the first frame</div>")
+            pair = ({"label": "estimated", "stroke": ESTIMATE, "width": 2},
+                    {"label": "true", "stroke": TRUTH, "width": 2})
+            self._errors = _plot(gui, "error norm", pair, legend=True)
+            self._index = _plot(gui, "error index: estimated / true",
+                                ({"label": "index", "stroke": ESTIMATE, "width": 2},
+                                 {"label": "perfect", "stroke": "#6b7480", "width": 1, "dash": [5, 4]}),
+                                y_scale={"distr": 3, "range": list(INDEX_RANGE)},
+                                y_axis={"splits": [0.1, 1, 10], "values": ["0.1", "1", "10"]})
+            self._crossings = _plot(gui, "grid crossings per second",
+                                    ({"label": "crossings", "stroke": "#cc0078", "width": 1.5},))
+        panel.dock_left()
+        panel.set_width(MEASUREMENTS_WIDTH)
+
+    def refresh(self, session: Session, estimator: str | None, quantity: str, unit: str) -> None:
+        """Show what has come in since the last time."""
+        if session.report is None:
+            return
+        self._readout.content = _readout(session)
+        history = session.history
+        series = history.series
+        time = series.get("time", np.zeros(0))
+        if len(time) < 2:
+            return
+        nothing = np.full(len(time), np.nan)
+        estimated, true = series.get(f"{estimator}/estimate_{quantity}", nothing), series[f"error_{quantity}"]
+        power = _power(estimated, true)
+        title = f"error norm of {SYMBOLS[quantity]} / {_power_text(power)}{unit}"
+        if title != self._errors.title:
+            self._errors.title = title
+        self._errors.data = _finite(time, estimated / 10.0**power, true / 10.0**power)
+        index = np.clip(series.get(f"{estimator}/index_{quantity}", nothing), *INDEX_RANGE)
+        self._index.data = _finite(time, index, np.ones(len(time)))
+        self._refresh_crossings(history)
+
+    def _refresh_crossings(self, history: History) -> None:
+        time, rate = history.crossings_per_second()
+        if len(time) > 1:
+            self._crossings.data = _finite(time, rate)
+
+
+def _power(*series: np.ndarray) -> int:
+    """The power of ten to take out of the numbers of a plot, whose axis shows few digits."""
+    largest = max((float(np.max(np.abs(s[np.isfinite(s)]), initial=0.0)) for s in series), default=0.0)
+    power = int(np.floor(np.log10(largest))) if largest > 0 else 0
+    return power if power < -1 or power > 3 else 0
+
+
+def _power_text(power: int) -> str:
+    return "" if power == 0 else "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) + " "
+
+
+def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
+    """What the plots take: float64, and what is infinite not drawn."""
+    return (time, *(np.where(np.isfinite(v), v, np.nan) for v in values))
+
+
+def _plot(gui: viser.GuiApi, title: str, series: tuple[dict, ...], legend: bool = False,
+          y_scale: dict | None = None, y_axis: dict | None = None) -> viser.GuiUplotHandle:
+    start = np.array([0.0, 1e-3])
+    axes = ({"label": "t / s", "labelSize": 15, "size": 24, "font": _FONT, "labelFont": _LABEL_FONT, "grid": _GRID,
+             "ticks": {"stroke": "#c6ccd4", "width": 1, "size": 4}},
+            {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}, **(y_axis or {})})
+    return gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), title=title,
+                         axes=axes, scales={"x": {"time": False}, "y": y_scale or {}}, height=126,
+                         legend={"show": legend, "live": False})
+
+
+def _readout(session: Session) -> str:
+    report = session.report
+    scene = report.scene
+    real = "–" if report.real_speed is None or not report.playing else f"{report.real_speed:.3g}"
+    capped = " <span class='lab-capped'>CAPPED</span>" if session.capped else ""
+    rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods"),
+            ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
+            ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
+            ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
+    drift = _energy_drift(session)
+    if drift is not None:
+        rows.append(("energy", f"{drift:+.2%} since the start"))
+    cells = "".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows)
+    return f"<div class='lab-readout'><table>{cells}</table></div>"
+
+
+def _energy_drift(session: Session) -> float | None:
+    """(E - W - E0)/E0 now, or None where the energy is not followed."""
+    s = session.history.series
+    if "kinetic" not in s or not len(s["kinetic"]):
+        return None
+    total = s["kinetic"] + s["strain"]
+    drift = (total[-1] - s["work"][-1] - total[0]) / total[0] if total[0] > 0 else np.nan
+    return float(drift) if np.isfinite(drift) else None

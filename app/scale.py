@@ -1,0 +1,66 @@
+"""The colour scale that estimate and truth share: from sizes of errors to colours, and its numbers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.colours import colour_table
+
+DECADES = 3  # that a logarithmic scale shows below its top
+FADE = 0.985  # per frame: how slowly the top follows when errors shrink
+SMALLEST = 1e-300
+
+
+class ColourScale:
+    """Maps sizes of errors to colours. The top follows the largest error seen lately, in round numbers."""
+
+    def __init__(self) -> None:
+        self._table = colour_table()
+        self._peak = 0.0
+        self.logarithmic = False
+        self.held = False
+        self.top = 1.0
+
+    def forget(self) -> None:
+        """Another quantity or another run: begin anew, unless held."""
+        if not self.held:
+            self._peak = 0.0
+
+    def follow(self, *sizes: np.ndarray) -> None:
+        """Take in a frame's errors and move the top, unless held."""
+        if self.held:
+            return
+        largest = max((float(np.max(s[np.isfinite(s)], initial=0.0)) for s in sizes), default=0.0)
+        self._peak = max(largest, FADE * self._peak)
+        if self._peak > SMALLEST:
+            self.top = round_up(self._peak)
+
+    def colours(self, sizes: np.ndarray) -> np.ndarray:
+        """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
+        share = np.clip(np.nan_to_num(share, nan=1.0, posinf=1.0, neginf=0.0), 0, 1)
+        return self._table[(255 * share).astype(np.int32)]
+
+    def gradient(self, steps: int) -> np.ndarray:
+        """(steps, 3) colours from the scale's bottom to its top, for the colour bar."""
+        return self._table[np.linspace(0, 255, steps).astype(np.int32)]
+
+    def ticks(self) -> list[tuple[float, str]]:
+        """Positions 0 to 1 along the scale and the numbers there."""
+        if self.logarithmic:
+            return [(k / DECADES, number(self.top * 10 ** (k - DECADES))) for k in range(DECADES + 1)]
+        return [(k / 4, number(self.top * k / 4)) for k in range(5)]
+
+
+def round_up(value: float) -> float:
+    """The next of 1, 2, 5 times a power of ten: a scale that moves in few, round steps."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next((m * power for m in (1, 2, 5) if value <= m * power), 10 * power)
+
+
+def number(value: float) -> str:
+    """Short and exact to three digits: 0, 0.025, 1.5e-05."""
+    return f"{value:.3g}"

@@ -1,0 +1,141 @@
+"""Session: one visitor's wishes and what has come back. Knows nothing of how it is shown."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import monotonic
+
+from app.history import History
+from solvers.engine.memory import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.engine.pool import EnginePool
+from solvers.scene import Scene
+
+CAPPED_BELOW = 0.9  # of the speed asked for
+SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A sentence for the visitor. ``kind`` is "refused", "unstable", "wait" or "trouble"."""
+
+    kind: str
+    sentence: str
+
+
+class Session:
+    """Holds the wished scene (the latest wins), the last frame and the run's history."""
+
+    def __init__(self, pool: EnginePool, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
+        self._lock = threading.RLock()
+        self._on_frame = on_frame
+        self._refusal: str | None = None
+        self._trouble: str | None = None
+        self._lost = False
+        self._restarts = self._single_steps = 0
+        self._asked_at = monotonic()
+        self._number = 0
+        self.scene, self.playing, self.speed = scene, True, 0.5
+        self.history = History(scene)
+        self.report: FrameReport | None = None
+        self._link = pool.open(self)
+        self._ask()
+
+    # ---- what the visitor does ----------------------------------------------------------------------------
+
+    def change(self, build: Callable[[Scene], Scene]) -> None:
+        """Ask for another scene; one that cannot be is refused in words, and the present one runs on."""
+        with self._lock:
+            try:
+                self.scene, self._refusal = build(self.scene), None
+            except ValueError as refusal:
+                self._refusal = str(refusal)
+                return
+            self._ask()
+
+    def set(self, **fields: object) -> None:
+        """Ask for the present scene with some fields changed."""
+        self.change(lambda scene: replace(scene, **fields))
+
+    def play(self, playing: bool) -> None:
+        with self._lock:
+            self.playing = playing
+            self._ask()
+
+    def step(self) -> None:
+        """Pause, and take one time step."""
+        with self._lock:
+            self.playing = False
+            self._single_steps += 1
+            self._ask()
+
+    def reset(self) -> None:
+        """Start the scene again from t = 0."""
+        with self._lock:
+            self._restarts += 1
+            self._refusal = None
+            self._ask()
+
+    def set_speed(self, speed: float) -> None:
+        """Simulated seconds a second."""
+        with self._lock:
+            self.speed = speed
+            self._ask()
+
+    def close(self) -> None:
+        self._link.close()
+
+    # ---- what the page asks -------------------------------------------------------------------------------
+
+    @property
+    def capped(self) -> bool:
+        """Whether the engine runs well short of the speed asked for."""
+        report = self.report
+        return bool(report and report.playing and report.real_speed is not None
+                    and report.real_speed < CAPPED_BELOW * self.speed)
+
+    def notice(self) -> Notice | None:
+        """The one thing that the visitor should read now, if any."""
+        with self._lock:
+            waiting = self.report is None or self.report.number < self._number
+            if self._trouble:
+                return Notice("trouble", self._trouble)
+            if self._lost and waiting:
+                return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
+                                      "and the scene begins again.")
+            if self._refusal:
+                return Notice("refused", f"{self._refusal}. The scene before it runs on.")
+            if waiting and monotonic() - self._asked_at > SLOW_ANSWER:
+                return Notice("wait", "Preparing this scene: a combination of method and effects is compiled "
+                                      "the first time it is used.")
+            if self.report and self.report.reason and not waiting:
+                return Notice("unstable", f"{self.report.reason}.")
+            return None
+
+    # ---- what the engine says (from its reader thread) ----------------------------------------------------
+
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
+        with self._lock:
+            if report.fresh:
+                self.history = History(report.scene)
+            self.history.add(report.rows)
+            self.report, self._lost, self._trouble = report, False, None
+        self._on_frame(report, arrays)
+
+    def on_trouble(self, sentence: str) -> None:
+        with self._lock:
+            self._trouble = sentence
+
+    def on_engine_lost(self) -> None:
+        with self._lock:
+            self._lost = True
+            self._number += 1  # the link asks again under the next number
+
+    # ---- inside -------------------------------------------------------------------------------------------
+
+    def _ask(self) -> None:
+        self._trouble, self._asked_at = None, monotonic()
+        self._number = self._link.ask(self.scene, self.playing, self.speed, self._restarts,
+                                      self._single_steps)

@@ -1,0 +1,143 @@
+"""How the bar runs: repeatable, in any slices, effects aside, honest about going bad; norms that add up."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from solvers.bar.solver import BarSolver
+from solvers.run import run
+from solvers.scene import EFFECTS, Scene
+
+SCENE = Scene(amplitude=0.05, cells=20, periods=1)
+STATE = ("position", "velocity", "deformation_gradient")
+
+
+def same(one: BarSolver, other: BarSolver, names: tuple[str, ...]) -> bool:
+    return all(np.array_equal(getattr(one._arrays, n), getattr(other._arrays, n)) for n in names)
+
+
+def test_runs_are_bitwise_repeatable():
+    """One thread, one order of sums: two runs agree in every bit of every array, NaN included."""
+    solvers = [BarSolver(SCENE) for _ in range(2)]
+    for solver in solvers:
+        solver.advance(SCENE.steps)
+    one, other = (s._arrays for s in solvers)
+    for field in fields(one):
+        np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name))
+
+
+def test_slices_do_not_matter():
+    """The page advances in slices of any length: state, estimate, crossings and samples stay the same bits."""
+    whole, sliced = BarSolver(SCENE), BarSolver(SCENE)
+    rows = whole.advance(SCENE.steps)
+    pieces, rng = [], np.random.default_rng(0)
+    while sliced.step < SCENE.steps:
+        pieces.append(sliced.advance(min(int(rng.integers(1, 40)), SCENE.steps - sliced.step)))
+    assert same(whole, sliced, (*STATE, "estimate", "totals", "last_crossing", "acceleration"))
+    np.testing.assert_array_equal(rows, np.concatenate(pieces))
+    assert len(rows) == SCENE.steps // SCENE.sample_interval
+
+
+@pytest.mark.parametrize(("method", "linear"), [("mpm", False), ("ugimp", True), ("cpgimp", False), ("bspline", True)])
+def test_effects_do_not_change_the_physics(method, linear):
+    """Watching must not disturb: all effects on and none give the same bits."""
+    scene = replace(SCENE, method=method, linearity_preserving=linear)
+    watched, bare = BarSolver(scene), BarSolver(replace(scene, effects=()))
+    for solver in (watched, bare):
+        solver.advance(scene.steps)
+    assert same(watched, bare, STATE)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_an_effect_switched_off_reports_nulls_and_takes_no_memory(effect):
+    """Null and not zero: a zero would claim a perfect result."""
+    scene = replace(SCENE, periods=0.1)
+    on, off = run(scene), run(replace(scene, effects=tuple(e for e in EFFECTS if e != effect)))
+    seen, gone = ({"truth": r["error"]["x"]["max"], "estimate": r["estimate"]["x"]["max"],
+                   "crossings": r["grid_crossings"], "energy": r["energy"],
+                   "acceleration": r["error"]["a"]["max"]}[effect] for r in (on.to_dict(), off.to_dict()))
+    assert seen is not None and gone is None
+    assert effect in on.effects and effect not in off.effects
+    assert off.bytes < on.bytes or effect == "energy"  # energy is two sums in a sample's row
+
+
+def test_sampled_norms_are_those_of_the_final_state():
+    """The kernel's norms against numpy on the particles: RMS over particles of computed minus exact at fixed X."""
+    scene = replace(SCENE, sample_every=7, periods=1.03)
+    result = run(scene)
+    final, A, w, t = result.final, scene.amplitude, scene.angular_frequency, result.time
+    assert scene.steps % 7 and result.series["time"][-1] == pytest.approx(t, rel=1e-15)
+    X, sine = final.material_position, np.sin(2 * np.pi * final.material_position)
+    F = 1 + 2 * np.pi * A * np.cos(2 * np.pi * X) * np.sin(w * t)
+    expected = {"x": final.position - X - A * sine * np.sin(w * t), "v": final.velocity - A * w * sine * np.cos(w * t),
+                "sigma": scene.modulus * (final.deformation_gradient - F),
+                "sigma_log": scene.modulus * (np.log(final.deformation_gradient) - F + 1),
+                "a": final.error[:, 3]}
+    for name, error in expected.items():
+        # sums of cancelling numbers up to 1: their rounding over the norm, 1e-16/1e-4
+        assert result.errors()[name]["final"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-10)
+    for k, name in enumerate(("x", "v", "sigma")):
+        np.testing.assert_allclose(final.error[:, k], expected[name], rtol=0, atol=1e-13)
+
+
+def test_grid_crossings_are_counted():
+    """Against numpy, one step at a time: a crossing is a particle that changes its cell."""
+    solver, cells = BarSolver(SCENE), []
+    for _ in range(SCENE.steps):
+        cells.append(np.floor(solver._arrays.position * SCENE.cells))
+        solver.advance(1)
+    cells.append(np.floor(solver._arrays.position * SCENE.cells))
+    changes = np.diff(cells, axis=0)
+    last = [np.flatnonzero(column)[-1] + 1 if column.any() else -1 for column in changes.T]
+    assert solver._arrays.totals[0] == np.abs(changes).sum() > 100
+    np.testing.assert_array_equal(solver.snapshot().last_crossing, last)
+
+
+@pytest.mark.parametrize("cfl", [1.5, 10.0])
+@pytest.mark.parametrize("method", ["mpm", "ugimp", "cpgimp", "bspline"])
+def test_an_unstable_run_is_a_result(method, cfl):
+    """Too long a step ends as ``unstable`` with a reason, in valid JSON, and leaves its neighbours alone."""
+    neighbour, alone = BarSolver(SCENE), BarSolver(SCENE)
+    neighbour.advance(100)
+    bad = run(replace(SCENE, method=method, cfl=cfl))
+    assert bad.status == "unstable" and "shorter steps" in bad.reason and bad.steps <= bad.scene.steps
+    json.dumps(bad.to_dict(), allow_nan=False)
+    neighbour.advance(100)
+    alone.advance(200)
+    assert same(neighbour, alone, STATE)
+
+
+def test_a_run_that_goes_bad_in_its_last_steps_is_noticed():
+    """The kernel looks every 32 steps; a run shorter than that is looked at when it ends."""
+    result = run(replace(SCENE, cfl=5.0, periods=2.5, amplitude=0.1, sample_every=1))
+    assert result.steps <= 20 and result.status == "unstable"
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("name", STATE)
+def test_a_number_gone_bad_is_noticed(name, value):
+    """NaN or infinity in any particle's state stops the run within 32 steps, inside the arrays' bounds."""
+    solver = BarSolver(SCENE)
+    solver.advance(10)
+    getattr(solver._arrays, name)[17] = value
+    solver.advance(64)
+    assert not solver.sound and solver.step == 32 and "particle" in solver.reason()
+
+
+def test_a_folded_particle_is_noticed():
+    """F <= 0 is matter turned inside out: no result, however finite the numbers."""
+    solver = BarSolver(SCENE)
+    solver._arrays.deformation_gradient[5] = -0.1
+    solver.measure()
+    assert not solver.sound and "particle 5" in solver.reason() and "inside out" in solver.reason()
+
+
+def test_progress_is_told():
+    """``on_progress`` rises to 1."""
+    seen = []
+    run(SCENE, seen.append)
+    assert seen == sorted(seen) and seen[-1] == 1.0

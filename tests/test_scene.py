@@ -1,0 +1,194 @@
+"""Scene: a scene that exists is valid, and one that cannot be says which input, what is wrong and what is allowed."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import FrozenInstanceError, fields, replace
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from solvers.scene import BAR_AMPLITUDE_LIMIT, EFFECTS, FLAGS, MOST_PARTICLES, MOST_STEPS, Scene, SceneError
+
+NUMBERS = [f.name for f in fields(Scene) if f.type.split(" ")[0] in ("int", "float")]
+WHOLE = [f.name for f in fields(Scene) if f.type.split(" ")[0] == "int"]
+LISTS = [f.name for f in fields(Scene) if f.type.startswith("tuple")]
+FLAG = "linearity_preserving"
+CHOICES = [f.name for f in fields(Scene) if f.name not in [*NUMBERS, *LISTS, FLAG]]
+NOT_NUMBERS = [math.nan, math.inf, -math.inf, -1, 0, "3", True, [1], 1j, 10**400]
+
+
+def refusal(**values) -> SceneError:
+    with pytest.raises(SceneError) as caught:
+        Scene(**values)
+    return caught.value
+
+
+def test_every_field_is_of_a_kind_that_these_tests_know():
+    """A field of a new kind must get rules and tests of its own."""
+    assert {f.type for f in fields(Scene)} == {
+        "Problem", "Method", "int", "float", "float | None", "bool", "BodyForce", "PositionUpdate",
+        "tuple[Estimator, ...]", "tuple[Effect, ...]", "Arch", "int | None"}
+    assert len(NUMBERS) >= 11 and set(CHOICES) >= {"problem", "method", "body_force", "velocity", "arch"}
+
+
+@pytest.mark.parametrize("value", NOT_NUMBERS, ids=lambda value: repr(value)[:8])
+@pytest.mark.parametrize("field", NUMBERS)
+def test_number_fields_refuse_what_is_no_positive_number(field, value):
+    """Every number of a scene is positive and finite; the message names the input and the allowed range."""
+    error = refusal(**{field: value})
+    assert error.field == field and error.value is value
+    assert str(error).startswith(FLAGS.get(field, field).replace("_", " "))
+    assert "give a" in error.sentence and any(c.isdigit() for c in error.sentence)
+
+
+@pytest.mark.parametrize("field", WHOLE)
+def test_counts_refuse_fractions(field):
+    assert "whole number" in refusal(**{field: 7.5}).sentence
+
+
+@pytest.mark.parametrize("field", CHOICES)
+@pytest.mark.parametrize("value", ["nonsense", "", None, 3, ["mpm"]], ids=str)
+def test_choices_refuse_unknown_names_and_list_the_known(field, value):
+    error = refusal(**{field: value})
+    assert error.field == field and getattr(Scene(), field) in error.sentence
+
+
+@pytest.mark.parametrize("value", ["no", 0, 1, None], ids=repr)
+def test_linearity_preserving_is_true_or_false(value):
+    """A truthy "no" must not switch it on."""
+    assert refusal(**{FLAG: value}).sentence == "give True or False"
+
+
+@pytest.mark.parametrize("field", LISTS)
+def test_lists_refuse_unknown_repeated_and_bare_names(field):
+    known = getattr(Scene(), field)[0]
+    assert known in refusal(**{field: ("nonsense",)}).sentence
+    assert "twice" in refusal(**{field: (known, known)}).sentence
+    for bare in (known, None, 3):
+        assert "list" in refusal(**{field: bare}).sentence
+
+
+def test_a_list_makes_the_same_hashable_scene_as_a_tuple():
+    """Command line and page hand over lists; scenes are keys of caches."""
+    assert hash(Scene(estimators=["transport"], effects=list(EFFECTS))) == hash(Scene())
+
+
+@pytest.mark.parametrize(("inside", "outside", "field"), [
+    ({"cells": 4}, {"cells": 3}, "cells"),
+    ({"cells": 100_000, "particles_per_cell": 1}, {"cells": 100_001, "particles_per_cell": 1}, "cells"),
+    ({"particles_per_cell": 64}, {"particles_per_cell": 65}, "particles_per_cell"),
+    ({"cells": 15_625, "particles_per_cell": 64}, {"cells": 15_626, "particles_per_cell": 64}, "particles_per_cell"),
+    ({"amplitude": 0.159}, {"amplitude": 0.16}, "amplitude"),
+    ({"modulus": 1.1e-6}, {"modulus": 1e-6}, "modulus"), ({"modulus": 1e12}, {"modulus": 1.1e12}, "modulus"),
+    ({"density": 1.1e-6}, {"density": 1e-6}, "density"), ({"density": 1e12}, {"density": 1.1e12}, "density"),
+    ({"cfl": 10.0}, {"cfl": 10.1}, "cfl"), ({"dt": 0.124}, {"dt": 0.126}, "dt"),
+    ({"cfl": 1e-9, "periods": 1e-4}, {"cfl": 9e-10, "periods": 1e-4}, "cfl"),
+    ({"dt": 1.3e-11, "t_end": 1e-6}, {"dt": 1.2e-11, "t_end": 1e-6}, "dt"),
+    ({"dt": 1e-3, "t_end": 1.9e6, "sample_every": 10**6}, {"dt": 1e-3, "t_end": 2.1e6, "sample_every": 10**6}, "t_end"),
+    ({"cfl": 0.1, "periods": 2.4e6, "sample_every": 10**6}, {"cfl": 0.1, "periods": 2.6e6, "sample_every": 10**6},
+     "periods"),
+    ({"threads": 1024}, {"threads": 1025}, "threads"),
+    ({"sample_every": 1}, {"sample_every": MOST_STEPS + 1}, "sample_every"),
+    ({"dt": 1e-3, "t_end": 1000.0, "sample_every": 1}, {"dt": 1e-3, "t_end": 1001.0, "sample_every": 1}, "sample_every"),
+    ({"method": "cpgimp", "velocity": "corners"}, {"method": "ugimp", "velocity": "corners"}, "velocity"),
+], ids=str)
+def test_limits(inside, outside, field):
+    """The last value inside is a scene, the first outside names its field and what is allowed."""
+    Scene(**inside)
+    error = refusal(**outside)
+    assert error.field == field and ("give" in error.sentence or "allowed" in error.sentence)
+
+
+def test_amplitude_limit_is_where_the_exact_bar_inverts():
+    """min F = 1 - 2 pi A (NUMERICS: A < 1/(2 pi)); the sentence says so with the number."""
+    Scene(amplitude=math.nextafter(BAR_AMPLITUDE_LIMIT, 0))
+    error = refusal(amplitude=1 / (2 * math.pi))
+    assert "inverts" in str(error) and "0.159" in str(error)
+
+
+def test_too_many_particles_says_how_many():
+    assert f"{MOST_PARTICLES:,}" in str(refusal(cells=100_000, particles_per_cell=11))
+
+
+@pytest.mark.parametrize(("one", "other"), [("dt", "cfl"), ("t_end", "periods")])
+def test_exclusive_pairs(one, other):
+    """Two inputs that say the same thing must not contradict each other."""
+    assert "one of the two" in refusal(**{one: 0.01, other: 0.1}).sentence
+
+
+def test_a_scene_cannot_be_changed_behind_its_rules():
+    with pytest.raises(FrozenInstanceError):
+        Scene().cells = 3
+    with pytest.raises(SceneError):
+        replace(Scene(), cells=3)
+
+
+def test_derived_quantities():
+    """c = sqrt(E/rho), w = c pi, period 2 pi/w = 2/c; dt from cfl and back; whole steps to the nearest."""
+    scene = Scene(cells=50, particles_per_cell=3, modulus=9.0, density=4.0, cfl=0.1, periods=2)
+    assert (scene.spacing, scene.wave_speed, scene.particles) == (0.02, 1.5, 150)
+    assert scene.angular_frequency == 1.5 * math.pi and scene.period == pytest.approx(2 / 1.5, rel=1e-15)
+    assert scene.time_step == pytest.approx(0.1 * 0.02 / 1.5, rel=1e-15)
+    assert scene.steps == round(2 * scene.period / scene.time_step) == 2000
+    assert Scene(dt=2.5e-5, t_end=1.0).steps == 40_000
+    assert Scene(dt=2.5e-5, modulus=1000.0, cells=160).courant_number == pytest.approx(0.126491106, rel=1e-8)
+    assert Scene(cfl=1.0, t_end=1e-9).steps == 1
+
+
+@pytest.mark.parametrize(("cfl", "interval"), [(1e-3, 10), (0.05, 10), (0.1, 5), (0.2, 2), (0.3, 1), (1.5, 1)])
+def test_estimate_interval(cfl, interval):
+    """k = clamp(h/(2 c dt), 1, 10): an estimator steps twice while a wave crosses a cell."""
+    scene = Scene(cfl=cfl)
+    assert scene.estimate_interval == interval and scene.sample_interval % interval == 0
+
+
+def test_samples_follow_the_period_unless_told():
+    """About 200 samples a period, at the estimators' own steps."""
+    assert 180 <= Scene(cfl=0.01).period / Scene(cfl=0.01).time_step / Scene(cfl=0.01).sample_interval <= 220
+    assert Scene(sample_every=7).sample_interval == 7
+
+
+def test_effects_that_need_others():
+    """The acceleration error needs the truth; without the effect ``estimate`` no estimator runs."""
+    assert not Scene(effects=("acceleration",)).has("acceleration")
+    assert Scene(effects=("acceleration", "truth")).has("acceleration")
+    assert Scene(effects=("truth",)).active_estimators == () and not Scene(effects=("truth",)).has("estimate")
+    assert not Scene(estimators=()).has("estimate") and Scene().active_estimators == ("transport",)
+
+
+def test_to_dict_has_every_input_filled_in():
+    """The JSON object shows what ran: every field under its flag's name, defaults replaced by numbers."""
+    scene = Scene()
+    values = json.loads(json.dumps(scene.to_dict(), allow_nan=False))
+    assert set(values) == {FLAGS.get(f.name, f.name) for f in fields(Scene)}
+    assert values["ppc"] == 4 and values["estimator"] == ["transport"] and values["cfl"] == 0.05
+    assert None not in values.values()
+    assert (values["dt"], values["t_end"]) == (scene.time_step, scene.end_time)
+    assert values["periods"] == pytest.approx(5) and values["sample_every"] == scene.sample_interval
+    again = {k: values[k] for k in ("cells", "amplitude", "modulus", "density", "dt", "t_end", "sample_every")}
+    twin = Scene(**again)  # what is printed reproduces the run
+    assert (twin.steps, twin.time_step, twin.sample_interval) == (scene.steps, scene.time_step, scene.sample_interval)
+
+
+anything = st.one_of(st.none(), st.floats(), st.floats(1e-12, 1e12), st.integers(-3, 10**6))
+
+
+@given(numbers=st.fixed_dictionaries({}, optional={name: anything for name in NUMBERS}))
+@example(numbers={"dt": 1e-320, "t_end": 1e-320})
+@example(numbers={"dt": 1e-12, "t_end": 1e-9})
+@example(numbers={"cfl": 5e-324})
+@example(numbers={"t_end": 1e308})
+def test_any_numbers_make_a_usable_scene_or_a_scene_error(numbers):
+    """No other exception, nothing infinite, and every count fits the kernel's 32-bit integers."""
+    try:
+        scene = Scene(**numbers)
+    except SceneError as error:
+        assert error.field in NUMBERS and error.sentence
+        return
+    json.dumps(scene.to_dict(), allow_nan=False)
+    assert scene.time_step > 0 and scene.end_time > 0
+    for count in (scene.steps, scene.sample_interval, scene.estimate_interval, scene.particles):
+        assert 1 <= count < 2**31
