@@ -17,6 +17,7 @@ import viser
 FIELD_OF_VIEW = math.radians(4.0)
 MARGIN = 1.02
 SETTLE_SECONDS = 1.5
+REPEAT_SECONDS = 0.5
 
 
 class FlatCamera:
@@ -27,16 +28,19 @@ class FlatCamera:
         self._lock = threading.Lock()
         self._size: tuple[int, int] | None = None
         self._target: np.ndarray | None = None
-        self._settle_until = 0.0
+        self._settle_until = self._next_fit = 0.0
         self._hair = 0
         client.camera.on_update(lambda _: self.fit())
         # Rectangle selection takes the left drag, which would otherwise rotate the view.
         client.scene.on_rect_select()(lambda _: None)
         self.fit(force=True)
 
-    @property
-    def settling(self) -> bool:
-        return monotonic() < self._settle_until + 1
+    def settle(self) -> None:
+        """Call now and then: repeats the fit while the canvas is settling."""
+        now = monotonic()
+        if now < self._settle_until + 1 and now > self._next_fit:
+            self._next_fit = now + REPEAT_SECONDS
+            self.fit(force=True)
 
     def fit(self, force: bool = False) -> None:
         """Look straight at the rectangle if the canvas changed, the view was turned, or ``force``."""

@@ -13,12 +13,12 @@ CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are cou
 
 
 class History:
-    """Sampled norms and the running error index of one run. Not thread-safe: the session guards it."""
+    """Sampled norms and the running error index of one run. One thread adds, any may read."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
         self._rows: dict[str, np.ndarray] = {}
-        self._stride, self._skip = 1, 0
+        self._seen, self._stride = 0, 1
         self._sums: dict[str, float] = {}
 
     @property
@@ -38,16 +38,19 @@ class History:
                 below = self._running(f"error_{q}", new, key=f"{estimator}/{q}")
                 with np.errstate(divide="ignore", invalid="ignore"):
                     new[f"{estimator}/index_{q}"] = np.where(below > 0, above / below, np.nan)
-        kept = slice(self._skip, None, self._stride)
-        self._skip = (self._skip - len(rows)) % self._stride
-        for name, values in new.items():
-            self._rows[name] = np.concatenate([self._rows.get(name, values[:0]), values[kept]])
-        if len(self._rows["time"]) > MOST_ROWS:
-            self._thin()
+        kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
+        self._seen += len(rows)
+        rows = {name: np.concatenate([self._rows.get(name, values[:0]), values[kept]])
+                for name, values in new.items()}
+        while len(rows["time"]) > MOST_ROWS:
+            rows = {name: values[::2] for name, values in rows.items()}
+            self._stride *= 2
+        self._rows = rows  # at once, so that whoever plots sees series of equal length
 
     def crossings_per_second(self) -> tuple[np.ndarray, np.ndarray]:
         """Times and grid crossings per second of simulated time, each over a twentieth of a period or more."""
-        time, count = self._rows.get("time", np.zeros(0)), self._rows.get("crossings", np.zeros(0))
+        rows = self._rows
+        time, count = rows.get("time", np.zeros(0)), rows.get("crossings", np.zeros(0))
         if len(time) < 2:
             return np.zeros(0), np.zeros(0)
         spacing = (time[-1] - time[0]) / (len(time) - 1)
@@ -58,9 +61,3 @@ class History:
         totals = np.cumsum(new[name]) + self._sums.get(key or name, 0.0)
         self._sums[key or name] = float(totals[-1])
         return totals
-
-    def _thin(self) -> None:
-        self._rows = {name: values[::2] for name, values in self._rows.items()}
-        last = len(self._rows["time"]) and self._stride
-        self._stride *= 2
-        self._skip = (self._skip + last) % self._stride

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import html
+import logging
 import threading
-from time import monotonic
 
 import viser
 
@@ -14,7 +14,7 @@ from app.panels.controls import QUANTITIES, Controls
 from app.panels.furniture import add_head, furnish
 from app.panels.measurements import Measurements
 from app.scale import ColourScale
-from app.session import Session
+from app.session import Notice, Session
 from app.stage_bar import RECTANGLE, BarStage
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -73,16 +73,23 @@ class Page:
                              report.time, self._session.speed)
 
     def _refresh_loop(self) -> None:
-        shown, next_fit = None, 0.0
         while not self._closed.wait(REFRESH_SECONDS):
-            key, unit = QUANTITIES[self._controls.quantity]
-            self._measurements.refresh(self._session, self._controls.estimator, key, unit)
-            notice = self._session.notice()
-            if notice != shown:
-                shown = notice
-                self._notice.content = "" if notice is None else (
-                    f"<div class='lab-notice lab-{notice.kind}' role='status'>"
-                    f"{html.escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")
-            if self._camera.settling and monotonic() > next_fit:
-                next_fit = monotonic() + 0.5
-                self._camera.fit(force=True)
+            try:
+                self._refresh()
+            except Exception:  # one bad refresh must not silence the page for the rest of the visit
+                logging.getLogger(__name__).exception("the page could not be refreshed")
+
+    def _refresh(self) -> None:
+        key, unit = QUANTITIES[self._controls.quantity]
+        self._measurements.refresh(self._session, self._controls.estimator, key, unit)
+        notice = _notice_html(self._session.notice())
+        if notice != self._notice.content:
+            self._notice.content = notice
+        self._camera.settle()
+
+
+def _notice_html(notice: Notice | None) -> str:
+    if notice is None:
+        return ""
+    sentence = html.escape(notice.sentence[:1].upper() + notice.sentence[1:])
+    return f"<div class='lab-notice lab-{notice.kind}' role='status'>{sentence}</div>"

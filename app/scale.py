@@ -28,18 +28,23 @@ class ColourScale:
         if not self.held:
             self._peak = 0.0
 
-    def follow(self, *sizes: np.ndarray) -> None:
-        """Take in a frame's errors and move the top, unless held."""
+    def follow(self, estimated: np.ndarray | None, true: np.ndarray) -> None:
+        """Take in a frame's errors and move the top, unless held.
+
+        Where the truth is known, an estimate far beyond it does not set the scale: it would hide both.
+        """
         if self.held:
             return
-        largest = max((float(np.max(s[np.isfinite(s)], initial=0.0)) for s in sizes), default=0.0)
+        truth, largest = _largest(true), _largest(estimated)
+        if truth > 0:
+            largest = max(truth, min(largest, 10 * truth))
         self._peak = max(largest, FADE * self._peak)
         if self._peak > SMALLEST:
             self.top = round_up(self._peak)
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
         """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top."""
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
         share = np.clip(np.nan_to_num(share, nan=1.0, posinf=1.0, neginf=0.0), 0, 1)
         return self._table[(255 * share).astype(np.int32)]
@@ -53,6 +58,10 @@ class ColourScale:
         if self.logarithmic:
             return [(k / DECADES, number(self.top * 10 ** (k - DECADES))) for k in range(DECADES + 1)]
         return [(k / 4, number(self.top * k / 4)) for k in range(5)]
+
+
+def _largest(sizes: np.ndarray | None) -> float:
+    return 0.0 if sizes is None else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 
 def round_up(value: float) -> float:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import socket
 import sys
 import threading
+import warnings
 
 from solvers.engine.pool import EnginePool
 
@@ -22,7 +25,8 @@ def serve(host: str, port: int, max_sessions: int) -> None:
     pool = EnginePool(FIRST_SCENE, engines=max(1, (os.cpu_count() or 2) - 1))
     try:
         server = _start_server(host, port, pool, max_sessions)
-        print(f"mpm-lab is at http://{_address(host)}:{server.get_port()} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+        address = f"http://{_address(host)}:{server.get_port()}"
+        print(f"mpm-lab is at {address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         threading.Event().wait()
     finally:
         pool.close()
@@ -34,7 +38,10 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
     from app.page import Page
     from app.panels.furniture import furnish
 
-    server = viser.ViserServer(host=host, port=port, verbose=False)
+    # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+    with contextlib.redirect_stdout(io.StringIO()):  # it would announce itself in a box of its own
+        server = viser.ViserServer(host=host, port=port, verbose=False)
     furnish(server.gui)
     pages: dict[int, Page] = {}
     lock = threading.Lock()

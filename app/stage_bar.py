@@ -43,10 +43,11 @@ class BarStage:
         self._cells = s.add_line_segments("/bar/cells", none, CELL, thickness=1.0, thickness_units="screen")
         self._exact = s.add_line_segments("/bar/exact", none, _rgb(TRUTH), thickness=1.5,
                                           thickness_units="screen")
-        self._dots = _points(s, "/bar/particles", 0.0065)
-        self._flashes = _points(s, "/bar/crossings", 0.011)
+        self._dots = _points(s, "/bar/particles", 0.0085)
+        self._flashes = _points(s, "/bar/crossings", 0.015)
         colour_bar = _points(s, "/bar/colours", COLOUR_BAR_HEIGHT, "square")
-        colour_bar.points = _in_plane(np.linspace(COLOUR_BAR_HEIGHT / 2, 1 - COLOUR_BAR_HEIGHT / 2, 256), np.array(COLOUR_BAR))
+        ends = COLOUR_BAR_HEIGHT / 2
+        colour_bar.points = _in_plane(np.linspace(ends, 1 - ends, 256), np.array(COLOUR_BAR))
         colour_bar.colors = scale.gradient(256)
         self._ticks = [_label(s, f"/bar/tick{k}", "", 0.0, COLOUR_BAR - TICK_GAP, "top-center", 0.85)
                        for k in range(5)]
@@ -59,8 +60,7 @@ class BarStage:
         x = np.clip(np.nan_to_num(arrays.position, nan=AWAY), -0.5, 1.5)
         true = np.abs(arrays.error[:, quantity])
         estimated = np.abs(arrays.estimate[estimator][:, quantity]) if estimator else None
-        known = [size for size in (estimated, true) if size is not None and np.isfinite(size).any()]
-        self._scale.follow(*known)
+        self._scale.follow(estimated, true)
         with self._client.atomic():
             self._draw_grid(scene)
             for lane, middle, sizes in zip(self._lanes, (ESTIMATE_LANE, TRUTH_LANE), (estimated, true),
@@ -86,16 +86,16 @@ class BarStage:
         self._cells.points = _columns(edges, (low + high) / 2, high - low, depth=-0.01)
         self._lane = _Lane(scene.particles)
         for lane in self._lanes:
-            lane.point_size = self._lane.size
-        self._largest.text = f"+{scene.amplitude:.3g} m"
-        self._smallest.text = f"−{scene.amplitude:.3g} m"
+            lane.point_size = self._lane.size / 2
+        self._largest.text = f"+{scene.motion_amplitude:.3g} m"
+        self._smallest.text = f"−{scene.motion_amplitude:.3g} m"
 
     def _draw_displacement(self, scene: Scene, arrays: FrameArrays, t: float) -> None:
         X = np.linspace(0, 1, 121)
-        scaled = CURVE_MIDDLE + CURVE_HEIGHT * exact.displacement(scene, X, t) / scene.amplitude
+        scaled = CURVE_MIDDLE + CURVE_HEIGHT * exact.displacement(scene, X, t) / scene.motion_amplitude
         curve = _in_plane(X, scaled)
         self._exact.points = np.stack([curve[:-1], curve[1:]], axis=1)
-        share = np.clip(np.nan_to_num(arrays.displacement / scene.amplitude, nan=AWAY), -1.35, 1.35)
+        share = np.clip(np.nan_to_num(arrays.displacement / scene.motion_amplitude, nan=AWAY), -1.1, 1.1)
         X_p = (np.arange(scene.particles) + 0.5) / scene.particles
         self._dots.points = _in_plane(X_p, CURVE_MIDDLE + CURVE_HEIGHT * share, -0.005)
         self._dots.colors = np.full((scene.particles, 3), DOT, np.uint8)
@@ -121,7 +121,8 @@ class BarStage:
         above = 0.5 * LANE_HEIGHT + 0.03
         _label(s, "/bar/l1", "estimated error", 0.0, ESTIMATE_LANE + above, "bottom-left")
         _label(s, "/bar/l2", "true error", 0.0, TRUTH_LANE - above, "top-left")
-        _label(s, "/bar/l3", "between the lanes: particles that cross a cell boundary", 1.0, TRUTH_LANE - above, "top-right", 0.85)
+        _label(s, "/bar/l3", "between the lanes: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
+               "top-right", 0.85)
         axis = [[0, CURVE_MIDDLE], [1, CURVE_MIDDLE], [0, CURVE_MIDDLE - 1.1 * CURVE_HEIGHT],
                 [0, CURVE_MIDDLE + 1.1 * CURVE_HEIGHT]]
         axis = _in_plane(*np.array(axis, float).T, -0.01).reshape(2, 2, 3)
@@ -155,8 +156,9 @@ class _Lane:
 
 
 def _points(s: viser.SceneApi, name: str, size: float, shape: str = "circle") -> viser.PointCloudHandle:
+    """Points of ``size`` across: the viewer counts from the middle."""
     return s.add_point_cloud(name, np.full((1, 3), AWAY, np.float32), np.zeros((1, 3), np.uint8),
-                             point_size=size, point_shape=shape, precision="float32", point_shading="flat")
+                             point_size=size / 2, point_shape=shape, precision="float32", point_shading="flat")
 
 
 def _label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: str,

@@ -11,11 +11,16 @@ import numpy as np
 
 
 def summary(series: np.ndarray) -> dict[str, float | None]:
-    """Final, largest and mean value over the sampled times after the start; None where there is none."""
+    """Final, largest and mean value over the sampled times after the start; None where there is none.
+
+    What a run that went bad left unrepresentable is passed over in the largest and the mean.
+    """
     values = series[1:]
-    if not len(values) or not np.all(np.isfinite(values)):
+    known = values[np.isfinite(values)]
+    if not len(known):
         return {"final": None, "max": None, "mean": None}
-    return {"final": float(values[-1]), "max": float(values.max()), "mean": float(values.mean())}
+    return {"final": float(values[-1]) if np.isfinite(values[-1]) else None,
+            "max": float(known.max()), "mean": float(known.mean())}
 
 
 def error_index(estimated: np.ndarray, true: np.ndarray) -> float | None:

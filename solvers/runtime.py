@@ -8,7 +8,7 @@ import os
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
-import taichi as ti  # noqa: E402  (the banner is switched off before the import that prints it)
+import taichi as ti
 
 _started: tuple[str, int] | None = None
 

@@ -100,8 +100,13 @@ class Scene:
 
     @property
     def angular_frequency(self) -> float:
-        """w = c pi/l of the exact solution (eq 32), l = 1."""
-        return self.wave_speed * math.pi
+        """w of the exact solution: c pi/l with the body force (eq 32), the natural 2 c pi/l without; l = 1."""
+        return self.wave_speed * math.pi * (2 if self.body_force == "none" else 1)
+
+    @property
+    def motion_amplitude(self) -> float:
+        """Largest displacement of the exact solution: A; A/2 for the free bar, which starts at the same speed."""
+        return self.amplitude / 2 if self.body_force == "none" else self.amplitude
 
     @property
     def period(self) -> float:
@@ -141,6 +146,7 @@ class Scene:
         if self.sample_every is not None:
             return self.sample_every
         wanted = int(min(self.period / self.time_step, MOST_STEPS)) // SAMPLES_A_PERIOD
+        wanted = max(wanted, math.ceil(self.steps / SAMPLES_A_RUN))
         return max(1, wanted // self.estimate_interval) * self.estimate_interval
 
     @property
@@ -239,6 +245,7 @@ class Scene:
 DEFAULT_CFL = 0.05
 DEFAULT_PERIODS = 5.0
 SAMPLES_A_PERIOD = 200
+SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LEAST_CFL = 1e-9
 MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
 

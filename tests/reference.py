@@ -16,7 +16,9 @@ NUMBERS = json.loads((Path(__file__).parents[1] / "assets/reference/bar.json").r
 
 
 def weight(method: str, r: np.ndarray, h: float, half: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-    """Weight and its gradient at r = x_p - x_i; ``half`` is half the particle's domain, for the GIMP methods."""
+    """Weight and its gradient at r = x_p - x_i; ``half`` is half the particle's domain, for the GIMP
+    methods.
+    """
     a, sign = np.abs(r), np.sign(r)
     if method == "mpm":
         return np.maximum(0, 1 - a / h), np.where(a < h, -sign / h, 0)
@@ -57,7 +59,9 @@ class Bar:
         return *weight(self.scene.method, r, self.h, self.half()[:, None]), r
 
     def divergence(self, S: np.ndarray, dS: np.ndarray, r: np.ndarray) -> np.ndarray:
-        """D with (sum D sigma) V_i the internal force: -dS F V0/V_i, or eq 17 normalised so that sum D x = 1."""
+        """D with (sum D sigma) V_i the internal force: -dS F V0/V_i, or eq 17 normalised so that sum D
+        x = 1.
+        """
         D, volume = -dS * self.F[:, None] * self.V0, S.T @ (self.F * self.V0)
         if not self.scene.linearity_preserving:
             return D / volume

@@ -33,7 +33,8 @@ def test_momentum_balance(t):
     acceleration = (u[0] - 2 * u[1] + u[2]) / D**2
     divergence = (exact.stress(SCENE, X + D, t) - exact.stress(SCENE, X - D, t)) / (2 * D)
     size = 4 * SCENE.angular_frequency**2 * SCENE.amplitude
-    assert close(SCENE.density * acceleration, divergence + SCENE.density * exact.body_force(SCENE, X, t), 3 * size)
+    force = divergence + SCENE.density * exact.body_force(SCENE, X, t)
+    assert close(SCENE.density * acceleration, force, 3 * size)
     assert close(acceleration, exact.acceleration(SCENE, X, t), size)
 
 

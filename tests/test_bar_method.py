@@ -38,7 +38,8 @@ def test_kernel_follows_the_formulas(method, velocity, body_force, linear):
     v, and 40 steps add up: 1e-16 x 100^2 x 40 = 4e-11 bounds the difference; it is 1000 times less than any
     slip in a formula would make, dt^2 a = 1e-5.
     """
-    scene = replace(BASE, method=method, velocity=velocity, body_force=body_force, linearity_preserving=linear)
+    scene = replace(BASE, method=method, velocity=velocity, body_force=body_force,
+                    linearity_preserving=linear)
     solver, bar = stirred(scene)
     solver.advance(STEPS)
     for n in range(STEPS):
@@ -76,7 +77,8 @@ def test_momentum_changes_by_the_body_force(body_force):
     solver._arrays.sine += 0.3
     push = 3 * bar.w**2 * scene.amplitude * np.sin(bar.w * start * scene.time_step)
     S, _, _ = bar.matrices()
-    expected = {"material": solver._arrays.sine.sum(), "node": S.sum(0) @ np.sin(2 * np.pi * bar.nodes)}[body_force]
+    expected = {"material": solver._arrays.sine.sum(),
+                "node": S.sum(0) @ np.sin(2 * np.pi * bar.nodes)}[body_force]
     solver.advance(1)
     gained = (solver._arrays.velocity - bar.v).sum()
     assert gained == pytest.approx(scene.time_step * push * expected, rel=1e-10)
@@ -92,7 +94,7 @@ def test_linearity_preservation_gives_up_exact_momentum():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_linearity_preservation(method):
-    """On a deformed state, sum D = 0 and sum D x = 1 at every node, with D from the kernel's own sums (eq 17).
+    """On a deformed state, sum D = 0 and sum D x = 1 at every node, D from the kernel's own sums (eq 17).
 
     The kernel's moments are read after one step and put into D = (D* - S sum D*/sum S) V_i/den; rounding of
     terms up to 1/h. Plain D misses both by far more.
@@ -114,7 +116,9 @@ def test_linearity_preservation(method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_linear_stress_makes_its_slope(method):
-    """With sigma = s x and LP, the nodal force is exactly s V_i away from the period's seam (eq 17's purpose)."""
+    """With sigma = s x and LP, the nodal force is exactly s V_i away from the period's seam (eq 17's
+    purpose).
+    """
     solver, bar = stirred(replace(BASE, method=method, linearity_preserving=True, body_force="none"))
     slope = 0.4
     solver._arrays.deformation_gradient[:] = bar.F = 0.9 + slope * bar.x / BASE.modulus
@@ -128,7 +132,9 @@ def test_linear_stress_makes_its_slope(method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_nodal_mass_is_the_particles_mass(method):
-    """Partition of unity through the periodic images: the nodes' sums of S add up to the number of particles."""
+    """Partition of unity through the periodic images: the nodes' sums of S add up to the number of
+    particles.
+    """
     solver, _ = stirred(replace(BASE, method=method))
     solver.advance(3)
     total = solver._arrays.node_sums[1:BASE.cells + 1, 0].sum()
@@ -137,7 +143,9 @@ def test_nodal_mass_is_the_particles_mass(method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_uniform_motion_is_kept(method):
-    """Galilean invariance: v = const, F = 1 moves every particle by v t, through cells and through the seam."""
+    """Galilean invariance: v = const, F = 1 moves every particle by v t, through cells and through the
+    seam.
+    """
     solver = BarSolver(replace(BASE, method=method, body_force="none"))
     a = solver._arrays
     a.velocity[:] = 0.3

@@ -31,7 +31,9 @@ def test_runs_are_bitwise_repeatable():
 
 
 def test_slices_do_not_matter():
-    """The page advances in slices of any length: state, estimate, crossings and samples stay the same bits."""
+    """The page advances in slices of any length: state, estimate, crossings and samples stay the same
+    bits.
+    """
     whole, sliced = BarSolver(SCENE), BarSolver(SCENE)
     rows = whole.advance(SCENE.steps)
     pieces, rng = [], np.random.default_rng(0)
@@ -42,7 +44,8 @@ def test_slices_do_not_matter():
     assert len(rows) == SCENE.steps // SCENE.sample_interval
 
 
-@pytest.mark.parametrize(("method", "linear"), [("mpm", False), ("ugimp", True), ("cpgimp", False), ("bspline", True)])
+@pytest.mark.parametrize(("method", "linear"),
+                         [("mpm", False), ("ugimp", True), ("cpgimp", False), ("bspline", True)])
 def test_effects_do_not_change_the_physics(method, linear):
     """Watching must not disturb: all effects on and none give the same bits."""
     scene = replace(SCENE, method=method, linearity_preserving=linear)
@@ -66,14 +69,17 @@ def test_an_effect_switched_off_reports_nulls_and_takes_no_memory(effect):
 
 
 def test_sampled_norms_are_those_of_the_final_state():
-    """The kernel's norms against numpy on the particles: RMS over particles of computed minus exact at fixed X."""
+    """The kernel's norms against numpy on the particles: RMS over particles of computed minus exact at
+    fixed X.
+    """
     scene = replace(SCENE, sample_every=7, periods=1.03)
     result = run(scene)
     final, A, w, t = result.final, scene.amplitude, scene.angular_frequency, result.time
     assert scene.steps % 7 and result.series["time"][-1] == pytest.approx(t, rel=1e-15)
     X, sine = final.material_position, np.sin(2 * np.pi * final.material_position)
     F = 1 + 2 * np.pi * A * np.cos(2 * np.pi * X) * np.sin(w * t)
-    expected = {"x": final.position - X - A * sine * np.sin(w * t), "v": final.velocity - A * w * sine * np.cos(w * t),
+    expected = {"x": final.position - X - A * sine * np.sin(w * t),
+                "v": final.velocity - A * w * sine * np.cos(w * t),
                 "sigma": scene.modulus * (final.deformation_gradient - F),
                 "sigma_log": scene.modulus * (np.log(final.deformation_gradient) - F + 1),
                 "a": final.error[:, 3]}

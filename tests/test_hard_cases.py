@@ -1,7 +1,7 @@
 """Where the bar breaks: chosen rows of an independent stability study (N = 40, 4 particles a cell).
 
-The study's table holds the largest stable cfl over 5 periods in steps of 0.1. Next to the edge rounding decides,
-so a run two steps inside must be sound and one three steps outside must fail.
+The study's table holds the largest stable cfl over 5 periods in steps of 0.1. Next to the edge rounding
+decides, so a run two steps inside must be sound and one three steps outside must fail.
 """
 
 from __future__ import annotations
@@ -26,16 +26,21 @@ def hard(method: str, linear: bool, amplitude: float, cfl: float, periods: float
 
 @pytest.mark.parametrize(("method", "linear", "amplitude", "edge"), EDGES)
 def test_stable_below_the_edge_and_unstable_above(method, linear, amplitude, edge, simulate):
-    """Inside, x stays within A/10, the study's measure of a broken run; outside, the run says ``unstable``."""
+    """Inside, x stays within A/10, the study's measure of a broken run; outside, the run says
+    ``unstable``.
+    """
     inside = simulate(hard(method, linear, amplitude, round(edge - 0.2, 1)))
     assert inside.status == "ok" and inside.errors()["x"]["max"] < 0.1 * amplitude
     outside = simulate(hard(method, linear, amplitude, round(edge + 0.3, 1)))
     assert outside.status == "unstable" and outside.reason
 
 
-@pytest.mark.parametrize(("method", "amplitude"), [("ugimp", 0.1), ("ugimp", 0.15), ("mpm", 0.1), ("bspline", 0.15)])
+@pytest.mark.parametrize(("method", "amplitude"),
+                         [("ugimp", 0.1), ("ugimp", 0.15), ("mpm", 0.1), ("bspline", 0.15)])
 def test_no_step_is_short_enough(method, amplitude, simulate):
-    """Rows marked "none": even cfl 0.1 ends broken within 5 periods, as the mechanism is not the time step."""
+    """Rows marked "none": even cfl 0.1 ends broken within 5 periods, as the mechanism is not the time
+    step.
+    """
     result = simulate(hard(method, False, amplitude, 0.1))
     assert result.status == "unstable" or result.errors()["x"]["max"] > 0.1 * amplitude
 

@@ -48,8 +48,11 @@ def test_600_rebuilds_leave_memory_flat_and_compile_nothing():
 
 
 def test_a_new_switch_compiles_once():
-    """The counter above does count: another choice of effects adds a kernel, the same choice again does not."""
-    scene, kernel = Scene(effects=("energy", "crossings"), body_force="none", velocity="particle"), advance._primal
+    """The counter above does count: another choice of effects adds a kernel, the same choice again does
+    not.
+    """
+    kernel = advance._primal
+    scene = Scene(effects=("energy", "crossings"), body_force="none", velocity="particle")
     counts = [len(kernel.compiled_kernels)]
     for variant in (scene, scene, replace(scene, cells=17)):
         BarSolver(variant).advance(1)

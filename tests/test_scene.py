@@ -1,4 +1,4 @@
-"""Scene: a scene that exists is valid, and one that cannot be says which input, what is wrong and what is allowed."""
+"""Scene: one that exists is valid; one that cannot be says which input is wrong and what is allowed."""
 
 from __future__ import annotations
 
@@ -80,19 +80,22 @@ def test_a_list_makes_the_same_hashable_scene_as_a_tuple():
     ({"cells": 4}, {"cells": 3}, "cells"),
     ({"cells": 100_000, "particles_per_cell": 1}, {"cells": 100_001, "particles_per_cell": 1}, "cells"),
     ({"particles_per_cell": 64}, {"particles_per_cell": 65}, "particles_per_cell"),
-    ({"cells": 15_625, "particles_per_cell": 64}, {"cells": 15_626, "particles_per_cell": 64}, "particles_per_cell"),
+    ({"cells": 15_625, "particles_per_cell": 64}, {"cells": 15_626, "particles_per_cell": 64},
+     "particles_per_cell"),
     ({"amplitude": 0.159}, {"amplitude": 0.16}, "amplitude"),
     ({"modulus": 1.1e-6}, {"modulus": 1e-6}, "modulus"), ({"modulus": 1e12}, {"modulus": 1.1e12}, "modulus"),
     ({"density": 1.1e-6}, {"density": 1e-6}, "density"), ({"density": 1e12}, {"density": 1.1e12}, "density"),
     ({"cfl": 10.0}, {"cfl": 10.1}, "cfl"), ({"dt": 0.124}, {"dt": 0.126}, "dt"),
     ({"cfl": 1e-9, "periods": 1e-4}, {"cfl": 9e-10, "periods": 1e-4}, "cfl"),
     ({"dt": 1.3e-11, "t_end": 1e-6}, {"dt": 1.2e-11, "t_end": 1e-6}, "dt"),
-    ({"dt": 1e-3, "t_end": 1.9e6, "sample_every": 10**6}, {"dt": 1e-3, "t_end": 2.1e6, "sample_every": 10**6}, "t_end"),
-    ({"cfl": 0.1, "periods": 2.4e6, "sample_every": 10**6}, {"cfl": 0.1, "periods": 2.6e6, "sample_every": 10**6},
-     "periods"),
+    ({"dt": 1e-3, "t_end": 1.9e6, "sample_every": 10**6},
+     {"dt": 1e-3, "t_end": 2.1e6, "sample_every": 10**6}, "t_end"),
+    ({"cfl": 0.1, "periods": 2.4e6, "sample_every": 10**6},
+     {"cfl": 0.1, "periods": 2.6e6, "sample_every": 10**6}, "periods"),
     ({"threads": 1024}, {"threads": 1025}, "threads"),
     ({"sample_every": 1}, {"sample_every": MOST_STEPS + 1}, "sample_every"),
-    ({"dt": 1e-3, "t_end": 1000.0, "sample_every": 1}, {"dt": 1e-3, "t_end": 1001.0, "sample_every": 1}, "sample_every"),
+    ({"dt": 1e-3, "t_end": 1000.0, "sample_every": 1},
+     {"dt": 1e-3, "t_end": 1001.0, "sample_every": 1}, "sample_every"),
     ({"method": "cpgimp", "velocity": "corners"}, {"method": "ugimp", "velocity": "corners"}, "velocity"),
 ], ids=str)
 def test_limits(inside, outside, field):
@@ -103,7 +106,7 @@ def test_limits(inside, outside, field):
 
 
 def test_amplitude_limit_is_where_the_exact_bar_inverts():
-    """min F = 1 - 2 pi A (NUMERICS: A < 1/(2 pi)); the sentence says so with the number."""
+    """min F = 1 - 2 pi A (A < 1/(2 pi)); the sentence says so with the number."""
     Scene(amplitude=math.nextafter(BAR_AMPLITUDE_LIMIT, 0))
     error = refusal(amplitude=1 / (2 * math.pi))
     assert "inverts" in str(error) and "0.159" in str(error)
@@ -138,7 +141,8 @@ def test_derived_quantities():
     assert Scene(cfl=1.0, t_end=1e-9).steps == 1
 
 
-@pytest.mark.parametrize(("cfl", "interval"), [(1e-3, 10), (0.05, 10), (0.1, 5), (0.2, 2), (0.3, 1), (1.5, 1)])
+@pytest.mark.parametrize(("cfl", "interval"),
+                         [(1e-3, 10), (0.05, 10), (0.1, 5), (0.2, 2), (0.3, 1), (1.5, 1)])
 def test_estimate_interval(cfl, interval):
     """k = clamp(h/(2 c dt), 1, 10): an estimator steps twice while a wave crosses a cell."""
     scene = Scene(cfl=cfl)
@@ -168,9 +172,11 @@ def test_to_dict_has_every_input_filled_in():
     assert None not in values.values()
     assert (values["dt"], values["t_end"]) == (scene.time_step, scene.end_time)
     assert values["periods"] == pytest.approx(5) and values["sample_every"] == scene.sample_interval
-    again = {k: values[k] for k in ("cells", "amplitude", "modulus", "density", "dt", "t_end", "sample_every")}
+    numbers = ("cells", "amplitude", "modulus", "density", "dt", "t_end", "sample_every")
+    again = {k: values[k] for k in numbers}
     twin = Scene(**again)  # what is printed reproduces the run
-    assert (twin.steps, twin.time_step, twin.sample_interval) == (scene.steps, scene.time_step, scene.sample_interval)
+    for name in ("steps", "time_step", "sample_interval"):
+        assert getattr(twin, name) == getattr(scene, name)
 
 
 anything = st.one_of(st.none(), st.floats(), st.floats(1e-12, 1e12), st.integers(-3, 10**6))

@@ -55,7 +55,9 @@ def test_weights_are_not_negative(case):
 
 
 def test_linear_functions_are_reproduced(case):
-    """sum S x_i = x and sum dS x_i = 1: a uniform motion or strain is seen exactly (rounding of x up to 10)."""
+    """sum S x_i = x and sum dS x_i = 1: a uniform motion or strain is seen exactly (rounding of x up to
+    10).
+    """
     _, x, half, first, S, dS = case
     nodes = first[:, None] + np.arange(3)
     assert np.abs((S * nodes).sum(1) - x).max() <= 10 * 16 * EPS
@@ -76,7 +78,8 @@ def test_weights_follow_their_definitions(case):
         full[np.arange(COUNT), at] += S[:, k]
         slopes[np.arange(COUNT), at] += dS[:, k]
     true, true_slopes = weight(method, x[:, None] - nodes, 1.0, half[:, None])
-    smooth = ~np.isclose(x % 1, 0) if method == "mpm" else np.full(COUNT, True)  # the hat's slope jumps at nodes
+    # the hat's slope jumps at nodes
+    smooth = ~np.isclose(x % 1, 0) if method == "mpm" else np.full(COUNT, True)
     bound = 10 * 16 * EPS / half[:, None]
     assert np.all(np.abs(full - true) <= bound)
     assert np.all((np.abs(slopes - true_slopes) <= bound / half[:, None])[smooth])
@@ -88,7 +91,8 @@ def test_gradient_is_the_derivative_of_the_weight(method):
     rng, d = np.random.default_rng(2), 1e-6
     half = rng.uniform(0.1, 0.5, COUNT)
     x = rng.integers(1, 9, COUNT) + rng.uniform(0.01, 0.99, COUNT)  # the hat has no derivative at a node
-    (before, left, _), (first, _, dS), (after, right, _) = (stencils(method, x + s * d, half) for s in (-1, 0, 1))
+    three = (stencils(method, x + shift, half) for shift in (-d, 0, d))
+    (before, left, _), (first, _, dS), (after, right, _) = three
     same = (before == first) & (after == first)
     assert same.mean() > 0.99
     slope = (right - left) / (2 * d)

@@ -19,7 +19,9 @@ TABLE_SCENE = Scene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_e
 
 
 def test_error_index_is_a_ratio_of_sums():
-    """Eq 35: sum over time of the estimated norms over that of the true ones; none where there is no truth."""
+    """Eq 35: sum over time of the estimated norms over that of the true ones; none where there is no
+    truth.
+    """
     assert norms.error_index(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0])) == 0.5
     assert norms.error_index(np.array([1.0, 3.0]), np.array([2.0, 2.0])) == 1.0  # not the mean of the ratios
     assert norms.error_index(np.ones(3), np.zeros(3)) is None
@@ -73,7 +75,8 @@ def test_samples_hold_the_particles_estimates(simulate):
 @pytest.mark.parametrize("method", ["mpm", "ugimp", "cpgimp", "bspline"])
 def test_a_rigid_motion_has_no_error(method, linear):
     """v = const is exact for every method, so the estimate stays at rounding, through cells and the seam."""
-    solver = BarSolver(Scene(method=method, linearity_preserving=linear, body_force="none", cells=12, cfl=0.2))
+    solver = BarSolver(Scene(method=method, linearity_preserving=linear, body_force="none", cells=12,
+                             cfl=0.2))
     solver._arrays.velocity[:] = 0.3
     solver.advance(100)
     assert solver.time * 0.3 > solver.scene.spacing
@@ -96,7 +99,8 @@ def test_estimate_converges_with_the_mesh(simulate):
         assert coarse[name]["max"] / fine[name]["max"] > 1.9
 
 
-@pytest.mark.parametrize("off", [{"estimators": ()}, {"effects": ("truth",)}], ids=["no estimator", "no effect"])
+@pytest.mark.parametrize("off", [{"estimators": ()}, {"effects": ("truth",)}],
+                         ids=["no estimator", "no effect"])
 def test_switched_off_it_reports_nulls_and_allocates_nothing(off, simulate):
     """Nulls in the report, arrays of length one in memory."""
     scene = replace(TABLE_SCENE, cells=20, t_end=0.05, linearity_preserving=False, **off)

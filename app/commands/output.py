@@ -47,7 +47,7 @@ class Target:
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
         self.flag, self.text = flag, text
         self.is_stdout = may_be_stdout and text == "-"
-        self.path = None if self.is_stdout else os.path.realpath(text)
+        self.path = None if self.is_stdout else _real_path(text)
         if not text.strip():
             raise BadInput(flag, text, f"give a file{' or - for standard output' if may_be_stdout else ''}")
         if not text.lower().endswith(ending):
@@ -65,15 +65,17 @@ class Target:
             sys.stdout.flush()
             sys.stdout.buffer.write(content)
             sys.stdout.buffer.flush()
-        elif self._is_device():
+        elif _is_device(self.path):
             with open(self.path, "wb") as file:
                 file.write(content)
         else:
             self._replace(content)
 
     def _try(self) -> None:
-        if self._is_device():
+        if _is_device(self.path):
             return
+        with contextlib.suppress(FileNotFoundError):
+            os.stat(self.path)  # a name that no file can have fails here and not after the run
         if os.path.isdir(self.path) or self.text.endswith(os.sep):
             raise IsADirectoryError("is a directory")
         with open(self._beside(), "wb"):
@@ -92,13 +94,19 @@ class Target:
     def _beside(self) -> str:
         return os.path.join(os.path.dirname(self.path), f".mpm-lab-{self.flag}-{os.getpid()}.part")
 
-    def _is_device(self) -> bool:
-        """A pipe, a terminal or the like, which must be written to and not replaced."""
-        try:
-            mode = os.stat(self.path).st_mode
-        except FileNotFoundError:
-            return False
-        return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
+
+def _real_path(text: str) -> str:
+    """Where a file really lies, so that a link stays one; a device has no better name than its own."""
+    return text if _is_device(text) else os.path.realpath(text)
+
+
+def _is_device(path: str) -> bool:
+    """A pipe, a terminal or the like, which must be written to and not replaced."""
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return False
+    return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
 
 
 def _why(error: OSError) -> str:

@@ -8,6 +8,7 @@ from typing import get_args
 import numpy as np
 import viser
 
+from app.panels.furniture import LOGARITHMIC
 from app.scale import ColourScale
 from app.session import Session
 from solvers.scene import EFFECTS, ESTIMATORS, BodyForce, Method, PositionUpdate
@@ -94,7 +95,8 @@ class Controls:
                                      initial_value=self._session.scene.estimators[0])
         estimator.on_update(lambda e: self._session.set(
             estimators=() if e.target.value == "none" else (e.target.value,)))
-        kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), initial_value="linear", hint="of both lanes alike")
+        kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), initial_value="linear",
+                                hint="of both lanes alike")
         hold = gui.add_checkbox("Hold colours", False, hint="keep the colour scale while settings change")
 
         def changed(_: viser.GuiEvent) -> None:
@@ -133,17 +135,18 @@ class Controls:
 
     def _logarithmic(self, name: str, unit: str, low: float, high: float, value: float,
                      act: Callable[[float], None], hint: str) -> None:
-        """A slider whose steps are factors. Its value stands in its label; its box would show a logarithm."""
+        """A slider whose steps are factors. Its value stands in its label, for its box would show a logarithm."""
         def label(v: float) -> str:
             return f"{name} = {v:.3g} {unit}".rstrip()
 
+        self._gui.add_html(LOGARITHMIC)
         decades = range(int(np.ceil(np.log10(low))), int(np.floor(np.log10(high))) + 1)
-        slider = self._gui.add_multi_slider(label(value), float(np.log10(low)), float(np.log10(high)), 0.005,
-                                            (float(np.log10(value)),),
-                                            marks=tuple((float(d), f"{10.0 ** d:g}") for d in decades), hint=hint)
+        slider = self._gui.add_slider(label(value), float(np.log10(low)), float(np.log10(high)), 0.005,
+                                      float(np.log10(value)), hint=hint,
+                                      marks=tuple((float(d), f"{10.0 ** d:g}") for d in decades))
 
         def changed(_: viser.GuiEvent) -> None:
-            v = float(f"{10 ** slider.value[0]:.3g}")
+            v = float(f"{10 ** slider.value:.3g}")
             slider.label = label(v)
             act(v)
 

@@ -11,6 +11,9 @@ from app.colours import TRUTH
 PAGE_TITLE = "mpm-lab"
 CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316
 
+#: Put before a slider whose number box would show a logarithm: the style hides the box.
+LOGARITHMIC = "<i class='lab-logarithmic'></i>"
+
 _ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
          "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "
          "stroke='white' stroke-width='1.6'/%3E%3Ccircle cx='5' cy='4.6' r='1.7' fill='%23D55E00'/%3E%3C/svg%3E")
@@ -26,7 +29,11 @@ subtree:true}})" data-icon="{_ICON}">
 <style>
 button:has(svg.tabler-icon-adjustments), button:has(svg.tabler-icon-list-search),
 svg.tabler-icon-cloud-check {{ display: none !important; }}
-.lab-notice {{ margin: 6px 10px 2px; padding: 7px 10px; border-radius: 6px; font: 12.5px/1.4 system-ui, sans-serif;
+div:has(> .lab-logarithmic) + div .mantine-NumberInput-root {{ display: none; }}
+div:has(> .lab-logarithmic) + div .mantine-Slider-label {{ display: none; }}
+div:has(> .lab-logarithmic) + div .mantine-Slider-root {{ margin: 0 14px 0 10px; }}
+div:has(> .lab-logarithmic) + div {{ min-height: 28px; }}
+.lab-notice {{ margin: 6px 10px 8px; padding: 7px 10px; border-radius: 6px; font: 12.5px/1.4 system-ui, sans-serif;
   border-left: 4px solid; color: #222831; }}
 .lab-refused {{ background: #fff6e0; border-color: #e69f00; }}
 .lab-unstable, .lab-trouble {{ background: #fdecea; border-color: #c0392b; }}
@@ -36,6 +43,8 @@ svg.tabler-icon-cloud-check {{ display: none !important; }}
 .lab-readout table {{ width: 100%; border-collapse: collapse; }}
 .lab-readout td:first-child {{ color: #6b7480; padding-right: 8px; white-space: nowrap; }}
 .lab-capped {{ background: #e69f00; color: #222; border-radius: 3px; padding: 0 4px; font-weight: 600; }}
+.lab-heading {{ margin: 8px 12px -2px; text-align: center;
+  font: 600 12px/1.3 system-ui, sans-serif; color: #222831; }}
 .lab-about {{ padding: 4px 12px; font: 13px/1.5 system-ui, sans-serif; color: #222831; }}
 .lab-about h3 {{ font-size: 14px; margin: 10px 0 4px; }} .lab-about p {{ margin: 4px 0 8px; }}
 .lab-key {{ font-weight: 600; }}

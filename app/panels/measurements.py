@@ -13,8 +13,10 @@ from app.panels.furniture import MEASUREMENTS_WIDTH
 from app.session import Session
 
 SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
+READOUT_HEIGHT = 342  # pixels of the window that are not plot: heading, numbers, titles and axes
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index beyond is drawn at its edge
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
+_FROM_ZERO = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0}, "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
 _GRID = {"stroke": "#e6e9ee", "width": 1}
 
 
@@ -22,20 +24,22 @@ class Measurements:
     """Readout and plots of one visitor's session. Call :meth:`refresh` a few times a second."""
 
     def __init__(self, client: viser.ClientHandle):
-        gui = client.gui
+        self._client, gui = client, client.gui
         panel = gui.add_panel()
         with panel.add_tab("Measurements", viser.Icon.CHART_LINE):
             self._readout = gui.add_html("<div class='lab-readout'>waiting for the first frame</div>")
             pair = ({"label": "estimated", "stroke": ESTIMATE, "width": 2},
                     {"label": "true", "stroke": TRUTH, "width": 2})
-            self._errors = _plot(gui, "error norm", pair, legend=True)
-            self._index = _plot(gui, "error index: estimated / true",
+            self._errors_heading = gui.add_html(_heading("error norm"))
+            self._errors = _plot(gui, pair, legend=True)
+            gui.add_html(_heading("error index: estimated / true"))
+            self._index = _plot(gui,
                                 ({"label": "index", "stroke": ESTIMATE, "width": 2},
                                  {"label": "perfect", "stroke": "#6b7480", "width": 1, "dash": [5, 4]}),
                                 y_scale={"distr": 3, "range": list(INDEX_RANGE)},
                                 y_axis={"splits": [0.1, 1, 10], "values": ["0.1", "1", "10"]})
-            self._crossings = _plot(gui, "grid crossings per second",
-                                    ({"label": "crossings", "stroke": "#cc0078", "width": 1.5},))
+            gui.add_html(_heading("grid crossings per second"))
+            self._crossings = _plot(gui, ({"label": "crossings", "stroke": "#cc0078", "width": 1.5},))
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
 
@@ -43,6 +47,7 @@ class Measurements:
         """Show what has come in since the last time."""
         if session.report is None:
             return
+        self._fit_height()
         self._readout.content = _readout(session)
         history = session.history
         series = history.series
@@ -51,19 +56,33 @@ class Measurements:
             return
         nothing = np.full(len(time), np.nan)
         estimated, true = series.get(f"{estimator}/estimate_{quantity}", nothing), series[f"error_{quantity}"]
+        estimated = _bounded(estimated, true)
         power = _power(estimated, true)
-        title = f"error norm of {SYMBOLS[quantity]} / {_power_text(power)}{unit}"
-        if title != self._errors.title:
-            self._errors.title = title
+        heading = _heading(f"error norm of {SYMBOLS[quantity]} / {_power_text(power)}{unit}")
+        if heading != self._errors_heading.content:
+            self._errors_heading.content = heading
         self._errors.data = _finite(time, estimated / 10.0**power, true / 10.0**power)
         index = np.clip(series.get(f"{estimator}/index_{quantity}", nothing), *INDEX_RANGE)
         self._index.data = _finite(time, index, np.ones(len(time)))
         self._refresh_crossings(history)
 
+    def _fit_height(self) -> None:
+        """Let the three plots share what the window leaves below the readout."""
+        height = max(96, min(240, (self._client.camera.image_height - READOUT_HEIGHT) // 3))
+        for plot in (self._errors, self._index, self._crossings):
+            if plot.height != height:
+                plot.height = height
+
     def _refresh_crossings(self, history: History) -> None:
         time, rate = history.crossings_per_second()
         if len(time) > 1:
             self._crossings.data = _finite(time, rate)
+
+
+def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
+    """An estimate that has lost its way leaves the plot instead of flattening the truth."""
+    largest = np.max(true[np.isfinite(true)], initial=0.0)
+    return np.where(estimated <= 10 * largest, estimated, np.nan) if largest > 0 else estimated
 
 
 def _power(*series: np.ndarray) -> int:
@@ -82,14 +101,19 @@ def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     return (time, *(np.where(np.isfinite(v), v, np.nan) for v in values))
 
 
-def _plot(gui: viser.GuiApi, title: str, series: tuple[dict, ...], legend: bool = False,
+def _heading(text: str) -> str:
+    """A plot's title. Not the plot's own: the viewer builds a plot anew, and forgets its range, when it changes."""
+    return f"<div class='lab-heading'>{text}</div>"
+
+
+def _plot(gui: viser.GuiApi, series: tuple[dict, ...], legend: bool = False,
           y_scale: dict | None = None, y_axis: dict | None = None) -> viser.GuiUplotHandle:
     start = np.array([0.0, 1e-3])
     axes = ({"label": "t / s", "labelSize": 15, "size": 24, "font": _FONT, "labelFont": _LABEL_FONT, "grid": _GRID,
              "ticks": {"stroke": "#c6ccd4", "width": 1, "size": 4}},
             {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}, **(y_axis or {})})
-    return gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), title=title,
-                         axes=axes, scales={"x": {"time": False}, "y": y_scale or {}}, height=126,
+    return gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), axes=axes,
+                         scales={"x": {"time": False}, "y": y_scale or _FROM_ZERO}, height=126,
                          legend={"show": legend, "live": False})
 
 
@@ -98,7 +122,8 @@ def _readout(session: Session) -> str:
     scene = report.scene
     real = "–" if report.real_speed is None or not report.playing else f"{report.real_speed:.3g}"
     capped = " <span class='lab-capped'>CAPPED</span>" if session.capped else ""
-    rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods"),
+    state = "" if report.playing else " <b>stopped</b>" if report.reason else " <b>paused</b>"
+    rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
             ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
             ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]

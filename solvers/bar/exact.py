@@ -1,7 +1,9 @@
 """The bar's exact solution (eqs 29-34), as functions of the material coordinate X and the time t.
 
 u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(F - 1) and
-b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it).
+b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
+same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``Scene.motion_amplitude`` and
+``Scene.angular_frequency`` are those of whichever solution holds.
 """
 
 from __future__ import annotations
@@ -15,13 +17,13 @@ WAVENUMBER = 2 * np.pi
 
 def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """u(X, t) in metres."""
-    return scene.amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+    return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
 def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """v = u_t in m/s."""
     w = scene.angular_frequency
-    return scene.amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
+    return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
 
 
 def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
@@ -31,7 +33,7 @@ def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
 
 def deformation_gradient(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """F = 1 + u_X."""
-    return 1 + WAVENUMBER * scene.amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+    return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
 def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
@@ -40,5 +42,7 @@ def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def body_force(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    """b = 3 w^2 u per unit mass, in m/s^2 (eq 34, corrected)."""
+    """b = 3 w^2 u per unit mass, in m/s^2 (eq 34, corrected); zero for the free bar."""
+    if scene.body_force == "none":
+        return np.zeros_like(X)
     return 3 * scene.angular_frequency**2 * displacement(scene, X, t)

@@ -6,8 +6,8 @@ import numpy as np
 
 from solvers import runtime
 from solvers.bar import exact
-from solvers.bar.state import allocate, pack, switches
-from solvers.bar.step import INVERTED, SOUND, advance, measure
+from solvers.bar.state import allocate, farthest, pack, switches
+from solvers.bar.step import CRUSHED, ESCAPED, INVERTED, SOUND, advance, measure
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene
@@ -18,8 +18,8 @@ class BarSolver:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.arch = runtime.start(scene.arch, scene.threads)
-        self.threads = 1  # the whole step loop runs in one serial kernel
+        self.threads = 1  # the whole step loop runs in one serial kernel, whatever the scene allows
+        self.arch = runtime.start(scene.arch, self.threads)
         self.step = 0
         self._switches = switches(scene)
         self._arrays = allocate(scene)
@@ -72,8 +72,9 @@ class BarSolver:
         """Why the run stopped, and what to change, in one sentence."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
         X = self._arrays.material_position[p]
-        what = "turned inside out (its deformation gradient fell to zero or is not a number)" \
-            if kind == INVERTED else "left the bar"
+        what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
+                CRUSHED: "was crushed to less than a thousandth of its length",
+                ESCAPED: f"moved {farthest(self.scene):.3g} m or more from where it began"}[kind]
         return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
                 f"(X = {X:.4f}) {what}; {self._advice()}")
 

@@ -125,13 +125,18 @@ def _zeros(length: int, width: int | None, when: bool, kind: type = np.float64) 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
 BarState = ti.types.argpack(
     particles=ti.i32, cells=ti.i32, estimators=ti.i32, sample_interval=ti.i32, estimate_interval=ti.i32,
-    spacing=real, cells_per_length=real, dt=real, estimate_dt=real, modulus=real, density=real, volume=real, half_width=real,
-    amplitude=real, angular_frequency=real, force_scale=real,
+    spacing=real, cells_per_length=real, dt=real, estimate_dt=real, modulus=real, density=real, volume=real,
+    half_width=real, farthest=real, amplitude=real, angular_frequency=real, force_scale=real,
     material_position=reals, position=reals, velocity=reals, deformation_gradient=reals, sine=reals,
     cosine=reals, first_node=integers, weights=quads, acceleration=reals, last_crossing=integers,
     node_sine=reals, node_sums=quads, node_moments=quads, node_volume=reals, node_motion=pairs,
-    node_slope=reals, estimate=quads, transport_nodes=quads, transport_spread=reals, transport_errors=quads, totals=reals,
-    samples=table, verdict=integers)
+    node_slope=reals, estimate=quads, transport_nodes=quads, transport_spread=reals, transport_errors=quads,
+    totals=reals, samples=table, verdict=integers)
+
+
+def farthest(scene: Scene) -> float:
+    """Displacement from which on a run counts as gone bad: half the bar, or twenty times what is exact."""
+    return min(0.5, 20 * scene.motion_amplitude)
 
 
 def pack(scene: Scene, arrays: Arrays):
@@ -141,7 +146,8 @@ def pack(scene: Scene, arrays: Arrays):
         particles=scene.particles, cells=scene.cells, estimators=len(scene.active_estimators),
         sample_interval=scene.sample_interval, estimate_interval=scene.estimate_interval,
         spacing=scene.spacing, cells_per_length=float(scene.cells), dt=scene.time_step,
-        estimate_dt=scene.estimate_interval * scene.time_step, modulus=scene.modulus, density=scene.density, volume=scene.spacing / scene.particles_per_cell,
-        half_width=0.5 / scene.particles_per_cell, amplitude=scene.amplitude, angular_frequency=w,
+        estimate_dt=scene.estimate_interval * scene.time_step, modulus=scene.modulus, density=scene.density,
+        volume=scene.spacing / scene.particles_per_cell, half_width=0.5 / scene.particles_per_cell,
+        farthest=farthest(scene), amplitude=scene.motion_amplitude, angular_frequency=w,
         force_scale=3 * w * w * scene.amplitude,
         **{f.name: getattr(arrays, f.name) for f in fields(arrays)})

@@ -13,7 +13,8 @@ from solvers.bar.state import MOST_HALF_WIDTH, BarState
 from solvers.estimators import transport
 from solvers.shapes import weights_1d
 
-SOUND, INVERTED, ESCAPED = 0, 1, 2
+SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3
+FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
 CHECK_EVERY = 32  # steps between two looks for a run that has gone bad
 
 
@@ -124,11 +125,16 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def check(bar: ti.template(), step):
-    """Stop a run that has gone bad: F <= 0 or NaN, or a particle half the bar from where it began."""
+    """Stop a run that has gone bad: F <= 0, tiny or NaN, or a particle far from where it can be.
+
+    Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
+    """
     for p in range(bar.particles):
         kind = SOUND
-        if not abs(bar.position[p] - bar.material_position[p]) < 0.5:
+        if not abs(bar.position[p] - bar.material_position[p]) < bar.farthest:
             kind = ESCAPED
+        if bar.deformation_gradient[p] < FLATTEST:
+            kind = CRUSHED
         if not bar.deformation_gradient[p] > 0:
             kind = INVERTED
         if kind != SOUND and bar.verdict[0] == SOUND:

@@ -71,8 +71,7 @@ class EngineProcess:
     def close(self) -> None:
         with self._news:
             self._closing = True
-            self._news.notify()
-        self._pipe.close()
+            self._news.notify()  # the writer sends None, at which the process ends
         self._process.join(2)
         if self._process.is_alive():
             self._process.kill()
@@ -97,9 +96,7 @@ class EngineProcess:
         while True:
             with self._news:
                 self._news.wait_for(lambda: self._closing or self._outbox or self._wishes)
-                if self._closing:
-                    return
-                messages = [*self._outbox, *self._wishes.values()]
+                messages = [None] if self._closing else [*self._outbox, *self._wishes.values()]
                 self._outbox.clear()
                 self._wishes.clear()
                 pipe = self._pipe
@@ -108,6 +105,8 @@ class EngineProcess:
                     pipe.send(message)
             except OSError:
                 pass  # the process died; the reader notices, restarts it and sends the wishes again
+            if self._closing:
+                return
 
     # ---- inside -------------------------------------------------------------------------------------------
 

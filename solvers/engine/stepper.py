@@ -55,7 +55,7 @@ class Stepper:
     @property
     def behind(self) -> bool:
         """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
-        if not self._running or self._unseen and self._frame_due(FRAME_SECONDS):
+        if not self._running or (self._unseen and self._frame_due(FRAME_SECONDS)):
             return False
         return self._steps_wanted() >= (1 if self._frame_due(FRAME_SECONDS) else self._slice)
 
@@ -64,8 +64,8 @@ class Stepper:
         """Whether a frame can go: the last was seen, and this one is due and as far as it can be in time."""
         if self._unseen:
             return False
-        return self._frame_wanted or self._running and (
-            self._frame_due(LATEST_FRAME) or self._frame_due(FRAME_SECONDS) and self._steps_wanted() < 1)
+        return self._frame_wanted or (self._running and (
+            self._frame_due(LATEST_FRAME) or (self._frame_due(FRAME_SECONDS) and self._steps_wanted() < 1)))
 
     @property
     def next_due(self) -> float:

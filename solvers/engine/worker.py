@@ -71,6 +71,8 @@ class Worker:
                 case Seen():
                     if message.session in self._steppers:
                         self._steppers[message.session].seen()
+                case None:
+                    raise EOFError  # the pool closes
                 case Goodbye():
                     wishes.pop(message.session, None)
                     self._drop(message.session)

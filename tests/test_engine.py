@@ -1,0 +1,211 @@
+"""The engine: frames come, the latest wish wins, a killed engine is replaced and a bad run is reported."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import replace
+from multiprocessing.shared_memory import SharedMemory
+from time import monotonic, perf_counter
+
+import numpy as np
+import pytest
+
+from solvers.engine.pool import EnginePool
+from solvers.run import build
+from solvers.scene import Scene
+
+SCENE = Scene(cells=20, periods=1)
+PATIENCE = 30.0  # seconds; a loaded machine may need to compile
+
+
+class Listener:
+    """Collects what a session hears."""
+
+    def __init__(self):
+        self.frames, self.troubles, self.losses = [], [], 0
+        self._news = threading.Condition()
+
+    def on_frame(self, report, arrays):
+        with self._news:
+            self.frames.append((report, arrays))
+            self._news.notify_all()
+
+    def on_trouble(self, sentence):
+        with self._news:
+            self.troubles.append(sentence)
+            self._news.notify_all()
+
+    def on_engine_lost(self):
+        with self._news:
+            self.losses += 1
+            self._news.notify_all()
+
+    def wait(self, condition):
+        with self._news:
+            assert self._news.wait_for(condition, PATIENCE), "nothing came in time"
+
+    def frame(self, number, test=lambda report: True):
+        """The first frame that answers wish ``number`` or a later one and passes ``test``."""
+        def found():
+            return [f for f in self.frames if f[0].number >= number and test(f[0])]
+
+        self.wait(found)
+        return found()[0]
+
+
+@pytest.fixture(scope="module")
+def pool():
+    pool = EnginePool(SCENE)
+    assert pool.wait_ready(PATIENCE)
+    yield pool
+    pool.close()
+
+
+@pytest.fixture
+def session(pool):
+    listener = Listener()
+    link = pool.open(listener)
+    yield link, listener
+    link.close()
+
+
+def test_page_process_stays_free_of_taichi():
+    """A kernel launch would hold the lock that the web server needs: the page never even imports Taichi."""
+    code = "import sys, app.page, app.serve, solvers.engine.pool; sys.exit('taichi' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_frames_carry_the_solvers_numbers(session):
+    """A paused session after n single steps shows what the solver has after n steps, to single precision."""
+    link, listener = session
+    first = link.ask(SCENE, False, 1.0, 0, 0)
+    listener.frame(first)
+    report, arrays = listener.frame(link.ask(SCENE, False, 1.0, 0, 7), lambda r: r.step == 7)
+    solver = build(SCENE)
+    solver.advance(7)
+    shot = solver.snapshot()
+    assert report.scene == SCENE and report.time == solver.time
+    np.testing.assert_array_equal(arrays.position, shot.position.astype(np.float32))
+    np.testing.assert_array_equal(arrays.error, shot.error.astype(np.float32))
+    np.testing.assert_array_equal(arrays.estimate["transport"], shot.estimate["transport"].astype(np.float32))
+
+
+def test_playing_keeps_the_asked_speed(session):
+    """Simulated time follows the clock at the speed asked for; 10 % is the clock's grain over half a second."""
+    link, listener = session
+    speed = 0.8 * SCENE.period
+    number = link.ask(SCENE, True, speed, 0, 0)
+    begun, _ = listener.frame(number), perf_counter()
+    start = perf_counter()
+    before = begun[0].time
+    report, _ = listener.frame(number, lambda r: r.time > before + 0.5 * speed)
+    assert (report.time - before) / (perf_counter() - start) == pytest.approx(speed, rel=0.1)
+    assert sum(len(r.rows) for r, _ in listener.frames) > 10
+
+
+def test_latest_wish_wins_and_nothing_queues(session):
+    """400 wishes in a burst: asking never waits, and the last is answered at once, not after 400 rebuilds."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    begun = perf_counter()
+    for k in range(400):
+        number = link.ask(replace(SCENE, amplitude=0.01 + 1e-4 * k), True, 1.0, 0, 0)
+    asked = perf_counter() - begun
+    report, _ = listener.frame(number)
+    assert report.scene.amplitude == pytest.approx(0.01 + 1e-4 * 399)
+    assert asked < 0.5
+    assert perf_counter() - begun < 1.0
+    builds = sum(r.fresh for r, _ in listener.frames)
+    assert builds < 200
+
+
+def test_slider_to_first_new_frame(session):
+    """The promise is 150 ms from a changed number to its first frame; the median of ten leaves out a busy machine."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    waits = []
+    for cells in range(30, 130, 10):
+        begun = perf_counter()
+        report, arrays = listener.frame(link.ask(replace(SCENE, cells=cells), True, 1.0, 0, 0))
+        waits.append(perf_counter() - begun)
+        assert len(arrays.position) == 4 * cells == report.scene.particles
+    assert sorted(waits)[5] < 0.15
+
+
+def test_killed_engine_comes_back(pool, session):
+    """The process is replaced, the session is told, and its scene begins again without being asked."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    old = pool.process_ids[0]
+    os.kill(old, signal.SIGKILL)
+    listener.wait(lambda: listener.losses == 1)
+    report, _ = listener.frame(link.wish.number, lambda r: r.fresh)
+    assert report.scene == SCENE and report.time < SCENE.period
+    assert pool.process_ids[0] != old
+    assert pool.wait_ready(PATIENCE)
+
+
+def test_a_scene_that_keeps_killing_is_given_up(pool, session):
+    """After four deaths without a frame between them the visitor is told, and a new wish is served again."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
+    link._deaths = 3  # three engines lost already
+    os.kill(pool.process_ids[0], signal.SIGKILL)
+    listener.wait(lambda: listener.troubles)
+    assert "change a setting" in listener.troubles[0]
+    report, _ = listener.frame(link.ask(replace(SCENE, cells=24), False, 1.0, 0, 0))
+    assert report.scene.cells == 24
+    assert pool.wait_ready(PATIENCE)
+
+
+def test_unstable_run_ends_with_a_reason(session):
+    """A step beyond the stability limit ends the run in words, and the session lives on."""
+    link, listener = session
+    number = link.ask(replace(SCENE, cfl=1.5), True, 5.0, 0, 0)
+    report, _ = listener.frame(number, lambda r: r.reason)
+    assert "unstable" in report.reason and "cfl" in report.reason
+    assert not report.playing
+    assert listener.frame(link.ask(SCENE, True, 1.0, 0, 0))[0].reason is None
+
+
+def test_growing_scene_gets_a_larger_block(session):
+    """Frames stay right while the shared memory block is replaced by a larger one."""
+    link, listener = session
+    for cells in (8, 500, 12, 2000):
+        scene = replace(SCENE, cells=cells)
+        report, arrays = listener.frame(link.ask(scene, False, 1.0, 0, 0))
+        assert report.scene == scene
+        X = (np.arange(scene.particles) + 0.5) / scene.particles
+        np.testing.assert_allclose(arrays.position, X, atol=1e-6)  # single precision near 1
+
+
+def test_leaving_frees_the_memory(pool):
+    """A closed session's block is gone, and the engine serves others."""
+    listener = Listener()
+    link = pool.open(listener)
+    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    name = link.wish.memory
+    link.close()
+    with pytest.raises(FileNotFoundError):
+        SharedMemory(name)
+
+
+def test_sessions_share_an_engine_fairly(pool):
+    """Six sessions at once all get frames at ten a second or more."""
+    visitors = [(Listener(), None) for _ in range(6)]
+    links = [pool.open(listener) for listener, _ in visitors]
+    for link in links:
+        link.ask(SCENE, True, 0.5, 0, 0)
+    for listener, _ in visitors:
+        listener.wait(lambda listener=listener: listener.frames)
+    counts = [len(listener.frames) for listener, _ in visitors]
+    end = monotonic() + 1.5
+    threading.Event().wait(max(0.0, end - monotonic()))
+    gained = [len(listener.frames) - before for (listener, _), before in zip(visitors, counts, strict=True)]
+    for link in links:
+        link.close()
+    assert min(gained) >= 15

@@ -1,0 +1,135 @@
+"""The picture of a run, in every state that a run can end in."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
+from app.plots import png_bytes, run_figure, save_png
+from solvers.result import Result
+from solvers.run import run
+from solvers.scene import Scene
+
+SCENE = Scene(cells=8, particles_per_cell=2, periods=0.3)
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return run(SCENE)
+
+
+def panels(figure) -> dict:
+    """The panels in the order in which they are drawn: three of norms, the index, the curve, the lanes."""
+    return {"norms": figure.axes[:3], "index": figure.axes[3], "curve": figure.axes[4],
+            "particles": figure.axes[5]}
+
+
+def test_norms_are_drawn_in_the_two_colours(result):
+    for axes, quantity in zip(panels(run_figure(result))["norms"], ("x", "v", "sigma"), strict=True):
+        assert axes.get_yscale() == "log"
+        truth, estimate = axes.get_lines()
+        assert (truth.get_color(), estimate.get_color()) == (TRUTH, ESTIMATE)
+        np.testing.assert_array_equal(truth.get_ydata()[1:], result.series[f"error_{quantity}"][1:])
+
+
+def test_index_ends_at_the_results_index(result):
+    lines = {line.get_label(): line for line in panels(run_figure(result))["index"].get_lines()}
+    assert lines["x"].get_ydata()[-1] == pytest.approx(result.index("transport")["x"])
+    assert lines["σ"].get_ydata()[-1] == pytest.approx(result.index("transport")["sigma"])
+
+
+def test_lanes_share_one_scale(result):
+    truth, estimate = panels(run_figure(result))["particles"].collections[:2]
+    assert truth.norm is estimate.norm
+    np.testing.assert_array_equal(truth.get_array(), np.abs(result.final.error[:, 0]))
+    np.testing.assert_array_equal(estimate.get_array(), np.abs(result.final.estimate["transport"][:, 0]))
+    assert truth.norm.vmax == max(truth.get_array().max(), estimate.get_array().max())
+
+
+def test_cell_boundaries_are_drawn(result):
+    boundaries = panels(run_figure(result))["particles"].collections[2].get_segments()
+    np.testing.assert_allclose([line[0][0] for line in boundaries], np.arange(9) / 8)
+
+
+def test_title_tells_the_scene(result):
+    title = run_figure(result).get_suptitle()
+    assert "uGIMP" in title and "8 cells" in title and "A = 0.025 m" in title
+
+
+def test_truth_off_shows_the_estimate_alone():
+    shown = panels(run_figure(run(replace(SCENE, effects=("estimate",)))))
+    assert [line.get_color() for line in shown["norms"][0].get_lines()] == [ESTIMATE]
+    assert [label.get_text() for label in shown["particles"].get_yticklabels()] == ["estimate\n(transport)"]
+    assert any("nothing to show" in text.get_text() for text in shown["index"].texts)
+
+
+def test_no_estimator_shows_the_truth_alone():
+    shown = panels(run_figure(run(replace(SCENE, estimators=()))))
+    assert [line.get_color() for line in shown["norms"][0].get_lines()] == [TRUTH]
+    assert [label.get_text() for label in shown["particles"].get_yticklabels()] == ["truth"]
+
+
+def test_no_effects_shows_the_particles():
+    figure = run_figure(run(replace(SCENE, effects=())))
+    shown = panels(figure)
+    assert all(any("nothing to show" in text.get_text() for text in axes.texts) for axes in figure.axes[:3])
+    assert [label.get_text() for label in shown["particles"].get_yticklabels()] == ["particles"]
+    assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_unstable_run_is_drawn_with_its_reason():
+    unstable = run(replace(SCENE, cells=40, cfl=1.5, periods=5.0))
+    assert unstable.status == "unstable"
+    figure = run_figure(unstable)
+    assert " ".join(unstable.reason.split()) == " ".join(" ".join(figure.get_suptitle().split("\n")[2:]).split())
+    low, high = panels(figure)["norms"][0].get_ylim()
+    assert 0 < low < high <= 1.01e8 * low
+    assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_all_errors_zero(result):
+    series = {name: np.zeros_like(values) if "error" in name or "estimate" in name else values
+              for name, values in result.series.items()}
+    final = replace(result.final, error=0 * result.final.error, estimate={"transport": 0 * result.final.error})
+    figure = run_figure(replace(result, series=series, final=final))
+    assert all("nothing to show" in axes.texts[0].get_text() for axes in figure.axes[:3])
+    assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("rows", [slice(0, 1), slice(-1, None)], ids=["start", "end"])
+def test_a_single_sample_is_a_visible_mark(result, rows):
+    figure = run_figure(replace(result, series={name: values[rows] for name, values in result.series.items()}))
+    marks = [line.get_marker() for axes in figure.axes[:3] for line in axes.get_lines()]
+    assert all(mark == "o" for mark in marks) and (marks or rows.start == 0)
+    assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_save_png_writes_the_picture(result, tmp_path):
+    save_png(result, str(tmp_path / "run.png"))
+    assert (tmp_path / "run.png").read_bytes() == png_bytes(run_figure(result))
+
+
+def test_pictures_leave_no_global_figure(result):
+    run_figure(result)
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    assert pyplot is None or pyplot.get_fignums() == []
+
+
+def test_colour_table_rises_evenly_in_lightness():
+    table = colour_table()
+    assert table.shape == (256, 3) and table.dtype == np.uint8 and COLOUR_MAP == "viridis"
+    linear = np.where(table / 255 > 0.04045, ((table / 255 + 0.055) / 1.055) ** 2.4, table / 255 / 12.92)
+    lightness = np.cbrt(linear @ (0.2126, 0.7152, 0.0722))
+    steps = np.diff(lightness[::15])
+    assert np.all(steps > 0) and steps.max() < 2 * steps.min()
+
+
+def test_estimate_and_truth_differ_in_lightness_too():
+    def luminance(colour: str) -> float:
+        return float(np.dot(np.power(to_rgb(colour), 2.2), (0.2126, 0.7152, 0.0722)))
+    assert luminance(ESTIMATE) > 1.25 * luminance(TRUTH)
