@@ -14,7 +14,7 @@ import pytest
 
 from app import __version__
 from app.cli import main
-from app.commands.output import Target, json_text
+from app.commands.output import Target, json_text, noted_interrupts
 from app.commands.run_bar import RunBar
 from app.commands.table import run_table
 from solvers.scene import EFFECTS, Scene
@@ -282,3 +282,13 @@ def test_a_reader_that_has_gone_is_no_fuss():
                           stderr=subprocess.PIPE, text=True, timeout=60)
     os.close(write)
     assert (done.returncode, done.stderr) == (141, "")
+
+
+def test_an_interrupt_that_native_code_swallows_is_raised_later():
+    with noted_interrupts() as check:
+        check()
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            check()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

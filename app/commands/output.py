@@ -6,10 +6,12 @@ import contextlib
 import ctypes
 import json
 import os
+import signal
 import stat
 import sys
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TextIO
 
 from app.commands.flags import BadInput
@@ -39,6 +41,33 @@ def stdout_to_stderr() -> Iterator[None]:
             ctypes.CDLL(None).fflush(None)  # native text still in C's own buffer would come out later
         os.dup2(saved, 1)
         os.close(saved)
+
+
+@contextlib.contextmanager
+def noted_interrupts() -> Iterator[Callable[[], None]]:
+    """Ctrl-C as usual, and noted: call what this yields now and then to raise one that native code swallowed.
+
+    An exception raised while Taichi imports or compiles can get lost in its callbacks.
+    """
+    noted = False
+
+    def note(number: int, frame: object) -> None:
+        nonlocal noted
+        noted = True
+        raise KeyboardInterrupt
+
+    def check() -> None:
+        if noted:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():  # others get no signals
+        yield check
+        return
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 class Target:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import warnings
 from dataclasses import dataclass, fields
 from typing import Annotated
 
@@ -17,7 +18,7 @@ from app.commands.flags import (
     default_hint,
     list_flag,
 )
-from app.commands.output import Progress, Target, json_text, say, stdout_to_stderr
+from app.commands.output import Progress, Target, json_text, noted_interrupts, say, stdout_to_stderr
 from solvers.scene import (
     DEFAULT_CFL,
     DEFAULT_PERIODS,
@@ -130,9 +131,15 @@ def _expand(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...
 
 
 def _run(scene: Scene, quiet: bool):
-    from solvers.run import run  # here: bad input and --help must not wait for Taichi
-    with contextlib.closing(Progress(sys.stderr, quiet)) as progress:
-        result = run(scene, on_progress=progress.show)
+    with noted_interrupts() as check_interrupts, contextlib.closing(Progress(sys.stderr, quiet)) as progress:
+        warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
+        from solvers.run import run  # here: bad input and --help must not wait for Taichi
+
+        def show(part: float) -> None:
+            check_interrupts()
+            progress.show(part)
+
+        result = run(scene, on_progress=show)
     if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not quiet:
         say(f"no GPU was found: this ran on the processor ({result.arch})")
     return result

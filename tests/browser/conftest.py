@@ -1,0 +1,70 @@
+"""The real server in a process of its own, and a real Chromium that looks at it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+# Software rendering, and none of the browser's own traffic: pages are served from this machine only.
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+         "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
+HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
+
+
+def _browser() -> str:
+    for name in BROWSERS:
+        if path := shutil.which(name):
+            return path
+    if os.environ.get("CI"):
+        pytest.fail(HOW)
+    pytest.skip(HOW)
+
+
+@pytest.fixture(scope="session")
+def server():
+    """Address and process id of a page served by the command line itself."""
+    with socket.socket() as trial:
+        trial.bind(("127.0.0.1", 0))
+        port = str(trial.getsockname()[1])
+    process = subprocess.Popen([sys.executable, "-m", "app", "serve", "--port", port], stderr=subprocess.PIPE,
+                               text=True, cwd=Path(__file__).parents[2])
+    line = process.stderr.readline()
+    found = re.search(r"http://\S+", line)
+    assert found, f"the server said: {line}"
+    yield found[0], process.pid
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10) in (0, 130)
+    assert "Traceback" not in process.stderr.read()
+    process.stderr.close()
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=_browser(), args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(server, chromium):
+    """A fresh visitor at 1280x720. Any error in the browser's console fails the test."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    errors = []
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(f"{server[0]}/?fixedDpr=1")
+    page.get_by_text("periods").first.wait_for(timeout=30_000)
+    yield page
+    page.close()
+    assert errors == []

@@ -1,0 +1,228 @@
+"""The page as a visitor meets it: it moves, it answers every control, and it says in words what goes wrong."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import signal
+from pathlib import Path
+from time import monotonic, sleep
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.colours import colour_table
+
+PATIENCE = 20.0  # seconds for what follows a click; software rendering on a loaded machine is slow
+
+
+def until(condition, what):
+    """Wait until ``condition()`` is true."""
+    end = monotonic() + PATIENCE
+    while not condition():
+        assert monotonic() < end, f"never happened: {what}"
+        sleep(0.1)
+
+
+def row(page, label):
+    """The row of the control panel with this label."""
+    return page.get_by_text(label).locator("xpath=ancestor::div[contains(@class,'mantine-Flex-root')][1]")
+
+
+def readout(page):
+    return page.locator(".lab-readout").inner_text()
+
+
+def number(page, pattern):
+    """The first number in the readout that matches ``pattern``'s group."""
+    return float(re.search(pattern, readout(page))[1].replace(",", ""))
+
+
+def time(page):
+    return number(page, r"time\s+(\S+) s")
+
+
+def steps(page):
+    return number(page, r"steps\s+([\d,]+)")
+
+
+def choose(page, label, option):
+    page.get_by_label(label, exact=True).click()
+    page.get_by_role("option", name=option).click()
+
+
+def press(page, label, key, times=1):
+    row(page, label).get_by_role("slider").focus()
+    for _ in range(times):
+        page.keyboard.press(key)
+
+
+def click(page, button):
+    page.get_by_role("button", name=button, exact=True).click()
+
+
+def stage(page):
+    """The stage between the panels, as an array of colours."""
+    shot = page.screenshot(clip={"x": 330, "y": 0, "width": 580, "height": 720})
+    return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+
+
+def plotted(page):
+    """Number of points each plot draws and the last time on it, from the charts themselves."""
+    return page.evaluate("Object.values(window.__viserTestpoints.uplots).map(u => "
+                         "[u.chart.data[0].length, u.chart.data[0][u.chart.data[0].length - 1]])")
+
+
+def coloured(picture):
+    """Share of the picture whose colours are those of the colour map, to within rounding."""
+    table = {tuple(c) for c in colour_table().tolist()}
+    return np.mean([tuple(c) in table for c in picture.reshape(-1, 3)[::7].tolist()])
+
+
+def engine_processes(parent):
+    """Ids of the processes that ``parent`` has spawned to simulate in."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        fields = status.read_text().rpartition(")")[2].split()
+        command = (status.parent / "cmdline").read_bytes()
+        if int(fields[1]) == parent and b"spawn_main" in command:
+            found.append(int(status.parent.name))
+    return found
+
+
+def test_bar_moves_and_is_coloured(page):
+    """Frames follow each other, lanes carry the map's own colours, time runs and all three plots fill."""
+    until(lambda: coloured(stage(page)) > 0.08, "two coloured lanes and a colour bar")
+    first, before = stage(page), time(page)
+    until(lambda: np.any(np.abs(stage(page) - first) > 30, axis=2).mean() > 0.005, "another picture")
+    until(lambda: time(page) > before, "time running")
+    counts = plotted(page)
+    until(lambda: all(after[0] > then[0] for after, then in zip(plotted(page), counts, strict=True)), "plots growing")
+    assert len(counts) == 3
+    assert page.title() == "mpm-lab"
+
+
+def test_nothing_of_the_viewer_shows(page):
+    """No default branding, no share button, no developer's buttons."""
+    text = page.locator("body").inner_text().lower()
+    assert "viser" not in text and "share" not in text
+    for icon in ("svg.tabler-icon-adjustments", "svg.tabler-icon-share", "svg.tabler-icon-cloud-check"):
+        assert page.locator(icon).filter(visible=True).count() == 0
+
+
+def test_every_slider_reaches_the_run(page):
+    """Cells, particles per cell, A, E and CFL each begin a new run, seen in label, step size or period."""
+    def step_size():
+        return number(page, r"of (\S+) s")
+
+    size = step_size()
+    row(page, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("80")
+    until(lambda: step_size() == pytest.approx(size / 2, rel=1e-2), "half the step at half the spacing")
+    page.get_by_text("Cells, h = 1/80").wait_for()
+    press(page, "E = ", "ArrowRight", 40)
+    until(lambda: step_size() < 0.9 * size / 2, "a shorter step for a stiffer bar")
+    stiffness = float(re.search(r"E = (\S+) Pa", row(page, "E = ").inner_text())[1])
+    assert step_size() == pytest.approx(size / 2 * (4 / stiffness) ** 0.5, rel=1e-2)
+    size = step_size()
+    press(page, "CFL = ", "ArrowRight", 40)
+    until(lambda: step_size() > 1.1 * size, "a longer step")
+    before = stage(page)
+    press(page, "A = ", "ArrowLeft", 100)
+    until(lambda: np.any(np.abs(stage(page) - before) > 30, axis=2).mean() > 0.01, "another amplitude drawn")
+    assert float(re.search(r"A = (\S+) m", row(page, "A = ").inner_text())[1]) < 0.02
+    before = time(page)
+    row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("2")
+    until(lambda: time(page) < before, "a run begun anew")
+
+
+def test_pause_step_play_reset(page):
+    """Pause stops time, Step takes one step, Play goes on, Reset begins at zero."""
+    until(lambda: steps(page) > 100, "steps")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused")
+    before = steps(page)
+    click(page, "Step")
+    until(lambda: steps(page) == before + 1, "one step")
+    click(page, "Play")
+    until(lambda: steps(page) > before + 10, "more steps")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused again")
+    click(page, "Reset")
+    until(lambda: steps(page) == 0, "the beginning")
+
+
+def test_beyond_the_exact_solution_is_refused_in_words(page):
+    """An amplitude that no exact bar has is refused, the present run goes on, and a good one clears the notice."""
+    press(page, "A = ", "End")
+    page.locator(".lab-refused").wait_for()
+    assert "0.159" in page.locator(".lab-refused").inner_text()
+    before = time(page)
+    until(lambda: time(page) > before, "the run going on")
+    press(page, "A = ", "ArrowLeft", 150)
+    page.locator(".lab-refused").wait_for(state="detached")
+
+
+def test_instability_is_said_and_survived(page):
+    """CFL 2 cannot be stable: the page says so, and a stable setting runs again."""
+    press(page, "CFL = ", "End")
+    page.locator(".lab-unstable").wait_for()
+    assert "unstable" in page.locator(".lab-unstable").inner_text()
+    press(page, "CFL = ", "Home")
+    page.locator(".lab-unstable").wait_for(state="detached")
+    before = time(page)
+    until(lambda: time(page) > before, "a stable run")
+
+
+def test_methods_effects_and_estimator(page):
+    """Every method runs; without truth or estimate their lane turns grey and their plot empties."""
+    for method in ("MPM (hat functions)", "cpGIMP", "B-spline", "uGIMP"):
+        choose(page, "Method", method)
+        until(lambda: steps(page) > 20, f"{method} running")
+    choose(page, "Error of", "stress σ")
+    page.get_by_text("error norm of σ").wait_for()
+    full = coloured(stage(page))
+    choose(page, "Estimator", "none")
+    until(lambda: coloured(stage(page)) < 0.75 * full, "a grey lane")
+    page.get_by_text("Effects: compute only").click()
+    page.get_by_label("true error").click()
+    until(lambda: coloured(stage(page)) < 0.5 * full, "two grey lanes")
+
+
+def test_killed_engine_is_replaced(page, server):
+    """The process that simulates is killed: the page says so or has it back at once, and time runs again."""
+    until(lambda: time(page) > 0.3, "a run under way")
+    engines = engine_processes(server[1])
+    assert engines
+    before = time(page)
+    for engine in engines:
+        os.kill(engine, signal.SIGKILL)
+    page.locator(".lab-wait").wait_for()
+    until(lambda: time(page) < before, "the scene begun again")
+    page.locator(".lab-wait").wait_for(state="detached")
+    at = time(page)
+    until(lambda: time(page) > at, "time running again")
+
+
+def test_large_window(page):
+    """At 1920x1080 the stage fills the space between the panels: the lanes reach over half of it."""
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    sleep(2.5)  # the camera repeats its fit while the canvas settles
+    shot = page.screenshot(clip={"x": 330, "y": 0, "width": 1220, "height": 1080})
+    picture = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+    table = {tuple(c) for c in colour_table().tolist()}
+    columns = [x for x in range(0, 1220, 4) if sum(tuple(c) in table for c in picture[::4, x].tolist()) > 10]
+    assert columns[-1] - columns[0] > 610
+
+
+def test_two_visitors_do_not_share(page, server, chromium):
+    """A second visitor's slider leaves the first one's run alone."""
+    other = chromium.new_page(viewport={"width": 1280, "height": 720})
+    other.goto(f"{server[0]}/?fixedDpr=1")
+    other.get_by_text("periods").first.wait_for(timeout=30_000)
+    before = number(page, r"of (\S+) s")
+    row(other, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("100")
+    until(lambda: number(other, r"of (\S+) s") < before, "the second visitor's finer grid")
+    assert number(page, r"of (\S+) s") == before
+    other.close()
