@@ -12,6 +12,7 @@ from app.camera import FlatCamera
 from app.panels.about import ABOUT
 from app.panels.controls import QUANTITIES, Controls
 from app.panels.furniture import add_head, furnish
+from app.panels.lessons import add_lessons
 from app.panels.measurements import Measurements
 from app.scale import ColourScale
 from app.session import Notice, Session
@@ -45,6 +46,8 @@ class Page:
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL):
             self._controls = Controls(client.gui, self._session, self._scale, self._redraw)
+        with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
+            add_lessons(client.gui)
         with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
             client.gui.add_html(ABOUT)
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()

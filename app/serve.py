@@ -22,7 +22,7 @@ def serve(host: str, port: int, max_sessions: int) -> None:
     _require_free(host, port)
     from app.page import FIRST_SCENE  # the engines start first: they need longest
 
-    pool = EnginePool(FIRST_SCENE, engines=max(1, (os.cpu_count() or 2) - 1))
+    pool, server = EnginePool(FIRST_SCENE, engines=max(1, (os.cpu_count() or 2) - 1)), None
     try:
         server = _start_server(host, port, pool, max_sessions)
         address = f"http://{_address(host)}:{server.get_port()}"
@@ -30,13 +30,16 @@ def serve(host: str, port: int, max_sessions: int) -> None:
         threading.Event().wait()
     finally:
         pool.close()
+        if server is not None:
+            with contextlib.redirect_stdout(io.StringIO()):
+                server.stop()
 
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
     import viser
 
     from app.page import Page
-    from app.panels.furniture import furnish
+    from app.panels.furniture import add_head, furnish
 
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
@@ -51,7 +54,8 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
         with lock:
             full = len(pages) >= max_sessions
         if full:
-            client.gui.add_html("<div class='lab-notice lab-refused' style='background:#fff6e0;padding:12px'>"
+            add_head(client.gui)
+            client.gui.add_html("<div class='lab-notice lab-refused'>"
                                 f"All {max_sessions} places are taken. Reload the page in a while.</div>")
             return
         page = Page(client, pool)
@@ -79,5 +83,5 @@ def _require_free(host: str, port: int) -> None:
             trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             trial.bind((host, port))
     except OSError as error:
-        raise ServeError(f"cannot serve on {host}:{port}: {error.strerror or error}; "
+        raise ServeError(f"cannot listen on {host}:{port} ({(error.strerror or str(error)).lower()}); "
                          "choose another with --port or --host") from error

@@ -14,7 +14,7 @@ from app.session import Session
 
 SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
 READOUT_HEIGHT = 342  # pixels of the window that are not plot: heading, numbers, titles and axes
-INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index beyond is drawn at its edge
+INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
 _FROM_ZERO = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0}, "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
 _GRID = {"stroke": "#e6e9ee", "width": 1}
@@ -62,7 +62,7 @@ class Measurements:
         if heading != self._errors_heading.content:
             self._errors_heading.content = heading
         self._errors.data = _finite(time, estimated / 10.0**power, true / 10.0**power)
-        index = np.clip(series.get(f"{estimator}/index_{quantity}", nothing), *INDEX_RANGE)
+        index = np.minimum(series.get(f"{estimator}/index_{quantity}", nothing), INDEX_RANGE[1])
         self._index.data = _finite(time, index, np.ones(len(time)))
         self._refresh_crossings(history)
 
@@ -113,7 +113,7 @@ def _plot(gui: viser.GuiApi, series: tuple[dict, ...], legend: bool = False,
              "ticks": {"stroke": "#c6ccd4", "width": 1, "size": 4}},
             {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}, **(y_axis or {})})
     return gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), axes=axes,
-                         scales={"x": {"time": False}, "y": y_scale or _FROM_ZERO}, height=126,
+                         scales={"x": {"time": False}, "y": y_scale or _FROM_ZERO}, height=126, padding=(8, 20, 0, 0),
                          legend={"show": legend, "live": False})
 
 
