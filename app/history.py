@@ -16,28 +16,31 @@ class History:
     """Sampled norms and the running error index of one run. One thread adds, any may read."""
 
     def __init__(self, scene: Scene):
-        self._scene = scene
+        self.scene = scene
         self._rows: dict[str, np.ndarray] = {}
         self._seen, self._stride = 0, 1
         self._sums: dict[str, float] = {}
 
     @property
     def series(self) -> dict[str, np.ndarray]:
-        """Named series as in ``solvers.samples.read``, and ``transport/index_x`` ...: eq 35 up to that time."""
+        """Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35)
+        and the pointwise distance as ``transport/index_x`` and ``transport/apart_x``."""
         return self._rows
 
     def add(self, rows: np.ndarray) -> None:
         """Append rows of samples (``solvers.samples``)."""
         if not len(rows):
             return
-        scene = self._scene
+        scene = self.scene
         new = samples.read(rows, scene.active_estimators, scene.particles, scene.time_step)
         for estimator in scene.active_estimators:
             for q in QUANTITIES:
                 above = self._running(f"{estimator}/estimate_{q}", new)
+                apart = self._running(f"{estimator}/distance_{q}", new)
                 below = self._running(f"error_{q}", new, key=f"{estimator}/{q}")
                 with np.errstate(divide="ignore", invalid="ignore"):
                     new[f"{estimator}/index_{q}"] = np.where(below > 0, above / below, np.nan)
+                    new[f"{estimator}/apart_{q}"] = np.where(below > 0, apart / below, np.nan)
         kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
         self._seen += len(rows)
         rows = {name: np.concatenate([self._rows.get(name, values[:0]), values[kept]])
@@ -54,7 +57,7 @@ class History:
         if len(time) < 2:
             return np.zeros(0), np.zeros(0)
         spacing = (time[-1] - time[0]) / (len(time) - 1)
-        lag = max(1, min(len(time) - 1, round(CROSSING_WINDOW * self._scene.period / spacing)))
+        lag = max(1, min(len(time) - 1, round(CROSSING_WINDOW * self.scene.period / spacing)))
         return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])
 
     def _running(self, name: str, new: dict[str, np.ndarray], key: str | None = None) -> np.ndarray:

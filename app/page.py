@@ -72,8 +72,7 @@ class Page:
             _, unit = QUANTITIES[label]
             active = report.scene.active_estimators
             self._stage.draw(report.scene, arrays, active[0] if active else None,
-                             list(QUANTITIES).index(label), f"size of the error of {label} / {unit}",
-                             report.time, self._session.speed)
+                             list(QUANTITIES).index(label), label, unit, report.time, self._session.speed)
 
     def _refresh_loop(self) -> None:
         while not self._closed.wait(REFRESH_SECONDS):

@@ -165,7 +165,10 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
     few = _thinned(len(final.position))
     few = few[(final.position[few] >= 0) & (final.position[few] <= 1)]  # an unstable run leaves NaN and worse
-    largest = max((_largest(sizes[few]) for _, sizes, _ in lanes if sizes is not None), default=0.0)
+    known = [_largest(sizes[few]) for _, sizes, _ in lanes if sizes is not None]
+    largest = max(known, default=0.0)
+    if final.error is not None and known[0] > 0:  # an estimate that has lost its way must not blank the truth
+        largest = min(largest, 10 * known[0])
     scale = Normalize(0.0, largest or 1.0)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):

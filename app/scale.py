@@ -57,7 +57,12 @@ class ColourScale:
         """Positions 0 to 1 along the scale and the numbers there."""
         if self.logarithmic:
             return [(k / DECADES, number(self.top * 10 ** (k - DECADES))) for k in range(DECADES + 1)]
-        return [(k / 4, number(self.top * k / 4)) for k in range(5)]
+        return [(k / 4, number(self.top * k / 4 / 10.0**self.power)) for k in range(5)]
+
+    @property
+    def power(self) -> int:
+        """The power of ten that the ticks are counted in."""
+        return 0 if self.logarithmic else power_of_ten(self.top)
 
 
 def _largest(sizes: np.ndarray | None) -> float:
@@ -68,6 +73,17 @@ def round_up(value: float) -> float:
     """The next of 1, 2, 5 times a power of ten: a scale that moves in few, round steps."""
     power = 10.0 ** math.floor(math.log10(value))
     return next((m * power for m in (1, 2, 5) if value <= m * power), 10 * power)
+
+
+def power_of_ten(largest: float) -> int:
+    """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
+    power = math.floor(math.log10(largest)) if largest > 0 else 0
+    return power if power < -1 or power > 3 else 0
+
+
+def power_text(power: int) -> str:
+    """ "10⁻⁴ " for -4, nothing for 0."""
+    return "" if power == 0 else "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) + " "
 
 
 def number(value: float) -> str:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 from time import monotonic
 
 from app.history import History
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool
-from solvers.scene import Scene
+from solvers.scene import Scene, SceneError
 
 CAPPED_BELOW = 0.9  # of the speed asked for
+LOST = 0.5  # error of x over the amplitude from which on a run shows something else than the solution
+BROKEN = 30.0  # error index from which on an estimate is no estimate
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
 
 
@@ -37,6 +39,7 @@ class Session:
         self._restarts = self._single_steps = 0
         self._asked_at = monotonic()
         self._number = 0
+        self._wished = {field.name: getattr(scene, field.name) for field in fields(scene)}
         self.scene, self.playing, self.speed = scene, True, 0.5
         self.history = History(scene)
         self.report: FrameReport | None = None
@@ -45,19 +48,19 @@ class Session:
 
     # ---- what the visitor does ----------------------------------------------------------------------------
 
-    def change(self, build: Callable[[Scene], Scene]) -> None:
-        """Ask for another scene; one that cannot be is refused in words, and the present one runs on."""
+    def set(self, **fields: object) -> None:
+        """Ask for some fields of the scene. What cannot be is refused in words, and the present scene runs on.
+
+        A refused value stays wished, as it stays on the visitor's slider, until the whole wish can be met.
+        """
         with self._lock:
+            self._wished |= fields
             try:
-                self.scene, self._refusal = build(self.scene), None
-            except ValueError as refusal:
+                self.scene, self._refusal = Scene(**self._wished), None
+            except SceneError as refusal:
                 self._refusal = str(refusal)
                 return
             self._ask()
-
-    def set(self, **fields: object) -> None:
-        """Ask for the present scene with some fields changed."""
-        self.change(lambda scene: replace(scene, **fields))
 
     def play(self, playing: bool) -> None:
         with self._lock:
@@ -75,7 +78,6 @@ class Session:
         """Start the scene again from t = 0."""
         with self._lock:
             self._restarts += 1
-            self._refusal = None
             self._ask()
 
     def set_speed(self, speed: float) -> None:
@@ -112,7 +114,23 @@ class Session:
                                       "the first time it is used.")
             if self.report and self.report.reason and not waiting:
                 return Notice("unstable", f"{self.report.reason}.")
+            return None if waiting else self._doubt()
+
+    def _doubt(self) -> Notice | None:
+        """A run can be sound in every number and still have nothing to do with the solution; so can an estimate."""
+        series, scene = self.history.series, self.history.scene
+        if "error_x" not in series or not len(series["error_x"]):
             return None
+        lost = series["error_x"][-1] / scene.motion_amplitude
+        if lost > LOST:
+            return Notice("unstable", f"The particles have lost the solution: their error of x is {lost:.2g} times "
+                                      "the amplitude. More cells or a smaller amplitude keep it longer.")
+        for estimator in scene.active_estimators:
+            index = series[f"{estimator}/index_x"][-1]
+            if index > BROKEN:
+                return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
+                                         "true error of x. Do not trust it here.")
+        return None
 
     # ---- what the engine says (from its reader thread) ----------------------------------------------------
 

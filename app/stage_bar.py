@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from app.colours import TRUTH
-from app.scale import ColourScale
+from app.scale import ColourScale, power_text
 from solvers.bar import exact
 from solvers.engine.memory import FrameArrays
 from solvers.scene import Scene
@@ -23,7 +23,7 @@ LANE_POINTS = 4000  # points that a lane may be made of
 TICK_GAP = 0.024  # labels have a white ground, which must stay clear of the colours
 FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
 
-DOT, FAINT, CELL = (120, 128, 138), (190, 197, 206), (168, 176, 187)
+DOT, FAINT, CELL = (24, 28, 34), (190, 197, 206), (168, 176, 187)
 FLASH = np.array((204, 0, 120))
 AWAY = -50.0  # where points that are not shown wait, far outside the view
 
@@ -41,9 +41,9 @@ class BarStage:
         # Points, because they alone show a colour exactly as it is given; lines and meshes are toned and lit.
         self._lanes = [_points(s, f"/bar/{name}", 0.005, "square") for name in ("estimate", "truth")]
         self._cells = s.add_line_segments("/bar/cells", none, CELL, thickness=1.0, thickness_units="screen")
-        self._exact = s.add_line_segments("/bar/exact", none, _rgb(TRUTH), thickness=1.5,
+        self._exact = s.add_line_segments("/bar/exact", none, _rgb(TRUTH), thickness=3.0,
                                           thickness_units="screen")
-        self._dots = _points(s, "/bar/particles", 0.0085)
+        self._dots = _points(s, "/bar/particles", 0.006)
         self._flashes = _points(s, "/bar/crossings", 0.015)
         colour_bar = _points(s, "/bar/colours", COLOUR_BAR_HEIGHT, "square")
         ends = COLOUR_BAR_HEIGHT / 2
@@ -54,9 +54,12 @@ class BarStage:
         self._title = _label(s, "/bar/title", "", 0.0, COLOUR_BAR + TICK_GAP, "bottom-left", 1.0)
         self._labels(s)
 
-    def draw(self, scene: Scene, arrays: FrameArrays, estimator: str | None, quantity: int, title: str,
-             t: float, speed: float) -> None:
-        """Show a frame. ``quantity`` is the column of the errors; ``t`` in s; ``speed`` in simulated s per s."""
+    def draw(self, scene: Scene, arrays: FrameArrays, estimator: str | None, quantity: int, name: str,
+             unit: str, t: float, speed: float) -> None:
+        """Show a frame. ``quantity`` is the column of the errors, ``name`` and ``unit`` what it is.
+
+        ``t`` is in s, ``speed`` in simulated seconds a second.
+        """
         x = np.clip(np.nan_to_num(arrays.position, nan=AWAY), -0.5, 1.5)
         true = np.abs(arrays.error[:, quantity])
         estimated = np.abs(arrays.estimate[estimator][:, quantity]) if estimator else None
@@ -69,7 +72,7 @@ class BarStage:
                 lane.colors = np.tile(self._shades(sizes, len(x)), (self._lane.rows, 1))
             self._draw_displacement(scene, arrays, t)
             self._draw_crossings(scene, arrays, x, speed)
-            self._draw_scale(title)
+            self._draw_scale(name, unit)
 
     def _shades(self, sizes: np.ndarray | None, count: int) -> np.ndarray:
         """Colours of a lane; plain grey where nothing is known."""
@@ -97,7 +100,7 @@ class BarStage:
         self._exact.points = np.stack([curve[:-1], curve[1:]], axis=1)
         share = np.clip(np.nan_to_num(arrays.displacement / scene.motion_amplitude, nan=AWAY), -1.1, 1.1)
         X_p = (np.arange(scene.particles) + 0.5) / scene.particles
-        self._dots.points = _in_plane(X_p, CURVE_MIDDLE + CURVE_HEIGHT * share, -0.005)
+        self._dots.points = _in_plane(X_p, CURVE_MIDDLE + CURVE_HEIGHT * share, 0.01)
         self._dots.colors = np.full((scene.particles, 3), DOT, np.uint8)
 
     def _draw_crossings(self, scene: Scene, arrays: FrameArrays, x: np.ndarray, speed: float) -> None:
@@ -107,7 +110,8 @@ class BarStage:
         fade = np.clip(since / FLASH_SECONDS, 0, 1)[:, None]
         self._flashes.colors = (FLASH + fade * (255 - FLASH)).astype(np.uint8)
 
-    def _draw_scale(self, title: str) -> None:
+    def _draw_scale(self, name: str, unit: str) -> None:
+        title = f"size of the error of {name} / {power_text(self._scale.power)}{unit}"
         ticks = self._scale.ticks()
         if self._title.text != title:
             self._title.text = title
@@ -139,20 +143,21 @@ class BarStage:
 class _Lane:
     """How a lane of particles is tiled with square points: ``rows`` of ``size``, one column a particle.
 
-    A column is as narrow as its particle where the number of points allows. Where it does not, columns overlap
-    and the one to the right lies on top; moving all by ``shift`` puts what remains visible in its place.
+    Columns are wider than a particle at rest, so that a gap shows only where the bar is stretched a lot. Neighbours
+    overlap, the one to the right on top; moving all by ``shift`` puts what remains visible in its place.
     """
 
     def __init__(self, particles: int):
         column = 1 / particles
-        self.rows = max(2, min(int(np.ceil(LANE_HEIGHT / (0.9 * column))), LANE_POINTS // particles))
+        self.rows = max(6, min(int(LANE_HEIGHT / (1.3 * column)), LANE_POINTS // particles))
         self.size = LANE_HEIGHT / self.rows
-        self.shift = max(0.0, (self.size - column) / 2)
+        self.shift = (self.size - column) / 2
 
     def points(self, x: np.ndarray, middle: float) -> np.ndarray:
         """(rows * P, 3) points of particles at x in the lane around y = middle."""
         heights = middle + (np.arange(self.rows) - (self.rows - 1) / 2) * self.size
-        return _in_plane(np.tile(x + self.shift, self.rows), np.repeat(heights, len(x)))
+        x = np.clip(x + self.shift, self.size / 2, 1 - self.size / 2)
+        return _in_plane(np.tile(x, self.rows), np.repeat(heights, len(x)))
 
 
 def _points(s: viser.SceneApi, name: str, size: float, shape: str = "circle") -> viser.PointCloudHandle:

@@ -7,6 +7,7 @@ import io
 import os
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+os.environ["TI_SKIP_VERSION_CHECK"] = "ON"  # else it asks a server for news at every start: no network at run time
 
 import taichi as ti
 
@@ -17,13 +18,14 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     """Start Taichi once for this process and return the architecture that really runs ("x64", "cuda", ...).
 
     Taichi falls back to the CPU with only a warning when a GPU is asked for and none is there, so the answer
-    may differ from the question. All calls must come from one thread; a call with other settings restarts
+    may differ from the question. A GPU means CUDA: the others lack double precision, and probing for them can crash
+    a machine without a display. All calls must come from one thread; a call with other settings restarts
     Taichi. ``fast_math`` stays off: it gains nothing in the bar and hides NaN from the stability check.
     """
     global _started
     if _started != (arch, threads):
         with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
-            ti.init(arch=ti.gpu if arch == "gpu" else ti.cpu, default_fp=ti.f64,
+            ti.init(arch=ti.cuda if arch == "gpu" else ti.cpu, default_fp=ti.f64,
                     cpu_max_num_threads=threads, fast_math=False, log_level=ti.ERROR, verbose=False)
         _started = (arch, threads)
     return running_arch()

@@ -194,11 +194,12 @@ class Scene:
         _require_whole("cells", self.cells, 4, 100_000)
         _require_whole("particles_per_cell", self.particles_per_cell, 1, 64)
         _require_whole("threads", self.threads, 1, 1024)
-        _require_number("amplitude", self.amplitude, 0, math.inf, "give a number above 0 and below 0.159")
+        _require_number("amplitude", self.amplitude, 1e-12, math.inf,
+                        "give a number above 1e-12 and below 0.159")
         if self.amplitude >= BAR_AMPLITUDE_LIMIT:
             raise SceneError("amplitude", self.amplitude,
                              "the exact bar inverts from 1/(2 pi) = 0.159 on; "
-                             "give a number above 0 and below 0.159")
+                             "give a number above 1e-12 and below 0.159")
         _require_number("modulus", self.modulus, 1e-6, 1e12)
         _require_number("density", self.density, 1e-6, 1e12)
         if self.particles > MOST_PARTICLES:
@@ -210,7 +211,7 @@ class Scene:
         for one, other in (("dt", "cfl"), ("t_end", "periods")):
             if getattr(self, one) is not None and getattr(self, other) is not None:
                 raise SceneError(other, getattr(self, other),
-                                 f"{field_label(one)} is given too; give one of the two")
+                                 f"{one.replace('_', '-')} is given too; give one of the two")
             for field in (one, other):
                 if getattr(self, field) is not None:
                     _require_number(field, getattr(self, field), 0, math.inf)
@@ -239,7 +240,7 @@ class Scene:
     def _check_combinations(self) -> None:
         if self.velocity == "corners" and self.method != "cpgimp":
             raise SceneError("velocity", "corners", "moves the corners of convected domains and needs "
-                             "--method cpgimp; with other methods give grid or particle")
+                             "the method cpgimp; with other methods give grid or particle")
 
 
 DEFAULT_CFL = 0.05

@@ -86,7 +86,7 @@ def test_json_cost_and_energy(printed):
 
 BAD = [
     (["--amplitude", "0.2"], "--amplitude 0.2:", "below 0.159"),
-    (["--amplitude", "nan"], "--amplitude nan:", "above 0"),
+    (["--amplitude", "nan"], "--amplitude nan:", "above 1e-12"),
     (["--amplitude", "inf"], "--amplitude inf:", "below 0.159"),
     (["--cells", "0"], "--cells 0:", "from 4 to 100,000"),
     (["--cells", "2.5"], "--cells 2.5:", "from 4 to 100,000"),
@@ -96,7 +96,7 @@ BAD = [
     (["--dt", "-1"], "--dt -1:", "above 0"),
     (["--dt=-1"], "--dt -1:", "above 0"),
     (["--dt", "1e-3", "--cfl", "0.1"], "--cfl 0.1:", "dt is given too"),
-    (["--t-end", "1", "--periods", "1"], "--periods 1:", "t end is given too"),
+    (["--t-end", "1", "--periods", "1"], "--periods 1:", "t-end is given too"),
     (["--ppc", "0"], "--ppc 0:", "from 1 to 64"),
     (["--body-force", "all"], "--body-force all:", "material, node, none"),
     (["--method", "foo"], "--method foo:", "mpm, ugimp, cpgimp, bspline"),

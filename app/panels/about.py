@@ -16,14 +16,17 @@ mass, momentum and stress on particles and solves for the acceleration on a grid
 <p>Every particle is drawn twice. The upper lane is coloured by the error that an
 <span class='lab-key' style='color:{ESTIMATE}'>estimator</span> computes while the simulation runs, without knowing
 the solution; the lower lane by the <span class='lab-key' style='color:{TRUTH}'>true</span> error against the exact
-solution. If the lanes look alike, the estimate can be trusted.</p>
+solution. If the lanes look alike, the estimate has the right size in the right place.</p>
 <h3>The error index</h3>
 <p>The sum over time of the estimated norms over that of the true ones: 1 is perfect, 2 means twice too large,
-0.5 half. An index near 1 can still hide an estimate in the wrong place: compare the lanes.</p>
+0.5 half. An index near 1 can still hide an estimate in the wrong place or of the wrong sign. The <b>distance</b>
+cannot: it is the size of estimate minus truth over the size of the truth, particle by particle. 0 is perfect; 1 is no
+better than saying nothing.</p>
 <h3>The estimator "transport"</h3>
 <p>Berzins' estimator sends the error that each step makes in turning stress into acceleration through the method's
 own equations. It sees the gradient mapping and the stress; it does not see interpolation errors of the velocity or
-errors of the time step, so expect the right order and not the right size.</p>
+errors of the time step, so expect a number of the right kind and not of the right size: its stress is often good, its
+displacement and velocity are often too small and can even have the wrong sign.</p>
 <h3>Try this</h3>
 <p>Method "MPM (hat functions)" with A = 0.03: the error jumps whenever particles cross cell boundaries. Switch to
 uGIMP or B-spline with the same crossings. Then put the body force at the nodes: the error stays when h is halved.

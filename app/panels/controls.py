@@ -21,7 +21,7 @@ BODY_FORCES = {"at the particles": "material", "at the nodes": "node", "none": "
 POSITION_UPDATES = {"grid velocity": "grid", "particle velocity": "particle", "domain corners": "corners"}
 EFFECT_LABELS = {"truth": "true error", "estimate": "estimate", "crossings": "grid crossings",
                  "energy": "energy", "acceleration": "acceleration error"}
-SINGLE_RUN = ("Play", "Pause", "Step", "Reset")
+RUN_BUTTONS = ("Play", "Pause", "Step", "Reset")
 
 assert set(METHODS) == set(get_args(Method)) and set(EFFECT_LABELS) == set(EFFECTS)
 assert set(BODY_FORCES.values()) == set(get_args(BodyForce))
@@ -58,7 +58,7 @@ class Controls:
         gui, session = self._gui, self._session
         acts = {"Play": lambda: session.play(True), "Pause": lambda: session.play(False),
                 "Step": session.step, "Reset": session.reset}
-        buttons = gui.add_button_group("Run", SINGLE_RUN, hint="Step pauses and takes one time step")
+        buttons = gui.add_button_group("Run", RUN_BUTTONS, hint="Step pauses and takes one time step")
         buttons.on_click(lambda event: acts[event.target.value]())
         self._logarithmic("Speed", "s/s", 1e-3, 4.0, session.speed, session.set_speed,
                           "simulated seconds per second of yours")
@@ -113,7 +113,7 @@ class Controls:
                                       hint="correct the gradient so that linear stress gives the exact force")
         preserving.on_update(lambda e: session.set(linearity_preserving=e.target.value))
         self._choice("Body force", BODY_FORCES, "body_force", "where the force is evaluated")
-        self._choice("Moves with", POSITION_UPDATES, "velocity",
+        self._choice("Velocity", POSITION_UPDATES, "velocity",
                      "the velocity that moves the particles; corners need cpGIMP")
 
     def _effects(self) -> None:

@@ -33,7 +33,9 @@ div:has(> .lab-logarithmic) + div .mantine-NumberInput-root {{ display: none; }}
 div:has(> .lab-logarithmic) + div .mantine-Slider-label {{ display: none; }}
 div:has(> .lab-logarithmic) + div .mantine-Slider-root {{ margin: 0 14px 0 10px; }}
 div:has(> .lab-logarithmic) + div {{ min-height: 28px; }}
-.lab-notice {{ margin: 6px 10px 8px; padding: 7px 10px; border-radius: 6px; font: 12.5px/1.4 system-ui, sans-serif;
+.lab-notice {{ position: fixed; z-index: 5; pointer-events: none; bottom: 10px;
+  left: {MEASUREMENTS_WIDTH + 20}px; right: {CONTROLS_WIDTH + 24}px; padding: 7px 12px;
+  border-radius: 6px; font: 12.5px/1.4 system-ui, sans-serif;
   border-left: 4px solid; color: #222831; }}
 .lab-refused {{ background: #fff6e0; border-color: #e69f00; }}
 .lab-unstable, .lab-trouble {{ background: #fdecea; border-color: #c0392b; }}

@@ -10,13 +10,15 @@ import viser
 from app.colours import ESTIMATE, TRUTH
 from app.history import History
 from app.panels.furniture import MEASUREMENTS_WIDTH
+from app.scale import power_of_ten, power_text
 from app.session import Session
 
 SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
-READOUT_HEIGHT = 342  # pixels of the window that are not plot: heading, numbers, titles and axes
+READOUT_HEIGHT = 364  # pixels of the window that are not plot: heading, numbers, titles and axes
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
 _FROM_ZERO = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0}, "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
+_EMPTY = np.array([0.0, 1e-9])  # what an empty plot holds
 _GRID = {"stroke": "#e6e9ee", "width": 1}
 
 
@@ -48,17 +50,19 @@ class Measurements:
         if session.report is None:
             return
         self._fit_height()
-        self._readout.content = _readout(session)
         history = session.history
         series = history.series
+        self._readout.content = _readout(session, series, estimator, quantity)
         time = series.get("time", np.zeros(0))
         if len(time) < 2:
+            for plot in (self._errors, self._index, self._crossings):
+                plot.data = tuple(_EMPTY for _ in plot.data)
             return
         nothing = np.full(len(time), np.nan)
         estimated, true = series.get(f"{estimator}/estimate_{quantity}", nothing), series[f"error_{quantity}"]
         estimated = _bounded(estimated, true)
-        power = _power(estimated, true)
-        heading = _heading(f"error norm of {SYMBOLS[quantity]} / {_power_text(power)}{unit}")
+        power = power_of_ten(_largest(estimated, true))
+        heading = _heading(f"error norm of {SYMBOLS[quantity]} / {power_text(power)}{unit}")
         if heading != self._errors_heading.content:
             self._errors_heading.content = heading
         self._errors.data = _finite(time, estimated / 10.0**power, true / 10.0**power)
@@ -75,8 +79,7 @@ class Measurements:
 
     def _refresh_crossings(self, history: History) -> None:
         time, rate = history.crossings_per_second()
-        if len(time) > 1:
-            self._crossings.data = _finite(time, rate)
+        self._crossings.data = _finite(time, rate) if len(time) > 1 else (_EMPTY, _EMPTY)
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
@@ -85,20 +88,20 @@ def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
     return np.where(estimated <= 10 * largest, estimated, np.nan) if largest > 0 else estimated
 
 
-def _power(*series: np.ndarray) -> int:
-    """The power of ten to take out of the numbers of a plot, whose axis shows few digits."""
-    largest = max((float(np.max(np.abs(s[np.isfinite(s)]), initial=0.0)) for s in series), default=0.0)
-    power = int(np.floor(np.log10(largest))) if largest > 0 else 0
-    return power if power < -1 or power > 3 else 0
-
-
-def _power_text(power: int) -> str:
-    return "" if power == 0 else "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) + " "
+def _largest(*series: np.ndarray) -> float:
+    return max((float(np.max(np.abs(s[np.isfinite(s)]), initial=0.0)) for s in series), default=0.0)
 
 
 def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """What the plots take: float64, and what is infinite not drawn."""
-    return (time, *(np.where(np.isfinite(v), v, np.nan) for v in values))
+    """What the plots take: what is infinite is not drawn, and a series of nothing has one zero.
+
+    Without it the plot finds no range and draws the other series neither.
+    """
+    drawn = [np.where(np.isfinite(v), v, np.nan) for v in values]
+    for series in drawn:
+        if np.isnan(series).all():
+            series[0] = 0.0
+    return (time, *drawn)
 
 
 def _heading(text: str) -> str:
@@ -117,7 +120,7 @@ def _plot(gui: viser.GuiApi, series: tuple[dict, ...], legend: bool = False,
                          legend={"show": legend, "live": False})
 
 
-def _readout(session: Session) -> str:
+def _readout(session: Session, series: dict[str, np.ndarray], estimator: str | None, quantity: str) -> str:
     report = session.report
     scene = report.scene
     real = "–" if report.real_speed is None or not report.playing else f"{report.real_speed:.3g}"
@@ -127,16 +130,19 @@ def _readout(session: Session) -> str:
             ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
             ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
-    drift = _energy_drift(session)
+    drift = _energy_drift(series)
     if drift is not None:
-        rows.append(("energy", f"{drift:+.2%} since the start"))
+        rows.append(("energy", f"out of balance by {drift:+.2%}"))
+    index = series.get(f"{estimator}/index_{quantity}", _EMPTY[:0])
+    if len(index) and np.isfinite(index[-1]):
+        apart = series[f"{estimator}/apart_{quantity}"][-1]
+        rows.append(("estimate", f"index {index[-1]:.2f}, distance {apart:.2f}"))
     cells = "".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows)
     return f"<div class='lab-readout'><table>{cells}</table></div>"
 
 
-def _energy_drift(session: Session) -> float | None:
-    """(E - W - E0)/E0 now, or None where the energy is not followed."""
-    s = session.history.series
+def _energy_drift(s: dict[str, np.ndarray]) -> float | None:
+    """(E - W - E0)/E0 now, W the body force's work, or None where the energy is not followed."""
     if "kinetic" not in s or not len(s["kinetic"]):
         return None
     total = s["kinetic"] + s["strain"]

@@ -15,7 +15,7 @@ from solvers.shapes import weights_1d
 
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3
 FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
-CHECK_EVERY = 32  # steps between two looks for a run that has gone bad
+CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
 
 
 @ti.func
@@ -129,16 +129,17 @@ def check(bar: ti.template(), step):
 
     Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
     """
+    flattest, bad = FLATTEST, -1
     for p in range(bar.particles):
-        kind = SOUND
-        if not abs(bar.position[p] - bar.material_position[p]) < bar.farthest:
-            kind = ESCAPED
-        if bar.deformation_gradient[p] < FLATTEST:
-            kind = CRUSHED
-        if not bar.deformation_gradient[p] > 0:
-            kind = INVERTED
-        if kind != SOUND and bar.verdict[0] == SOUND:
-            bar.verdict[0], bar.verdict[1], bar.verdict[2] = kind, step, p
+        F = bar.deformation_gradient[p]
+        if not F >= flattest:  # true for NaN too
+            flattest, bad = -1e300 if ti.math.isnan(F) else F, p
+            bar.verdict[0] = CRUSHED if F > 0 else INVERTED
+        elif not abs(bar.position[p] - bar.material_position[p]) < bar.farthest and bad < 0:
+            bad = p
+            bar.verdict[0] = ESCAPED
+    if bad >= 0:
+        bar.verdict[1], bar.verdict[2] = step, bad
 
 
 @ti.kernel

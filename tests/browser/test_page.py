@@ -75,6 +75,12 @@ def plotted(page):
                          "[u.chart.data[0].length, u.chart.data[0][u.chart.data[0].length - 1]])")
 
 
+def drawn(page):
+    """Of the plot of error norms: the number of points, and of each series whether it draws more than one of them."""
+    return page.evaluate("(() => { const d = Object.values(window.__viserTestpoints.uplots)[0].chart.data;"
+                         "return [d[0].length, ...d.slice(1).map(s => +([...s].filter(v => v > 0).length > 1))]; })()")
+
+
 def coloured(picture):
     """Share of the picture whose colours are those of the colour map, to within rounding."""
     table = {tuple(c) for c in colour_table().tolist()}
@@ -132,9 +138,9 @@ def test_every_slider_reaches_the_run(page):
     press(page, "A = ", "ArrowLeft", 100)
     until(lambda: np.any(np.abs(stage(page) - before) > 30, axis=2).mean() > 0.01, "another amplitude drawn")
     assert float(re.search(r"A = (\S+) m", row(page, "A = ").inner_text())[1]) < 0.02
-    before = time(page)
+    until(lambda: time(page) > 0.5, "a run under way")
     row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("2")
-    until(lambda: time(page) < before, "a run begun anew")
+    until(lambda: time(page) < 0.5, "a run begun anew")
 
 
 def test_pause_step_play_reset(page):
@@ -164,6 +170,29 @@ def test_beyond_the_exact_solution_is_refused_in_words(page):
     page.locator(".lab-refused").wait_for(state="detached")
 
 
+def test_a_refused_value_stays_wished(page):
+    """The slider shows the refused amplitude, so another slider must not quietly clear the notice or half obey."""
+    press(page, "A = ", "End")
+    page.locator(".lab-refused").wait_for()
+    row(page, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("80")
+    sleep(1)
+    assert "0.159" in page.locator(".lab-refused").inner_text()
+    size = number(page, r"of (\S+) s")
+    press(page, "A = ", "ArrowLeft", 60)
+    until(lambda: number(page, r"of (\S+) s") == pytest.approx(size / 2, rel=1e-2), "both wishes met")
+    page.locator(".lab-refused").wait_for(state="detached")
+
+
+def test_reset_while_paused_empties_the_plots(page):
+    """At t = 0 nothing has been measured, and the plots show nothing of the run before."""
+    until(lambda: time(page) > 0.3, "a run under way")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused")
+    click(page, "Reset")
+    until(lambda: steps(page) == 0, "the beginning")
+    until(lambda: all(last < 1e-6 for _, last in plotted(page)), "empty plots")
+
+
 def test_instability_is_said_and_survived(page):
     """CFL 2 cannot be stable: the page says so, and a stable setting runs again."""
     press(page, "CFL = ", "End")
@@ -185,6 +214,7 @@ def test_methods_effects_and_estimator(page):
     full = coloured(stage(page))
     choose(page, "Estimator", "none")
     until(lambda: coloured(stage(page)) < 0.75 * full, "a grey lane")
+    until(lambda: drawn(page)[1:] == [0, 1], "the true error still drawn, the estimate not")
     page.get_by_text("Effects: compute only").click()
     page.get_by_label("true error").click()
     until(lambda: coloured(stage(page)) < 0.5 * full, "two grey lanes")
