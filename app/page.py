@@ -17,13 +17,13 @@ from app.panels.measurements import Measurements
 from app.scale import ColourScale
 from app.session import Notice, Session
 from app.stage_bar import RECTANGLE, BarStage
+from solvers.bar.scene import BarScene
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool
-from solvers.scene import Scene
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
-FIRST_SCENE = Scene(periods=1)
+FIRST_SCENE = BarScene(periods=1)
 
 
 class Page:

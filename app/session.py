@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from time import monotonic
 
 from app.history import History
+from solvers.bar.scene import BarScene
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool
@@ -56,7 +57,7 @@ class Session:
         with self._lock:
             self._wished |= fields
             try:
-                self.scene, self._refusal = Scene(**self._wished), None
+                self.scene, self._refusal = BarScene(**self._wished), None
             except SceneError as refusal:
                 self._refusal = str(refusal)
                 return

@@ -18,7 +18,9 @@ SCHEMA = "mpm-lab/run/1"
 class Snapshot:
     """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
 
-    ``error`` (P, 4) is computed minus exact, or None without the truth; ``estimate`` maps an estimator to
+    Positions are (P,) for the bar and (P, 2) for the ring, F (P,) and (P, 2, 2).
+    ``error`` (P, 4) is computed minus exact for the bar, the size of that for the ring, or None
+    without the truth; ``estimate`` maps an estimator to
     (P, 4); ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
     """
 
@@ -57,11 +59,16 @@ class Result:
     seconds: Seconds
     arch: str
     threads: int
+    plan: str  # how the step was spread: "serial" or "parallel"
+
+    @property
+    def particles(self) -> int:
+        return len(self.final.position)
 
     @property
     def rate(self) -> float:
         """Million particle-steps per second of the run."""
-        return 1e-6 * self.scene.particles * self.steps / self.seconds.run if self.seconds.run > 0 else math.nan
+        return 1e-6 * self.particles * self.steps / self.seconds.run if self.seconds.run > 0 else math.nan
 
     @property
     def effects(self) -> list[str]:
@@ -73,7 +80,7 @@ class Result:
 
     def errors(self) -> dict:
         """``{"x": {"final", "max", "mean"}, ...}`` of the true errors, nulls where the truth was off."""
-        extra = {"sigma_log": summary(self.series["error_extra"])}
+        extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return {**{q: summary(self.series[f"error_{q}"]) for q in QUANTITIES}, **extra}
 
     def estimates(self, estimator: str) -> dict:
@@ -102,14 +109,14 @@ class Result:
         crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
         return {
             "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
-            "t": self.time, "steps": self.steps, "particles": self.scene.particles,
+            "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": None if math.isnan(crossings) else int(crossings), "energy": self.energy(),
             "effects": self.effects, "bytes": self.bytes,
             "seconds": {"compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate},
-            "rate": _number(self.rate), "arch": self.arch, "threads": self.threads}
+            "rate": _number(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
 
     def _each(self, what, missing) -> dict:
         """One estimator's values as they are, several keyed by estimator, nulls for none."""

@@ -11,14 +11,19 @@ import numpy as np
 from solvers import samples
 from solvers.bar.solver import BarSolver
 from solvers.result import Result, Seconds
+from solvers.ring.solver import RingSolver
 from solvers.scene import Scene
+from solvers.solver import Solver
 
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
 
 
-def build(scene: Scene) -> BarSolver:
+SOLVERS = {"bar": BarSolver, "ring": RingSolver}
+
+
+def build(scene: Scene) -> Solver:
     """The solver of a scene's problem, with its particles in place and nothing run."""
-    return BarSolver(scene)
+    return SOLVERS[scene.problem](scene)
 
 
 def run(scene: Scene, on_progress: Callable[[float], None] | None = None) -> Result:
@@ -44,12 +49,13 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None) -> Res
     last = solver.measure()  # also the last look for a run gone bad: the kernel's own look may be steps ago
     if solver.step % scene.sample_interval:
         rows.append(last)
-    series = samples.read(np.concatenate(rows), scene.active_estimators, scene.particles, scene.time_step)
+    final = solver.snapshot()
+    series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
     sound = solver.sound
     return Result(scene=scene, status="ok" if sound else "unstable", reason=None if sound else solver.reason(),
-                  time=solver.time, steps=solver.step, series=series, final=solver.snapshot(),
+                  time=solver.time, steps=solver.step, series=series, final=final,
                   bytes=solver.bytes, seconds=Seconds(compiled, ran, _estimate_seconds(scene, ran)),
-                  arch=solver.arch, threads=solver.threads)
+                  arch=solver.arch, threads=solver.threads, plan=solver.plan)
 
 
 def _estimate_seconds(scene: Scene, ran: float) -> float | None:

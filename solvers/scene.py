@@ -9,22 +9,16 @@ from __future__ import annotations
 
 import math
 import sys
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
-from typing import Literal, get_args
+from typing import ClassVar, Literal, get_args
 
-Problem = Literal["bar"]
-Method = Literal["mpm", "ugimp", "cpgimp", "bspline"]
-BodyForce = Literal["material", "node", "none"]
-PositionUpdate = Literal["grid", "particle", "corners"]
 Estimator = Literal["transport"]
 Effect = Literal["truth", "estimate", "crossings", "energy", "acceleration"]
 Arch = Literal["cpu", "gpu"]
 
 ESTIMATORS: tuple[Estimator, ...] = get_args(Estimator)
 EFFECTS: tuple[Effect, ...] = get_args(Effect)
-
-#: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
-BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
 
 MOST_PARTICLES = 1_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
@@ -53,32 +47,41 @@ def field_label(field: str) -> str:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(ABC):
     """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods``
-    the end. A ``None`` takes the default: ``cfl`` 0.05, 5 ``periods``, about 200 samples a period.
+    the end. A ``None`` takes the default: ``cfl`` 0.05, 5 ``periods``, about 200 samples a period. Each problem has
+    a scene class of its own with its defaults, its choices and its geometry.
     """
 
-    problem: Problem = "bar"
-    method: Method = "ugimp"
-    cells: int = 40
-    particles_per_cell: int = 4
-    amplitude: float = 0.025
-    modulus: float = 4.0
-    density: float = 1.0
+    problem: str
+    method: str
+    cells: int
+    particles_per_cell: int
+    amplitude: float
+    modulus: float
+    density: float
     dt: float | None = None
     cfl: float | None = None
     t_end: float | None = None
     periods: float | None = None
-    body_force: BodyForce = "material"
+    body_force: str = "material"
     linearity_preserving: bool = False
-    velocity: PositionUpdate = "grid"
+    velocity: str = "grid"
     estimators: tuple[Estimator, ...] = ("transport",)
     effects: tuple[Effect, ...] = EFFECTS
     arch: Arch = "cpu"
     threads: int = 1
     sample_every: int | None = None
+
+    #: What each field with a choice may be; a problem's scene adds its own.
+    CHOICES: ClassVar[dict[str, tuple[str, ...]]] = {"arch": get_args(Arch)}
+    #: What the problem's own error norm is called in the result (see ``solvers.samples``).
+    EXTRA_ERROR: ClassVar[str]
+    FEWEST_CELLS: ClassVar[int] = 4
+    DEFAULT_PERIODS: ClassVar[float] = 5.0
+    SAMPLES_A_PERIOD: ClassVar[int] = 200
 
     def __post_init__(self) -> None:
         self._check_choices()
@@ -86,12 +89,28 @@ class Scene:
         self._check_time()
         self._check_combinations()
 
-    # ---- derived quantities -------------------------------------------------------------------------------
-
     @property
+    @abstractmethod
     def spacing(self) -> float:
         """Cell size h."""
-        return 1.0 / self.cells
+
+    @property
+    @abstractmethod
+    def particles(self) -> int:
+        """Number of particles."""
+
+    @abstractmethod
+    def _check_amplitude(self) -> None:
+        """Refuse an amplitude for which there is no exact solution."""
+
+    def _check_combinations(self) -> None:  # noqa: B027 (a problem without such rules has none)
+        """Refuse what does not go together."""
+
+    def warnings(self) -> list[str]:
+        """Sentences about what is allowed but will surprise."""
+        return []
+
+    # ---- derived quantities -------------------------------------------------------------------------------
 
     @property
     def wave_speed(self) -> float:
@@ -100,22 +119,18 @@ class Scene:
 
     @property
     def angular_frequency(self) -> float:
-        """w of the exact solution: c pi/l with the body force (eq 32), the natural 2 c pi/l without; l = 1."""
-        return self.wave_speed * math.pi * (2 if self.body_force == "none" else 1)
+        """w = c pi/l of the exact solution, l = 1 (eq 32)."""
+        return self.wave_speed * math.pi
 
     @property
     def motion_amplitude(self) -> float:
-        """Largest displacement of the exact solution: A; A/2 for the free bar, which starts at the same speed."""
-        return self.amplitude / 2 if self.body_force == "none" else self.amplitude
+        """Largest displacement of the exact solution."""
+        return self.amplitude
 
     @property
     def period(self) -> float:
         """One full vibration, 2 pi/w."""
         return 2 * math.pi / self.angular_frequency
-
-    @property
-    def particles(self) -> int:
-        return self.cells * self.particles_per_cell
 
     @property
     def time_step(self) -> float:
@@ -133,7 +148,7 @@ class Scene:
     def end_time(self) -> float:
         if self.t_end is not None:
             return self.t_end
-        return (DEFAULT_PERIODS if self.periods is None else self.periods) * self.period
+        return (self.DEFAULT_PERIODS if self.periods is None else self.periods) * self.period
 
     @property
     def steps(self) -> int:
@@ -145,7 +160,7 @@ class Scene:
         """Steps between two samples of the norms."""
         if self.sample_every is not None:
             return self.sample_every
-        wanted = int(min(self.period / self.time_step, MOST_STEPS)) // SAMPLES_A_PERIOD
+        wanted = int(min(self.period / self.time_step, MOST_STEPS)) // self.SAMPLES_A_PERIOD
         wanted = max(wanted, math.ceil(self.steps / SAMPLES_A_RUN))
         return max(1, wanted // self.estimate_interval) * self.estimate_interval
 
@@ -175,9 +190,8 @@ class Scene:
     # ---- rules --------------------------------------------------------------------------------------------
 
     def _check_choices(self) -> None:
-        for field, literal in (("problem", Problem), ("method", Method), ("body_force", BodyForce),
-                               ("velocity", PositionUpdate), ("arch", Arch)):
-            _require_choice(field, getattr(self, field), get_args(literal))
+        for field, allowed in self.CHOICES.items():
+            require_choice(field, getattr(self, field), allowed)
         if not isinstance(self.linearity_preserving, bool):
             raise SceneError("linearity_preserving", self.linearity_preserving, "give True or False")
         for field, allowed in (("estimators", ESTIMATORS), ("effects", EFFECTS)):
@@ -186,22 +200,17 @@ class Scene:
                 raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
             object.__setattr__(self, field, tuple(chosen))  # a list is welcome, but a scene must be hashable
             for item in chosen:
-                _require_choice(field, item, allowed, also="none")
+                require_choice(field, item, allowed, also="none")
             if len(set(chosen)) != len(chosen):
                 raise SceneError(field, " ".join(chosen), "names something twice; give each name once")
 
     def _check_numbers(self) -> None:
-        _require_whole("cells", self.cells, 4, 100_000)
-        _require_whole("particles_per_cell", self.particles_per_cell, 1, 64)
-        _require_whole("threads", self.threads, 1, 1024)
-        _require_number("amplitude", self.amplitude, 1e-12, math.inf,
-                        "give a number above 1e-12 and below 0.159")
-        if self.amplitude >= BAR_AMPLITUDE_LIMIT:
-            raise SceneError("amplitude", self.amplitude,
-                             "the exact bar inverts from 1/(2 pi) = 0.159 on; "
-                             "give a number above 1e-12 and below 0.159")
-        _require_number("modulus", self.modulus, 1e-6, 1e12)
-        _require_number("density", self.density, 1e-6, 1e12)
+        require_whole("cells", self.cells, self.FEWEST_CELLS, 100_000)
+        require_whole("particles_per_cell", self.particles_per_cell, 1, 64)
+        require_whole("threads", self.threads, 1, 1024)
+        self._check_amplitude()
+        require_number("modulus", self.modulus, 1e-6, 1e12)
+        require_number("density", self.density, 1e-6, 1e12)
         if self.particles > MOST_PARTICLES:
             raise SceneError("particles_per_cell", self.particles_per_cell,
                              f"{self.cells} cells with so many particles each make {self.particles:,} particles; "
@@ -214,7 +223,7 @@ class Scene:
                                  f"{one.replace('_', '-')} is given too; give one of the two")
             for field in (one, other):
                 if getattr(self, field) is not None:
-                    _require_number(field, getattr(self, field), 0, math.inf)
+                    require_number(field, getattr(self, field), 0, math.inf)
         if self.courant_number > MOST_CFL:
             field, allowed = ("dt", f"{MOST_CFL * self.spacing / self.wave_speed:.3g}") if self.dt is not None \
                 else ("cfl", f"{MOST_CFL:g}")
@@ -227,42 +236,35 @@ class Scene:
                              f"give {allowed:.3g} (cfl {LEAST_CFL:g}) or more")
         if self.end_time / self.time_step > MOST_STEPS:
             field = "t_end" if self.t_end is not None else "periods"
-            raise SceneError(field, getattr(self, field) or DEFAULT_PERIODS,
+            raise SceneError(field, getattr(self, field) or self.DEFAULT_PERIODS,
                              f"needs {self.end_time / self.time_step:.3g} steps; "
                              f"at most {MOST_STEPS:,} are allowed: end earlier or take longer steps")
         if self.sample_every is not None:
-            _require_whole("sample_every", self.sample_every, 1, MOST_STEPS)
+            require_whole("sample_every", self.sample_every, 1, MOST_STEPS)
         if self.steps / self.sample_interval > MOST_SAMPLES:
             raise SceneError("sample_every", self.sample_interval,
                              f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
                              f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
 
-    def _check_combinations(self) -> None:
-        if self.velocity == "corners" and self.method != "cpgimp":
-            raise SceneError("velocity", "corners", "moves the corners of convected domains and needs "
-                             "the method cpgimp; with other methods give grid or particle")
-
 
 DEFAULT_CFL = 0.05
-DEFAULT_PERIODS = 5.0
-SAMPLES_A_PERIOD = 200
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LEAST_CFL = 1e-9
 MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
 
 
-def _require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
+def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
         raise SceneError(field, value, f"is not known; give {'one of ' if ',' in names else ''}{names}")
 
 
-def _require_whole(field: str, value: object, least: int, most: int) -> None:
+def require_whole(field: str, value: object, least: int, most: int) -> None:
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
         raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
 
 
-def _require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
+def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
     number = isinstance(value, (int, float)) and not isinstance(value, bool) \
         and abs(value) <= sys.float_info.max  # False for NaN, infinity and integers beyond them
     if not number or not above < value <= most:

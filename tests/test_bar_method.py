@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from reference import Bar
 
+from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.scene import Scene
 
 STEPS = 40
-BASE = Scene(cells=12, amplitude=0.1, cfl=0.2, periods=2, density=1.7, estimators=(), effects=())
+BASE = BarScene(cells=12, amplitude=0.1, cfl=0.2, periods=2, density=1.7, estimators=(), effects=())
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]
 
 

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from reference import NUMBERS
 
+from solvers.bar.scene import BarScene
 from solvers.run import run
 from solvers.scene import Scene
 
 TABLE = NUMBERS["table1"]
-TABLE_SCENE = Scene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0)
+TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0)
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]
-LARGE = Scene(amplitude=0.025, periods=1, estimators=(), effects=("truth", "crossings", "energy"))
+LARGE = BarScene(amplitude=0.025, periods=1, estimators=(), effects=("truth", "crossings", "energy"))
 
 
 def worst(result) -> dict[str, float]:
@@ -83,7 +84,7 @@ def test_orders_and_sizes_at_small_amplitude(method, linear, simulate):
     order. The amplitude is tiny, because the plain hat stops at a floor of about A times the strain 2 pi A,
     whatever h: within a cell its force is sum F sigma V0/h although the cell has not stretched.
     """
-    scenes = [Scene(method=method, linearity_preserving=linear, cells=n, cfl=0.2 / n, amplitude=2.5e-5,
+    scenes = [BarScene(method=method, linearity_preserving=linear, cells=n, cfl=0.2 / n, amplitude=2.5e-5,
                     periods=1, estimators=(), effects=("truth",)) for n in (20, 40, 80)]
     results = [simulate(scene) for scene in scenes]
     errors = [worst(result) for result in results]

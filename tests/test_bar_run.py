@@ -8,12 +8,13 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.bar.step import CHECK_EVERY
 from solvers.run import run
-from solvers.scene import EFFECTS, Scene
+from solvers.scene import EFFECTS
 
-SCENE = Scene(amplitude=0.05, cells=20, periods=1)
+SCENE = BarScene(amplitude=0.05, cells=20, periods=1)
 STATE = ("position", "velocity", "deformation_gradient")
 
 

@@ -17,6 +17,7 @@ from app.cli import main
 from app.commands.output import Target, json_text, noted_interrupts
 from app.commands.run_bar import RunBar
 from app.commands.table import run_table
+from solvers.bar.scene import BarScene
 from solvers.scene import EFFECTS, Scene
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -171,7 +172,7 @@ def test_version(capsys):
 
 
 def test_flags_left_out_are_the_scenes_defaults():
-    assert RunBar().scene() == Scene()
+    assert RunBar().scene() == BarScene()
 
 
 def test_flags_reach_the_scene(monkeypatch):
@@ -181,7 +182,7 @@ def test_flags_reach_the_scene(monkeypatch):
                  "--modulus", "9", "--density", "2", "--dt", "1e-4", "--t-end", "0.5", "--body-force", "node",
                  "--linearity-preserving", "--velocity", "corners", "--estimator", "none",
                  "--effects", "truth,energy", "--threads", "2", "--sample-every", "7"]) == 0
-    assert seen == [Scene(method="cpgimp", cells=100, particles_per_cell=2, amplitude=0.1, modulus=9.0,
+    assert seen == [BarScene(method="cpgimp", cells=100, particles_per_cell=2, amplitude=0.1, modulus=9.0,
                           density=2.0, dt=1e-4, t_end=0.5, body_force="node", linearity_preserving=True,
                           velocity="corners", estimators=(), effects=("truth", "energy"), threads=2,
                           sample_every=7)]

@@ -14,11 +14,11 @@ from time import monotonic, perf_counter
 import numpy as np
 import pytest
 
+from solvers.bar.scene import BarScene
 from solvers.engine.pool import EnginePool
 from solvers.run import build
-from solvers.scene import Scene
 
-SCENE = Scene(cells=20, periods=1)
+SCENE = BarScene(cells=20, periods=1)
 PATIENCE = 30.0  # seconds; a loaded machine may need to compile
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from solvers.bar.scene import BarScene
 from solvers.scene import Scene
 
 #: method, linearity preserving, amplitude, largest stable cfl
@@ -20,7 +21,7 @@ EDGES = [("ugimp", False, 1e-6, 0.7), ("ugimp", False, 0.025, 0.8), ("ugimp", Tr
 
 def hard(method: str, linear: bool, amplitude: float, cfl: float, periods: float = 5, cells: int = 40,
          velocity: str = "grid") -> Scene:
-    return Scene(method=method, linearity_preserving=linear, amplitude=amplitude, cfl=cfl, periods=periods,
+    return BarScene(method=method, linearity_preserving=linear, amplitude=amplitude, cfl=cfl, periods=periods,
                  cells=cells, velocity=velocity, estimators=(), effects=("truth",))
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.bar.step import advance
 from solvers.scene import Scene
@@ -26,7 +27,7 @@ def resident_bytes() -> int:
 
 def random_scene(rng: np.random.Generator) -> Scene:
     """Same switches, all numbers different."""
-    return Scene(cells=int(rng.integers(4, 400)), particles_per_cell=int(rng.integers(1, 6)),
+    return BarScene(cells=int(rng.integers(4, 400)), particles_per_cell=int(rng.integers(1, 6)),
                  amplitude=float(rng.uniform(0.001, 0.1)), modulus=float(rng.uniform(1, 100)),
                  density=float(rng.uniform(1, 10)), cfl=float(rng.uniform(0.01, 0.1)))
 
@@ -52,7 +53,7 @@ def test_a_new_switch_compiles_once():
     not.
     """
     kernel = advance._primal
-    scene = Scene(effects=("energy", "crossings"), body_force="none", velocity="particle")
+    scene = BarScene(effects=("energy", "crossings"), body_force="none", velocity="particle")
     counts = [len(kernel.compiled_kernels)]
     for variant in (scene, scene, replace(scene, cells=17)):
         BarSolver(variant).advance(1)

@@ -11,11 +11,11 @@ from matplotlib.colors import to_rgb
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
 from app.plots import png_bytes, run_figure, save_png
+from solvers.bar.scene import BarScene
 from solvers.result import Result
 from solvers.run import run
-from solvers.scene import Scene
 
-SCENE = Scene(cells=8, particles_per_cell=2, periods=0.3)
+SCENE = BarScene(cells=8, particles_per_cell=2, periods=0.3)
 
 
 @pytest.fixture(scope="module")

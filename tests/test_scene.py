@@ -10,25 +10,26 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from solvers.scene import BAR_AMPLITUDE_LIMIT, EFFECTS, FLAGS, MOST_PARTICLES, MOST_STEPS, Scene, SceneError
+from solvers.bar.scene import BAR_AMPLITUDE_LIMIT, BarScene
+from solvers.scene import EFFECTS, FLAGS, MOST_PARTICLES, MOST_STEPS, SceneError
 
-NUMBERS = [f.name for f in fields(Scene) if f.type.split(" ")[0] in ("int", "float")]
-WHOLE = [f.name for f in fields(Scene) if f.type.split(" ")[0] == "int"]
-LISTS = [f.name for f in fields(Scene) if f.type.startswith("tuple")]
+NUMBERS = [f.name for f in fields(BarScene) if f.type.split(" ")[0] in ("int", "float")]
+WHOLE = [f.name for f in fields(BarScene) if f.type.split(" ")[0] == "int"]
+LISTS = [f.name for f in fields(BarScene) if f.type.startswith("tuple")]
 FLAG = "linearity_preserving"
-CHOICES = [f.name for f in fields(Scene) if f.name not in [*NUMBERS, *LISTS, FLAG]]
+CHOICES = [f.name for f in fields(BarScene) if f.name not in [*NUMBERS, *LISTS, FLAG]]
 NOT_NUMBERS = [math.nan, math.inf, -math.inf, -1, 0, "3", True, [1], 1j, 10**400]
 
 
 def refusal(**values) -> SceneError:
     with pytest.raises(SceneError) as caught:
-        Scene(**values)
+        BarScene(**values)
     return caught.value
 
 
 def test_every_field_is_of_a_kind_that_these_tests_know():
     """A field of a new kind must get rules and tests of its own."""
-    assert {f.type for f in fields(Scene)} == {
+    assert {f.type for f in fields(BarScene)} == {
         "Problem", "Method", "int", "float", "float | None", "bool", "BodyForce", "PositionUpdate",
         "tuple[Estimator, ...]", "tuple[Effect, ...]", "Arch", "int | None"}
     assert len(NUMBERS) >= 11 and set(CHOICES) >= {"problem", "method", "body_force", "velocity", "arch"}
@@ -53,7 +54,7 @@ def test_counts_refuse_fractions(field):
 @pytest.mark.parametrize("value", ["nonsense", "", None, 3, ["mpm"]], ids=str)
 def test_choices_refuse_unknown_names_and_list_the_known(field, value):
     error = refusal(**{field: value})
-    assert error.field == field and getattr(Scene(), field) in error.sentence
+    assert error.field == field and getattr(BarScene(), field) in error.sentence
 
 
 @pytest.mark.parametrize("value", ["no", 0, 1, None], ids=repr)
@@ -64,7 +65,7 @@ def test_linearity_preserving_is_true_or_false(value):
 
 @pytest.mark.parametrize("field", LISTS)
 def test_lists_refuse_unknown_repeated_and_bare_names(field):
-    known = getattr(Scene(), field)[0]
+    known = getattr(BarScene(), field)[0]
     assert known in refusal(**{field: ("nonsense",)}).sentence
     assert "twice" in refusal(**{field: (known, known)}).sentence
     for bare in (known, None, 3):
@@ -73,7 +74,7 @@ def test_lists_refuse_unknown_repeated_and_bare_names(field):
 
 def test_a_list_makes_the_same_hashable_scene_as_a_tuple():
     """Command line and page hand over lists; scenes are keys of caches."""
-    assert hash(Scene(estimators=["transport"], effects=list(EFFECTS))) == hash(Scene())
+    assert hash(BarScene(estimators=["transport"], effects=list(EFFECTS))) == hash(BarScene())
 
 
 @pytest.mark.parametrize(("inside", "outside", "field"), [
@@ -100,14 +101,14 @@ def test_a_list_makes_the_same_hashable_scene_as_a_tuple():
 ], ids=str)
 def test_limits(inside, outside, field):
     """The last value inside is a scene, the first outside names its field and what is allowed."""
-    Scene(**inside)
+    BarScene(**inside)
     error = refusal(**outside)
     assert error.field == field and ("give" in error.sentence or "allowed" in error.sentence)
 
 
 def test_amplitude_limit_is_where_the_exact_bar_inverts():
     """min F = 1 - 2 pi A (A < 1/(2 pi)); the sentence says so with the number."""
-    Scene(amplitude=math.nextafter(BAR_AMPLITUDE_LIMIT, 0))
+    BarScene(amplitude=math.nextafter(BAR_AMPLITUDE_LIMIT, 0))
     error = refusal(amplitude=1 / (2 * math.pi))
     assert "inverts" in str(error) and "0.159" in str(error)
 
@@ -124,57 +125,57 @@ def test_exclusive_pairs(one, other):
 
 def test_a_scene_cannot_be_changed_behind_its_rules():
     with pytest.raises(FrozenInstanceError):
-        Scene().cells = 3
+        BarScene().cells = 3
     with pytest.raises(SceneError):
-        replace(Scene(), cells=3)
+        replace(BarScene(), cells=3)
 
 
 def test_derived_quantities():
     """c = sqrt(E/rho), w = c pi, period 2 pi/w = 2/c; dt from cfl and back; whole steps to the nearest."""
-    scene = Scene(cells=50, particles_per_cell=3, modulus=9.0, density=4.0, cfl=0.1, periods=2)
+    scene = BarScene(cells=50, particles_per_cell=3, modulus=9.0, density=4.0, cfl=0.1, periods=2)
     assert (scene.spacing, scene.wave_speed, scene.particles) == (0.02, 1.5, 150)
     assert scene.angular_frequency == 1.5 * math.pi and scene.period == pytest.approx(2 / 1.5, rel=1e-15)
     assert scene.time_step == pytest.approx(0.1 * 0.02 / 1.5, rel=1e-15)
     assert scene.steps == round(2 * scene.period / scene.time_step) == 2000
-    assert Scene(dt=2.5e-5, t_end=1.0).steps == 40_000
-    assert Scene(dt=2.5e-5, modulus=1000.0, cells=160).courant_number == pytest.approx(0.126491106, rel=1e-8)
-    assert Scene(cfl=1.0, t_end=1e-9).steps == 1
+    assert BarScene(dt=2.5e-5, t_end=1.0).steps == 40_000
+    assert BarScene(dt=2.5e-5, modulus=1000.0, cells=160).courant_number == pytest.approx(0.126491106, rel=1e-8)
+    assert BarScene(cfl=1.0, t_end=1e-9).steps == 1
 
 
 @pytest.mark.parametrize(("cfl", "interval"),
                          [(1e-3, 10), (0.05, 10), (0.1, 5), (0.2, 2), (0.3, 1), (1.5, 1)])
 def test_estimate_interval(cfl, interval):
     """k = clamp(h/(2 c dt), 1, 10): an estimator steps twice while a wave crosses a cell."""
-    scene = Scene(cfl=cfl)
+    scene = BarScene(cfl=cfl)
     assert scene.estimate_interval == interval and scene.sample_interval % interval == 0
 
 
 def test_samples_follow_the_period_unless_told():
     """About 200 samples a period, at the estimators' own steps."""
-    assert 180 <= Scene(cfl=0.01).period / Scene(cfl=0.01).time_step / Scene(cfl=0.01).sample_interval <= 220
-    assert Scene(sample_every=7).sample_interval == 7
+    assert 180 <= BarScene(cfl=0.01).period / BarScene(cfl=0.01).time_step / BarScene(cfl=0.01).sample_interval <= 220
+    assert BarScene(sample_every=7).sample_interval == 7
 
 
 def test_effects_that_need_others():
     """The acceleration error needs the truth; without the effect ``estimate`` no estimator runs."""
-    assert not Scene(effects=("acceleration",)).has("acceleration")
-    assert Scene(effects=("acceleration", "truth")).has("acceleration")
-    assert Scene(effects=("truth",)).active_estimators == () and not Scene(effects=("truth",)).has("estimate")
-    assert not Scene(estimators=()).has("estimate") and Scene().active_estimators == ("transport",)
+    assert not BarScene(effects=("acceleration",)).has("acceleration")
+    assert BarScene(effects=("acceleration", "truth")).has("acceleration")
+    assert BarScene(effects=("truth",)).active_estimators == () and not BarScene(effects=("truth",)).has("estimate")
+    assert not BarScene(estimators=()).has("estimate") and BarScene().active_estimators == ("transport",)
 
 
 def test_to_dict_has_every_input_filled_in():
     """The JSON object shows what ran: every field under its flag's name, defaults replaced by numbers."""
-    scene = Scene()
+    scene = BarScene()
     values = json.loads(json.dumps(scene.to_dict(), allow_nan=False))
-    assert set(values) == {FLAGS.get(f.name, f.name) for f in fields(Scene)}
+    assert set(values) == {FLAGS.get(f.name, f.name) for f in fields(BarScene)}
     assert values["ppc"] == 4 and values["estimator"] == ["transport"] and values["cfl"] == 0.05
     assert None not in values.values()
     assert (values["dt"], values["t_end"]) == (scene.time_step, scene.end_time)
     assert values["periods"] == pytest.approx(5) and values["sample_every"] == scene.sample_interval
     numbers = ("cells", "amplitude", "modulus", "density", "dt", "t_end", "sample_every")
     again = {k: values[k] for k in numbers}
-    twin = Scene(**again)  # what is printed reproduces the run
+    twin = BarScene(**again)  # what is printed reproduces the run
     for name in ("steps", "time_step", "sample_interval"):
         assert getattr(twin, name) == getattr(scene, name)
 
@@ -190,7 +191,7 @@ anything = st.one_of(st.none(), st.floats(), st.floats(1e-12, 1e12), st.integers
 def test_any_numbers_make_a_usable_scene_or_a_scene_error(numbers):
     """No other exception, nothing infinite, and every count fits the kernel's 32-bit integers."""
     try:
-        scene = Scene(**numbers)
+        scene = BarScene(**numbers)
     except SceneError as error:
         assert error.field in NUMBERS and error.sentence
         return

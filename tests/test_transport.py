@@ -10,11 +10,11 @@ import pytest
 from reference import NUMBERS
 
 from solvers import norms
+from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
-from solvers.scene import Scene
 
 SMALL = NUMBERS["table1"]["small"]
-TABLE_SCENE = Scene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0,
+TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0,
                     modulus=SMALL["modulus"], amplitude=SMALL["amplitude"])
 
 
@@ -75,7 +75,7 @@ def test_samples_hold_the_particles_estimates(simulate):
 @pytest.mark.parametrize("method", ["mpm", "ugimp", "cpgimp", "bspline"])
 def test_a_rigid_motion_has_no_error(method, linear):
     """v = const is exact for every method, so the estimate stays at rounding, through cells and the seam."""
-    solver = BarSolver(Scene(method=method, linearity_preserving=linear, body_force="none", cells=12,
+    solver = BarSolver(BarScene(method=method, linearity_preserving=linear, body_force="none", cells=12,
                              cfl=0.2))
     solver._arrays.velocity[:] = 0.3
     solver.advance(100)

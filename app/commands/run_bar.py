@@ -19,6 +19,7 @@ from app.commands.flags import (
     list_flag,
 )
 from app.commands.output import Progress, Target, json_text, noted_interrupts, say, stdout_to_stderr
+from solvers.bar.scene import BarScene
 from solvers.scene import (
     DEFAULT_CFL,
     DEFAULT_PERIODS,
@@ -45,17 +46,17 @@ class RunBar:
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable.
     """
 
-    method: choice_flag(Method) = Scene.method
+    method: choice_flag(Method) = BarScene.method
     """Shape functions of the particles."""
-    cells: NumberFlag = Scene.cells
+    cells: NumberFlag = BarScene.cells
     """Cells of the grid; h = 1 m / cells."""
-    ppc: NumberFlag = Scene.particles_per_cell
+    ppc: NumberFlag = BarScene.particles_per_cell
     """Particles per cell."""
-    amplitude: RealFlag = Scene.amplitude
+    amplitude: RealFlag = BarScene.amplitude
     """Amplitude A of the displacement, m."""
-    modulus: RealFlag = Scene.modulus
+    modulus: RealFlag = BarScene.modulus
     """Young's modulus E, Pa."""
-    density: RealFlag = Scene.density
+    density: RealFlag = BarScene.density
     """Density, kg/m3."""
     dt: Annotated[RealFlag, default_hint("from --cfl")] = None
     """Time step, s; instead of --cfl."""
@@ -65,19 +66,19 @@ class RunBar:
     """End of the run, s; instead of --periods."""
     periods: Annotated[RealFlag, default_hint(f"{DEFAULT_PERIODS:g} without --t-end")] = None
     """End of the run in periods of the vibration; instead of --t-end."""
-    body_force: choice_flag(BodyForce) = Scene.body_force
+    body_force: choice_flag(BodyForce) = BarScene.body_force
     """Where the body force is evaluated: at material points, at nodes, or nowhere."""
-    linearity_preserving: bool = Scene.linearity_preserving
+    linearity_preserving: bool = BarScene.linearity_preserving
     """Make the particle-grid transfers exact for linear fields."""
-    velocity: choice_flag(PositionUpdate) = Scene.velocity
+    velocity: choice_flag(PositionUpdate) = BarScene.velocity
     """Velocity that moves the particles (corners: cpgimp only)."""
-    estimator: list_flag((*ESTIMATORS, "none")) = Scene.estimators
+    estimator: list_flag((*ESTIMATORS, "none")) = BarScene.estimators
     """Error estimators, one or several."""
     effects: Annotated[list_flag((*EFFECTS, "all", "none")), default_hint("all")] = EFFECTS
     """What to compute beside the method, with commas between; what is left out costs nothing."""
-    arch: choice_flag(Arch) = Scene.arch
+    arch: choice_flag(Arch) = BarScene.arch
     """Processor to run on."""
-    threads: NumberFlag = Scene.threads
+    threads: NumberFlag = BarScene.threads
     """Processor threads, at most."""
     sample_every: Annotated[NumberFlag, default_hint(f"about {SAMPLES_A_PERIOD} samples a period")] = None
     """Steps between two samples of the errors."""
@@ -94,7 +95,7 @@ class RunBar:
                   if f.name not in ("json", "plot", "quiet")}
         values["estimator"] = _expand("estimator", self.estimator, {"none": ()})
         values["effects"] = _expand("effects", self.effects, {"none": (), "all": EFFECTS})
-        return Scene(**{SCENE_FIELDS.get(key, key): value for key, value in values.items()})
+        return BarScene(**{SCENE_FIELDS.get(key, key): value for key, value in values.items()})
 
     def execute(self) -> int:
         """Run, then write what was asked for. Files are tried first, so that no run is lost to a typo."""

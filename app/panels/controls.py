@@ -11,7 +11,8 @@ import viser
 from app.panels.furniture import LOGARITHMIC
 from app.scale import ColourScale
 from app.session import Session
-from solvers.scene import EFFECTS, ESTIMATORS, BodyForce, Method, PositionUpdate
+from solvers.bar.scene import BodyForce, Method, PositionUpdate
+from solvers.scene import EFFECTS, ESTIMATORS
 
 METHODS = {"mpm": "MPM (hat functions)", "ugimp": "uGIMP", "cpgimp": "cpGIMP", "bspline": "B-spline"}
 #: Label, key in samples, unit. The order is that of the error columns.

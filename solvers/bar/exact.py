@@ -2,46 +2,46 @@
 
 u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(F - 1) and
 b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
-same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``Scene.motion_amplitude`` and
-``Scene.angular_frequency`` are those of whichever solution holds.
+same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``BarScene.motion_amplitude`` and
+``BarScene.angular_frequency`` are those of whichever solution holds.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from solvers.scene import Scene
+from solvers.bar.scene import BarScene
 
 WAVENUMBER = 2 * np.pi
 
 
-def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+def displacement(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """u(X, t) in metres."""
     return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
-def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+def velocity(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """v = u_t in m/s."""
     w = scene.angular_frequency
     return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
 
 
-def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+def acceleration(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """a = u_tt = -w^2 u in m/s^2."""
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
 
-def deformation_gradient(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+def deformation_gradient(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """F = 1 + u_X."""
     return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
-def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+def stress(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """P = E(F - 1) in pascals (eq 29)."""
     return scene.modulus * (deformation_gradient(scene, X, t) - 1)
 
 
-def body_force(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
+def body_force(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """b = 3 w^2 u per unit mass, in m/s^2 (eq 34, corrected); zero for the free bar."""
     if scene.body_force == "none":
         return np.zeros_like(X)

@@ -14,8 +14,8 @@ import numpy as np
 import taichi as ti
 
 from solvers.bar import exact
+from solvers.bar.scene import BarScene
 from solvers.samples import ROWS, column_count
-from solvers.scene import Scene
 
 real = ti.f64
 reals = ti.types.ndarray(dtype=real, ndim=1)
@@ -42,7 +42,7 @@ class Switches(NamedTuple):
     estimators: tuple[str, ...]
 
 
-def switches(scene: Scene) -> Switches:
+def switches(scene: BarScene) -> Switches:
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
                     scene.has("truth"), scene.has("crossings"), scene.has("energy"),
                     scene.has("acceleration"), scene.active_estimators)
@@ -81,7 +81,7 @@ class Arrays:
         return sum(getattr(self, f.name).nbytes for f in fields(self))
 
 
-def allocate(scene: Scene) -> Arrays:
+def allocate(scene: BarScene) -> Arrays:
     """The initial state: particles at (p + 1/2) h/ppc, F = 1, velocity A w sin 2 pi X."""
     P, nodes, on = scene.particles, scene.cells + GHOSTS, switches(scene)
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.particles_per_cell)
@@ -134,12 +134,12 @@ BarState = ti.types.argpack(
     totals=reals, samples=table, verdict=integers)
 
 
-def farthest(scene: Scene) -> float:
+def farthest(scene: BarScene) -> float:
     """Displacement from which on a run counts as gone bad: half the bar, or twenty times what is exact."""
     return min(0.5, 20 * scene.motion_amplitude)
 
 
-def pack(scene: Scene, arrays: Arrays):
+def pack(scene: BarScene, arrays: Arrays):
     """The kernel's view of a scene and its arrays. The arrays must outlive it."""
     w = scene.angular_frequency
     return BarState(

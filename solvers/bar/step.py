@@ -12,8 +12,8 @@ from solvers.bar.samples import sample
 from solvers.bar.state import MOST_HALF_WIDTH, BarState
 from solvers.estimators import transport
 from solvers.shapes import weights_1d
+from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
 
-SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3
 FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
 

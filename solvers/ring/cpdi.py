@@ -1,0 +1,98 @@
+"""The ring's mappings with CPDI: the particle is a parallelogram whose corners carry hat functions.
+
+S = 1/4 sum N(corner); the gradient is that of the corner values, exact over the parallelogram (Sadeghirad, Brannon &
+Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convected by F; corners 3 and 4 are opposite to
+1 and 2 and have the opposite gradients.
+"""
+
+import taichi as ti
+
+from solvers.ring.material import force_moment
+from solvers.ring.state import GHOSTS
+
+CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
+
+
+@ti.func
+def convected_edges(ring: ti.template(), p):
+    """F r1 and F r2, in cells, as (r1x, r1y, r2x, r2y)."""
+    F = ring.deformation_gradient[p]
+    r = ring.edges[p] * ring.cells_per_length
+    return ti.Vector([F[0] * r[0] + F[1] * r[1], F[2] * r[0] + F[3] * r[1],
+                      F[0] * r[2] + F[1] * r[3], F[2] * r[2] + F[3] * r[3]])
+
+
+@ti.func
+def find_weights(ring: ti.template(), start, end):
+    """Keep the cell of each corner and its place in it."""
+    for p in range(start, end):
+        x = ring.motion[p] * ring.cells_per_length + GHOSTS
+        r = convected_edges(ring, p)
+        places, nodes = ti.Vector([0.0] * 8), ti.Vector([0, 0, 0, 0])
+        for c in ti.static(range(4)):
+            a, b = ti.static(CORNERS[c])
+            corner_x = x[0] + a * r[0] + b * r[2]
+            corner_y = x[1] + a * r[1] + b * r[3]
+            # Clamped: a run that goes bad has positions anywhere until the check stops it.
+            i = ti.min(ti.max(ti.floor(corner_x), 0.0), ring.active - 2)
+            j = ti.min(ti.max(ti.floor(corner_y), 0.0), ring.active - 2)
+            places[2 * c], places[2 * c + 1] = corner_x - i, corner_y - j
+            nodes[c] = ti.cast(j, ti.i32) * ring.row + ti.cast(i, ti.i32)
+        ring.weights[p] = places
+        ring.corner_nodes[p] = nodes
+
+
+@ti.func
+def corner_gradients(ring: ti.template(), p):
+    """Weights of the values at corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
+    r = convected_edges(ring, p)
+    per = 0.5 * ring.cells_per_length / (r[0] * r[3] - r[1] * r[2])
+    return per * ti.Vector([r[1] - r[3], r[2] - r[0], r[1] + r[3], -r[0] - r[2]])
+
+
+@ti.func
+def hats(places, c: ti.template()):
+    """Hat functions of corner c at its cell's nodes: left and right below, left and right above."""
+    x, y = places[2 * c], places[2 * c + 1]
+    both = x * y
+    return ti.Vector([1 - x - y + both, x - both, y - both, both])
+
+
+@ti.func
+def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template()):
+    """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
+    for p in range(start, end):
+        places, cells = ring.weights[p], ring.corner_nodes[p]
+        g = corner_gradients(ring, p)
+        mass, carried, tau = force_moment(ring, p, on)
+        mass, carried = 0.25 * mass, 0.25 * carried
+        for c in ti.static(range(4)):
+            a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
+            pull = ti.Vector([0.0, 0.0, g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[1] + g[a + 1] * tau[2]])
+            sums = carried + b * pull
+            N = hats(places, c)
+            first = grid + cells[c]
+            for k in ti.static(range(4)):
+                node = first + (k // 2) * ring.row + k % 2
+                ring.node_sums[node] = ring.node_sums[node] + N[k] * sums
+                ring.node_mass[node] = ring.node_mass[node] + N[k] * mass
+
+
+@ti.func
+def gather(ring: ti.template(), p):
+    """Grid motion (v, a) at the particle and its derivatives in x and y."""
+    places, cells = ring.weights[p], ring.corner_nodes[p]
+    g = corner_gradients(ring, p)
+    total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+    for c in ti.static(range(4)):
+        N = hats(places, c)
+        node = cells[c]
+        value = N[0] * ring.node_motion[node] + N[1] * ring.node_motion[node + 1] \
+            + N[2] * ring.node_motion[node + ring.row] + N[3] * ring.node_motion[node + ring.row + 1]
+        total += value
+        sign = ti.static(1.0 if c < 2 else -1.0)
+        if ti.static(c % 2 == 0):
+            first_pair += sign * value
+        else:
+            second_pair += sign * value
+    return 0.25 * total, g[0] * first_pair + g[2] * second_pair, g[1] * first_pair + g[3] * second_pair

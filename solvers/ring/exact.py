@@ -1,0 +1,74 @@
+"""The ring's manufactured solution, as functions of the material position X and the time t.
+
+u = T(t) w(R) e_R with T = A sin(wt), w = c pi, between the radii a = 0.4 and b = 0.6. The cubic w has w(b) = 1 and
+w'(a) = w'(b) = 0, so that with nu = 0 both free surfaces carry no traction. F is diagonal in polar directions,
+F_r = 1 + T w', F_theta = 1 + T w/R, and P = mu (F - 1/F) in each, mu = E/2 (neo-Hookean with lambda = 0).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers.ring.scene import RingScene
+
+INNER, OUTER = 0.4, 0.6
+_SCALE = OUTER * (OUTER - 3 * INNER)
+C1, C2, C3 = -6 * INNER / _SCALE, 3 * (INNER + OUTER) / (OUTER * _SCALE), -2 / (OUTER * _SCALE)
+
+
+def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """w, w' and w'' at the radii R."""
+    return ((C3 * R + C2) * R + C1) * R, (3 * C3 * R + 2 * C2) * R + C1, 6 * C3 * R + 2 * C2
+
+
+def _expansion(scene: RingScene, t: float) -> float:
+    """T(t) = A sin(wt)."""
+    return scene.amplitude * np.sin(scene.angular_frequency * t)
+
+
+def _radially(X: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Vectors (P, 2) of the given size along e_R."""
+    return X * (size / np.linalg.norm(X, axis=1))[:, None]
+
+
+def displacement(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+    """u (P, 2) in metres at the material positions X (P, 2)."""
+    return _radially(X, _expansion(scene, t) * shape(np.linalg.norm(X, axis=1))[0])
+
+
+def velocity(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+    """v = u_t (P, 2) in m/s."""
+    w = scene.angular_frequency
+    return _radially(X, scene.amplitude * w * np.cos(w * t) * shape(np.linalg.norm(X, axis=1))[0])
+
+
+def acceleration(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+    """a = u_tt = -w^2 u (P, 2) in m/s^2."""
+    return -scene.angular_frequency**2 * displacement(scene, X, t)
+
+
+def stretches(scene: RingScene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """F_r and F_theta at the radii R."""
+    w, slope, _ = shape(R)
+    T = _expansion(scene, t)
+    return 1 + T * slope, 1 + T * w / R
+
+
+def stress(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+    """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3) in pascals: mu/J (F F^T - I), the paper's eq 37 corrected."""
+    R = np.linalg.norm(X, axis=1)
+    radial, hoop = stretches(scene, R, t)
+    scale = 0.5 * scene.modulus / (radial * hoop)
+    along, across = scale * (radial**2 - 1), scale * (hoop**2 - 1)
+    c, s = X[:, 0] / R, X[:, 1] / R
+    return np.stack([along * c * c + across * s * s, (along - across) * c * s, along * s * s + across * c * c], axis=1)
+
+
+def body_force(scene: RingScene, R: np.ndarray, t: float) -> np.ndarray:
+    """Radial body force per mass, in m/s^2, that makes u the solution: rho b = rho u_tt - P_r' - (P_r - P_theta)/R."""
+    w, _, curvature = shape(R)
+    T, mu = _expansion(scene, t), 0.5 * scene.modulus
+    radial, hoop = stretches(scene, R, t)
+    difference = mu * (radial - 1 / radial - hoop + 1 / hoop)
+    return (-scene.angular_frequency**2 * T * w
+            - (mu * (1 + 1 / radial**2) * T * curvature + difference / R) / scene.density)

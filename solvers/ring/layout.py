@@ -1,0 +1,53 @@
+"""Where the ring's particles begin, what they weigh and which domain they stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.ring.exact import INNER, OUTER
+from solvers.ring.scene import RingScene, polar_counts
+
+
+@dataclass(frozen=True)
+class Layout:
+    """P particles. ``edges`` are the domain's two edge vectors r1 and r2, as (r1x, r1y, r2x, r2y).
+
+    ``radius[p]`` is the index of the particle's material radius in ``radii``: what depends on R alone is computed
+    once a radius and not once a particle.
+    """
+
+    position: np.ndarray  # (P, 2)
+    volume: np.ndarray  # (P,), per unit thickness
+    edges: np.ndarray  # (P, 4)
+    radii: np.ndarray  # (K,)
+    radius: np.ndarray  # (P,) int32
+
+
+def particle_layout(scene: RingScene) -> Layout:
+    """The scene's layout: "polar" lattices fill the ring exactly, "cartesian" ones leave a staircase at its rim."""
+    return _polar(scene) if scene.layout == "polar" else _cartesian(scene)
+
+
+def _polar(scene: RingScene) -> Layout:
+    around, across = polar_counts(scene.cells, scene.particles_per_cell)
+    d_angle, d_radius = 0.5 * np.pi / around, (OUTER - INNER) / across
+    radii = INNER + (np.arange(across) + 0.5) * d_radius
+    angle, radius = (g.ravel() for g in np.meshgrid((np.arange(around) + 0.5) * d_angle, np.arange(across),
+                                                    indexing="ij"))
+    R, c, s = radii[radius], np.cos(angle), np.sin(angle)
+    edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
+    return Layout(np.stack([R * c, R * s], axis=1), R * d_radius * d_angle, edges, radii, radius.astype(np.int32))
+
+
+def _cartesian(scene: RingScene) -> Layout:
+    side = scene.spacing / scene.particles_per_cell
+    line = (np.arange(int(np.ceil(OUTER / side))) + 0.5) * side
+    y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
+    R = np.hypot(x, y)
+    kept = (R >= INNER) & (R <= OUTER)
+    x, y = x[kept], y[kept]
+    radii, radius = np.unique(R[kept].round(12), return_inverse=True)
+    edges = np.tile([side, 0.0, 0.0, side], (len(x), 1))
+    return Layout(np.stack([x, y], axis=1), np.full(len(x), side**2), edges, radii, radius.astype(np.int32))

@@ -1,0 +1,150 @@
+"""The ring's samples: sums over particles for the norms of the true and the estimated error, and the energy.
+
+Errors are vectors (x, v, a) or tensors (sigma) at a fixed material point, computed minus exact; their sizes are
+Euclidean and Frobenius norms. The acceleration is the one that the last step used, so it is compared at that step's
+time. ``error_extra`` is the paper's "Err A": the error of the acceleration at the nodes that carry mass.
+"""
+
+import taichi as ti
+
+from solvers.ring.exact import C1, C2, C3, INNER
+from solvers.ring.material import kirchhoff_stress
+from solvers.ring.state import GHOSTS
+from solvers.samples import BASE, EACH, column
+
+NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
+
+
+@ti.func
+def vector_errors(ring: ti.template(), p, expansion, speed, before, on: ti.template()):
+    """Errors of x and v as one vector of four, and of a, at particle p. ``expansion`` is T, ``speed`` T'."""
+    w = ring.shape[ring.radius[p]]
+    X, e, q = ring.material_position[p], ring.direction[p], ring.motion[p]
+    motion = ti.Vector([q[0] - X[0] - expansion * w * e[0], q[1] - X[1] - expansion * w * e[1],
+                        q[2] - speed * w * e[0], q[3] - speed * w * e[1]])
+    a = ti.Vector([0.0, 0.0])
+    if ti.static(on.acceleration):
+        omega = ring.angular_frequency
+        a = ring.acceleration[p] + omega * omega * before * w * e
+    return motion, a
+
+
+@ti.func
+def stress_error_squared(ring: ti.template(), p, expansion):
+    """Squared Frobenius norm of the error of the Cauchy stress."""
+    k = ring.radius[p]
+    radial = 1 + expansion * ring.shape_slope[k]
+    hoop = 1 + expansion * ring.shape[k] / ring.radii[k]
+    scale = ring.shear_modulus / (radial * hoop)
+    along, across = scale * (radial * radial - 1), scale * (hoop * hoop - 1)
+    c, s = ring.direction[p][0], ring.direction[p][1]
+    F = ring.deformation_gradient[p]
+    sigma = kirchhoff_stress(ring, p) / (F[0] * F[3] - F[1] * F[2])
+    xx = sigma[0] - along * c * c - across * s * s
+    xy = sigma[1] - (along - across) * c * s
+    yy = sigma[2] - along * s * s - across * c * c
+    return xx * xx + 2 * xy * xy + yy * yy
+
+
+@ti.func
+def node_acceleration_error(ring: ti.template(), before):
+    """Mean squared error of the nodes' acceleration against the exact one at the place of the node."""
+    total, count = 0.0, 0
+    omega = ring.angular_frequency
+    for j in range(GHOSTS, ring.active):
+        for i in range(GHOSTS, ring.active):
+            node = j * ring.row + i
+            if ring.node_mass[node] > 0:
+                x, y = (i - GHOSTS) * ring.spacing, (j - GHOSTS) * ring.spacing
+                r = ti.max(ti.sqrt(x * x + y * y), 0.1 * INNER)
+                R = r  # the material radius that has come here: R + T w(R) = r
+                for _ in range(NEWTON_STEPS):
+                    w = ((C3 * R + C2) * R + C1) * R
+                    slope = (3 * C3 * R + 2 * C2) * R + C1
+                    R -= (R + before * w - r) / (1 + before * slope)
+                a = -omega * omega * before * ((C3 * R + C2) * R + C1) * R
+                motion = ring.node_motion[node]
+                across_x = motion[2] - a * x / r if i > GHOSTS else 0.0
+                across_y = motion[3] - a * y / r if j > GHOSTS else 0.0
+                total += across_x * across_x + across_y * across_y
+                count += 1
+    return total / ti.max(count, 1)
+
+
+@ti.func
+def sample(ring: ti.template(), row, step, on: ti.template()):
+    """Write one row of sums."""
+    crossings, work = 0.0, 0.0
+    for slab in range(ring.slabs):
+        crossings += ring.totals[2 * slab]
+        work += ring.totals[2 * slab + 1]
+    ring.samples[row, ti.static(column("step"))] = step
+    ring.samples[row, ti.static(column("work"))] = work
+    ring.samples[row, ti.static(column("crossings"))] = crossings
+    if ti.static(on.truth):
+        sample_truth(ring, row, step, on)
+    if ti.static(len(on.estimators) > 0):
+        sample_estimates(ring, row, step, on)
+    if ti.static(on.energy):
+        sample_energy(ring, row)
+
+
+@ti.func
+def sample_truth(ring: ti.template(), row, step, on: ti.template()):
+    """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
+    angle = ring.angular_frequency * ring.dt * step
+    expansion = ring.amplitude * ti.sin(angle)
+    speed = ring.amplitude * ring.angular_frequency * ti.cos(angle)
+    before = ring.amplitude * ti.sin(angle - ring.angular_frequency * ring.dt)
+    squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(ring.particles):
+        motion, a = vector_errors(ring, p, expansion, speed, before, on)
+        squares += ti.Vector([motion[0] ** 2 + motion[1] ** 2, motion[2] ** 2 + motion[3] ** 2,
+                              stress_error_squared(ring, p, expansion), a[0] ** 2 + a[1] ** 2])
+    for q in ti.static(range(3)):
+        ring.samples[row, ti.static(column("error_x")) + q] = squares[q]
+    if ti.static(on.acceleration):
+        # Before the first step no acceleration has been computed, and so none can be wrong.
+        nodes = node_acceleration_error(ring, before)
+        ring.samples[row, ti.static(column("error_a"))] = squares[3] if step > 0 else 0.0
+        ring.samples[row, ti.static(column("error_extra"))] = nodes * ring.particles if step > 0 else 0.0
+
+
+@ti.func
+def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
+    """Sums of squares of each estimate and of its distance from the truth; the stress is not estimated yet."""
+    angle = ring.angular_frequency * ring.dt * step
+    expansion = ring.amplitude * ti.sin(angle)
+    speed = ring.amplitude * ring.angular_frequency * ti.cos(angle)
+    before = ring.amplitude * ti.sin(angle - ring.angular_frequency * ring.dt)
+    for e in range(ring.estimators):
+        squares, apart = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
+        for p in range(ring.particles):
+            estimate = ring.estimate[e * ring.particles + p]
+            estimate_a = ring.estimate_acceleration[e * ring.particles + p]
+            squares += ti.Vector([estimate[0] ** 2 + estimate[1] ** 2, estimate[2] ** 2 + estimate[3] ** 2,
+                                  estimate_a[0] ** 2 + estimate_a[1] ** 2])
+            if ti.static(on.truth):
+                motion, a = vector_errors(ring, p, expansion, speed, before, on)
+                d, d_a = estimate - motion, estimate_a - a
+                apart += ti.Vector([d[0] ** 2 + d[1] ** 2, d[2] ** 2 + d[3] ** 2, d_a[0] ** 2 + d_a[1] ** 2])
+        at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
+        for q in ti.static(range(3)):
+            place = ti.static((0, 1, 3)[q])  # x, v, a
+            ring.samples[row, at + place] = squares[q]
+            if ti.static(on.truth and (q < 2 or on.acceleration)):
+                ring.samples[row, at + 4 + place] = apart[q]
+
+
+@ti.func
+def sample_energy(ring: ti.template(), row):
+    """Kinetic energy, and strain energy mu/2 (F:F - 2 - 2 ln J) per reference volume."""
+    kinetic, strain = 0.0, 0.0
+    for p in range(ring.particles):
+        q, F, mass = ring.motion[p], ring.deformation_gradient[p], ring.mass[p]
+        kinetic += 0.5 * mass * (q[2] * q[2] + q[3] * q[3])
+        J = ti.max(F[0] * F[3] - F[1] * F[2], 1e-300)
+        strain += 0.5 * ring.shear_modulus * mass / ring.density \
+            * (F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * ti.log(J))
+    ring.samples[row, ti.static(column("kinetic"))] = kinetic
+    ring.samples[row, ti.static(column("strain"))] = strain

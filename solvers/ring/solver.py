@@ -1,0 +1,93 @@
+"""RingSolver: one ring in memory, ready to be stepped, sampled and looked at."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers import runtime
+from solvers.result import Snapshot
+from solvers.ring import exact
+from solvers.ring.scene import RingScene
+from solvers.ring.state import allocate, farthest, pack, switches
+from solvers.ring.step import CHECK_EVERY, advance, inspect, step_in_slabs
+from solvers.solver import SOUND, Solver
+
+PARALLEL_FROM = 100_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
+
+
+class RingSolver(Solver):
+    """Owns the arrays of one ring. Two plans: one serial kernel for many steps, or slabs side by side."""
+
+    def __init__(self, scene: RingScene):
+        super().__init__(scene)
+        large = scene.threads > 1 and scene.particles >= PARALLEL_FROM
+        self.plan = ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
+        self.threads = scene.threads if self.plan == "parallel" else 1
+        self.arch = runtime.start(scene.arch, self.threads)
+        self._switches = switches(scene)
+        self._arrays = allocate(scene, self.threads)
+        self._arrays.samples[:] = np.nan
+        self._pack = pack(scene, self._arrays, self.threads)
+
+    def snapshot(self) -> Snapshot:
+        a, on = self._arrays, self._switches
+        F = a.deformation_gradient.reshape(-1, 2, 2)
+        P = len(F)
+        estimates = {}
+        for k, name in enumerate(on.estimators):
+            part = slice(k * P, (k + 1) * P)
+            x_v, acceleration = a.estimate[part], a.estimate_acceleration[part]
+            estimates[name] = np.stack([_size(x_v[:, :2]), _size(x_v[:, 2:]), np.full(P, np.nan),
+                                        _size(acceleration)], axis=1)
+        return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
+                        position=a.motion[:, :2].copy(), velocity=a.motion[:, 2:].copy(),
+                        deformation_gradient=F.copy(), error=self._error() if on.truth else None,
+                        estimate=estimates, last_crossing=a.last_crossing.copy() if on.crossings else None)
+
+    def _error(self) -> np.ndarray:
+        """Sizes of the true errors of x, v, sigma and a (P, 4)."""
+        a, scene, t, X = self._arrays, self.scene, self.time, self._arrays.material_position
+        before = t - scene.time_step
+        error_a = np.zeros_like(X)
+        if self._switches.acceleration and self.step:
+            error_a = a.acceleration - exact.acceleration(scene, X, before)
+        with np.errstate(all="ignore"):  # a run gone bad holds anything
+            F = a.deformation_gradient.reshape(-1, 2, 2)
+            tau = 0.5 * scene.modulus * (F @ F.transpose(0, 2, 1) - np.eye(2))
+            sigma = (tau / np.linalg.det(F)[:, None, None]).reshape(-1, 4)[:, [0, 1, 3]]
+            off = sigma - exact.stress(scene, X, t)
+            frobenius = np.sqrt(off[:, 0] ** 2 + 2 * off[:, 1] ** 2 + off[:, 2] ** 2)
+            return np.stack([_size(a.motion[:, :2] - X - exact.displacement(scene, X, t)),
+                             _size(a.motion[:, 2:] - exact.velocity(scene, X, t)), frobenius, _size(error_a)], axis=1)
+
+    def _run(self, steps: int) -> None:
+        if self.plan == "serial":
+            advance(self.step, steps, self._pack, self._switches)
+            return
+        interval, row = self.scene.sample_interval, 0
+        for step in range(self.step, self.step + steps):
+            step_in_slabs(step, self._pack, self._switches)
+            sampled = (step + 1) % interval == 0
+            if sampled or (step + 1) % CHECK_EVERY == 0:
+                inspect(step + 1, row if sampled else -1, self._pack, self._switches)
+                row += sampled
+            if self._arrays.verdict[0] != SOUND:
+                break
+
+    def _measure(self) -> None:
+        inspect(self.step, 0, self._pack, self._switches)
+
+    def _escape(self) -> str:
+        return f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, or beyond a plane)"
+
+    def _advice(self) -> str:
+        if self.scene.courant_number > 0.4:
+            return f"take shorter steps (cfl {self.scene.courant_number:.2g} now; 0.3 is stable for most scenes)"
+        if self.scene.method != "cpdi":
+            return "choose CPDI, more particles per cell or a smaller amplitude"
+        return "choose a smaller amplitude or fewer periods"
+
+
+def _size(vectors: np.ndarray) -> np.ndarray:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.linalg.norm(vectors, axis=1)

@@ -1,0 +1,150 @@
+"""The ring's memory: plain numpy arrays, handed to the kernels without a copy (see ``solvers.bar.state``).
+
+Nodes lie at (-2h, -2h) + (i, j) h and are stored row by row, entry j * row + i; the planes x = 0 and y = 0 run through
+the nodes with index 2, so that two rows of ghosts lie beyond each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+import numpy as np
+import taichi as ti
+
+from solvers.ring import exact
+from solvers.ring.layout import particle_layout
+from solvers.ring.scene import RingScene
+from solvers.samples import ROWS, column_count
+
+real = ti.f64
+reals = ti.types.ndarray(dtype=real, ndim=1)
+integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
+pairs = ti.types.ndarray(dtype=ti.types.vector(2, real), ndim=1)
+quads = ti.types.ndarray(dtype=ti.types.vector(4, real), ndim=1)
+octets = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)
+integer_quads = ti.types.ndarray(dtype=ti.types.vector(4, ti.i32), ndim=1)
+table = ti.types.ndarray(dtype=real, ndim=2)
+
+GHOSTS = 2
+
+
+class Switches(NamedTuple):
+    """What is compiled in. Two scenes with equal switches share one compiled kernel."""
+
+    method: str
+    body_force: bool
+    velocity: str
+    truth: bool
+    crossings: bool
+    energy: bool
+    acceleration: bool
+    estimators: tuple[str, ...]
+
+
+def switches(scene: RingScene) -> Switches:
+    return Switches(scene.method, scene.body_force != "none", scene.velocity, scene.has("truth"),
+                    scene.has("crossings"), scene.has("energy"), scene.has("acceleration"), scene.active_estimators)
+
+
+@dataclass
+class Arrays:
+    """Every array of a run. P particles, K material radii, N nodes, T slabs of particles with grids of their own."""
+
+    material_position: np.ndarray  # X_p (P, 2)
+    motion: np.ndarray  # x, y, v_x, v_y (P, 4)
+    deformation_gradient: np.ndarray  # F_xx, F_xy, F_yx, F_yy (P, 4)
+    mass: np.ndarray  # (P,)
+    direction: np.ndarray  # e_R at the material position (P, 2)
+    radius: np.ndarray  # index of the material radius (P,)
+    edges: np.ndarray  # r1, r2 of the domain at the start (P, 4), for CPDI
+    weights: np.ndarray  # GIMP: outer weights and gradients in x and y; CPDI: corners' places in their cells (P, 8)
+    first_node: np.ndarray  # GIMP: first node of the 3 x 3 stencil (P,)
+    corner_nodes: np.ndarray  # CPDI: first node of each corner's cell (P, 4)
+    acceleration: np.ndarray  # a at the particle in the last step (P, 2), with the effect
+    last_crossing: np.ndarray  # step of the particle's last cell change, -1 for never (P,)
+    radii: np.ndarray  # (K,)
+    shape: np.ndarray  # w at the radii (K,)
+    shape_slope: np.ndarray  # w' (K,)
+    shape_curvature: np.ndarray  # w'' (K,)
+    radial_force: np.ndarray  # body force per mass in this step (K,)
+    node_sums: np.ndarray  # momentum and force of each slab (T*N, 4)
+    node_mass: np.ndarray  # (T*N,)
+    node_motion: np.ndarray  # v after the step and a (N, 4)
+    estimate: np.ndarray  # estimated error of x and v, vectors (E*P, 4)
+    estimate_acceleration: np.ndarray  # estimated error of a (E*P, 2)
+    transport_stress: np.ndarray  # nodal sums of V S sigma_xx, V S sigma_yy, V S (N, 4)
+    transport_moments: np.ndarray  # nodal sums of D_x, D_y, D_x r_x, D_y r_y (N, 4)
+    transport_error: np.ndarray  # nodal error of a (N, 2)
+    totals: np.ndarray  # grid crossings and work of the body force so far, a slab at a time (2 T,)
+    samples: np.ndarray  # one row a sample (ROWS, columns)
+    verdict: np.ndarray  # 0 or the kind of failure, its step, its particle (3,)
+
+    @property
+    def bytes(self) -> int:
+        return sum(getattr(self, f.name).nbytes for f in fields(self))
+
+
+def allocate(scene: RingScene, slabs: int) -> Arrays:
+    """The initial state: the scene's layout, F = I and the exact velocity."""
+    layout, on = particle_layout(scene), switches(scene)
+    P, N = len(layout.volume), (scene.cells + 1) ** 2
+    cpdi, transport, E = on.method == "cpdi", "transport" in on.estimators, len(on.estimators)
+    X = layout.position
+    w, slope, curvature = exact.shape(layout.radii)
+
+    def zeros(length: int, width: int | None = None, when: bool = True, kind: type = np.float64) -> np.ndarray:
+        length = length if when else 1
+        return np.zeros(length if width is None else (length, width), kind)
+
+    arrays = Arrays(
+        material_position=X, motion=np.concatenate([X, exact.velocity(scene, X, 0.0)], axis=1),
+        deformation_gradient=np.tile([1.0, 0.0, 0.0, 1.0], (P, 1)), mass=scene.density * layout.volume,
+        direction=X / np.linalg.norm(X, axis=1)[:, None], radius=layout.radius,
+        edges=layout.edges if cpdi else np.zeros((1, 4)), weights=zeros(P, 8),
+        first_node=zeros(P, when=not cpdi, kind=np.int32), corner_nodes=zeros(P, 4, cpdi, np.int32),
+        acceleration=zeros(P, 2, on.acceleration), last_crossing=zeros(P, when=on.crossings, kind=np.int32),
+        radii=layout.radii, shape=w, shape_slope=slope, shape_curvature=curvature,
+        radial_force=zeros(len(layout.radii)),
+        node_sums=zeros(slabs * N, 4), node_mass=zeros(slabs * N), node_motion=zeros(N, 4),
+        estimate=zeros(E * P, 4, E > 0), estimate_acceleration=zeros(E * P, 2, E > 0),
+        transport_stress=zeros(N, 4, transport), transport_moments=zeros(N, 4, transport),
+        transport_error=zeros(N, 2, transport),
+        totals=zeros(2 * slabs), samples=zeros(ROWS, column_count(on.estimators)), verdict=np.zeros(3, np.int32))
+    arrays.last_crossing[:] = -1
+    return arrays
+
+
+#: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
+RingState = ti.types.argpack(
+    particles=ti.i32, nodes=ti.i32, row=ti.i32, active=ti.i32, slabs=ti.i32, radius_count=ti.i32,
+    estimators=ti.i32, sample_interval=ti.i32, estimate_interval=ti.i32,
+    spacing=real, cells_per_length=real, dt=real, estimate_dt=real, shear_modulus=real, density=real,
+    half_width=real, farthest=real, amplitude=real, angular_frequency=real,
+    material_position=pairs, motion=quads, deformation_gradient=quads, mass=reals, direction=pairs, radius=integers,
+    edges=quads, weights=octets, first_node=integers, corner_nodes=integer_quads, acceleration=pairs,
+    last_crossing=integers, radii=reals, shape=reals, shape_slope=reals, shape_curvature=reals, radial_force=reals,
+    node_sums=quads, node_mass=reals, node_motion=quads, estimate=quads, estimate_acceleration=pairs,
+    transport_stress=quads, transport_moments=quads, transport_error=pairs, totals=reals,
+    samples=table, verdict=integers)
+
+
+def farthest(scene: RingScene) -> float:
+    """Distance from the centre beyond which a particle has left the ring: half as far again as it should go."""
+    return exact.OUTER + 1.5 * scene.amplitude + scene.spacing
+
+
+def pack(scene: RingScene, arrays: Arrays, slabs: int):
+    """The kernel's view of a scene and its arrays. The arrays must outlive it."""
+    row = scene.cells + 1
+    return RingState(
+        particles=len(arrays.mass), nodes=row * row, row=row,
+        # Rows in which a sound run can have mass; the others are neither cleared nor visited.
+        active=min(row, int(farthest(scene) / scene.spacing) + GHOSTS + 3), slabs=slabs,
+        radius_count=len(arrays.radii), estimators=len(scene.active_estimators),
+        sample_interval=scene.sample_interval, estimate_interval=scene.estimate_interval,
+        spacing=scene.spacing, cells_per_length=1 / scene.spacing, dt=scene.time_step,
+        estimate_dt=scene.estimate_interval * scene.time_step, shear_modulus=0.5 * scene.modulus,
+        density=scene.density, half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene),
+        amplitude=scene.amplitude, angular_frequency=scene.angular_frequency,
+        **{f.name: getattr(arrays, f.name) for f in fields(arrays)})
