@@ -31,8 +31,6 @@ class FlatCamera:
         self._settle_until = self._next_fit = 0.0
         self._hair = 0
         client.camera.on_update(lambda _: self.fit())
-        # Rectangle selection takes the left drag, which would otherwise rotate the view.
-        client.scene.on_rect_select()(lambda _: None)
         self.fit(force=True)
 
     def settle(self) -> None:
@@ -41,6 +39,14 @@ class FlatCamera:
         if now < self._settle_until + 1 and now > self._next_fit:
             self._next_fit = now + REPEAT_SECONDS
             self.fit(force=True)
+
+    def on_stage(self, screen: tuple[float, float]) -> tuple[float, float]:
+        """The point of the plane z = 0 at a place of the canvas, (0, 0) top left to (1, 1) bottom right."""
+        camera = self._client.camera
+        x, y, distance = (float(v) for v in camera.position)
+        height = 2 * distance * math.tan(camera.fov / 2)
+        width = height * camera.image_width / max(1, camera.image_height)
+        return x + (screen[0] - 0.5) * width, y + (0.5 - screen[1]) * height
 
     def fit(self, force: bool = False) -> None:
         """Look straight at the rectangle if the canvas changed, the view was turned, or ``force``."""

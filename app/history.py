@@ -15,8 +15,8 @@ CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are cou
 class History:
     """Sampled norms and the running error index of one run. One thread adds, any may read."""
 
-    def __init__(self, scene: Scene):
-        self.scene = scene
+    def __init__(self, scene: Scene, particles: int):
+        self.scene, self._particles = scene, particles
         self._rows: dict[str, np.ndarray] = {}
         self._seen, self._stride = 0, 1
         self._sums: dict[str, float] = {}
@@ -32,7 +32,7 @@ class History:
         if not len(rows):
             return
         scene = self.scene
-        new = samples.read(rows, scene.active_estimators, scene.particles, scene.time_step)
+        new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step)
         for estimator in scene.active_estimators:
             for q in QUANTITIES:
                 above = self._running(f"{estimator}/estimate_{q}", new)

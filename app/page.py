@@ -6,6 +6,7 @@ import html
 import logging
 import threading
 
+import numpy as np
 import viser
 
 from app.camera import FlatCamera
@@ -14,9 +15,12 @@ from app.panels.controls import QUANTITIES, Controls
 from app.panels.furniture import add_head, furnish
 from app.panels.lessons import add_lessons
 from app.panels.measurements import Measurements
+from app.probe import Probe
 from app.scale import ColourScale
 from app.session import Notice, Session
-from app.stage_bar import RECTANGLE, BarStage
+from app.stage import RECTANGLE, ColourBar
+from app.stage_bar import BarStage
+from app.stage_ring import RingStage
 from solvers.bar.scene import BarScene
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -30,32 +34,39 @@ class Page:
     """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own."""
 
     def __init__(self, client: viser.ClientHandle, pool: EnginePool):
-        self._client = client
         self._closed = threading.Event()
         self._drawing = threading.Lock()
+        self._client = client
         self._last: tuple[FrameReport, FrameArrays] | None = None
         self._controls: Controls | None = None
         self._scale = ColourScale()
         furnish(client.gui)
         add_head(client.gui)
         self._notice = client.gui.add_html("")
-        self._stage = BarStage(client, self._scale)
+        client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
+        self._colour_bar = ColourBar(client.scene, self._scale)
+        self._stages = {"bar": BarStage(client, self._scale), "ring": RingStage(client, self._scale)}
+        self._stages["ring"].root.visible = False
         self._camera = FlatCamera(client, RECTANGLE)
+        self._probe = Probe(client, self._camera)
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
-        tabs = client.gui.add_tab_group()
-        with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL):
-            self._controls = Controls(client.gui, self._session, self._scale, self._redraw)
-        with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
-            add_lessons(client.gui)
-        with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
-            client.gui.add_html(ABOUT)
+        self._tabs(client)
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()
 
     def close(self) -> None:
         """The visitor has gone."""
         self._closed.set()
         self._session.close()
+
+    def _tabs(self, client: viser.ClientHandle) -> None:
+        tabs = client.gui.add_tab_group()
+        with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
+            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw)
+        with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
+            add_lessons(client.gui)
+        with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
+            client.gui.add_html(ABOUT)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         if report.fresh:
@@ -68,11 +79,21 @@ class Page:
             return
         with self._drawing:
             report, arrays = self._last
-            label = self._controls.quantity
-            _, unit = QUANTITIES[label]
-            active = report.scene.active_estimators
-            self._stage.draw(report.scene, arrays, active[0] if active else None,
-                             list(QUANTITIES).index(label), label, unit, report.time, self._session.speed)
+            scene, name = report.scene, self._controls.quantity
+            column = list(QUANTITIES).index(name)
+            true = np.abs(arrays.error[:, column])
+            active = scene.active_estimators
+            estimated = np.abs(arrays.estimate[active[0]][:, column]) if active else None
+            self._scale.follow(estimated, true)
+            stage = self._stages[scene.problem]
+            self._stages["ring"].domains = self._controls.domains
+            with self._client.atomic():
+                for problem, other in self._stages.items():
+                    if other.root.visible != (problem == scene.problem):
+                        other.root.visible = problem == scene.problem
+                stage.draw(scene, arrays, estimated, true, report.time, self._session.speed)
+                self._colour_bar.draw(name, QUANTITIES[name][1])
+            self._probe.look(stage, arrays, estimated, true)
 
     def _refresh_loop(self) -> None:
         while not self._closed.wait(REFRESH_SECONDS):
@@ -83,7 +104,7 @@ class Page:
 
     def _refresh(self) -> None:
         key, unit = QUANTITIES[self._controls.quantity]
-        self._measurements.refresh(self._session, self._controls.estimator, key, unit)
+        self._measurements.refresh(self._session, self._controls.estimator, key, unit, self._probe.text)
         notice = _notice_html(self._session.notice())
         if notice != self._notice.content:
             self._notice.content = notice

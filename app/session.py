@@ -8,12 +8,13 @@ from dataclasses import dataclass, fields
 from time import monotonic
 
 from app.history import History
-from solvers.bar.scene import BarScene
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool
+from solvers.problems import SCENES
 from solvers.scene import Scene, SceneError
 
+FIRST_SPEED = {"bar": 0.5, "ring": 0.2}  # periods a second
 CAPPED_BELOW = 0.9  # of the speed asked for
 LOST = 0.5  # error of x over the amplitude from which on a run shows something else than the solution
 BROKEN = 30.0  # error index from which on an estimate is no estimate
@@ -40,9 +41,9 @@ class Session:
         self._restarts = self._single_steps = 0
         self._asked_at = monotonic()
         self._number = 0
-        self._wished = {field.name: getattr(scene, field.name) for field in fields(scene)}
-        self.scene, self.playing, self.speed = scene, True, 0.5
-        self.history = History(scene)
+        self._wished = _fields(scene)
+        self.scene, self.playing, self.speed = scene, True, FIRST_SPEED[scene.problem] * scene.period
+        self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
         self._link = pool.open(self)
         self._ask()
@@ -57,10 +58,17 @@ class Session:
         with self._lock:
             self._wished |= fields
             try:
-                self.scene, self._refusal = BarScene(**self._wished), None
+                self.scene, self._refusal = SCENES[self._wished["problem"]](**self._wished), None
             except SceneError as refusal:
                 self._refusal = str(refusal)
                 return
+            self._ask()
+
+    def choose(self, scene: Scene) -> None:
+        """Take another problem's scene whole; what was wished of the one before is forgotten."""
+        with self._lock:
+            self._wished, self.scene, self._refusal = _fields(scene), scene, None
+            self.playing, self.speed = True, FIRST_SPEED[scene.problem] * scene.period
             self._ask()
 
     def play(self, playing: bool) -> None:
@@ -131,14 +139,14 @@ class Session:
             if index > BROKEN:
                 return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
                                          "true error of x. Do not trust it here.")
-        return None
+        return Notice("refused", f"{scene.warnings()[0]}.") if scene.warnings() else None
 
     # ---- what the engine says (from its reader thread) ----------------------------------------------------
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         with self._lock:
             if report.fresh:
-                self.history = History(report.scene)
+                self.history = History(report.scene, report.particles)
             self.history.add(report.rows)
             self.report, self._lost, self._trouble = report, False, None
         self._on_frame(report, arrays)
@@ -158,3 +166,7 @@ class Session:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed, self._restarts,
                                       self._single_steps)
+
+
+def _fields(scene: Scene) -> dict[str, object]:
+    return {field.name: getattr(scene, field.name) for field in fields(scene)}

@@ -79,6 +79,7 @@ class Scene(ABC):
     CHOICES: ClassVar[dict[str, tuple[str, ...]]] = {"arch": get_args(Arch)}
     #: What the problem's own error norm is called in the result (see ``solvers.samples``).
     EXTRA_ERROR: ClassVar[str]
+    DIMENSIONS: ClassVar[int] = 1
     FEWEST_CELLS: ClassVar[int] = 4
     DEFAULT_PERIODS: ClassVar[float] = 5.0
     SAMPLES_A_PERIOD: ClassVar[int] = 200

@@ -35,7 +35,7 @@ def _lenient(metavar: str, parse) -> Any:
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
         str_from_instance=lambda value: [str(word) for word in value] if isinstance(value, tuple)
-        else [str(value)])
+        else [shown(value)])
 
 
 def _number(words: list[str]) -> Any:

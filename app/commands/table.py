@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from solvers.samples import QUANTITIES
 
-UNITS = {"x": "m", "v": "m/s", "sigma": "Pa", "a": "m/s2", "sigma_log": "Pa"}
+UNITS = {"x": "m", "v": "m/s", "sigma": "Pa", "a": "m/s2", "sigma_log": "Pa", "a_nodes": "m/s2"}
 NOTHING = "-"
 
 
@@ -17,9 +17,14 @@ def run_table(result: dict) -> str:
 
 def _heading(result: dict) -> str:
     scene = result["scene"]
-    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {scene['ppc']} particles per "
+    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {_per_cell(scene)} particles per "
             f"cell ({result['particles']:,}), amplitude {scene['amplitude']:g} m, cfl {scene['cfl']:.3g}\n"
             f"{result['status']}: {result['steps']:,} steps to t = {result['t']:.6g} s")
+
+
+def _per_cell(scene: dict) -> str:
+    """The ring counts its particles per cell along each direction."""
+    return f"{scene['ppc']} x {scene['ppc']}" if scene["problem"] == "ring" else str(scene["ppc"])
 
 
 def _errors(error: dict) -> str:
@@ -52,7 +57,7 @@ def _cost(result: dict) -> str:
             ("energy drift", _percent(energy["drift"]) if energy else NOTHING),
             ("time", f"{seconds['run']:.3g} s{estimators}; and {seconds['compile']:.3g} s to compile"),
             ("rate", f"{result['rate']:.3g} million particle-steps/s on {result['arch']}, "
-             f"{result['threads']} thread{'s' * (result['threads'] != 1)}" if result["rate"] else NOTHING)]
+             f"{result['threads']} thread{'s' * (result['threads'] != 1)}, {result['plan']} plan" if result["rate"] else NOTHING)]
     return "\n".join(f"{name:<16}{value}" for name, value in rows)
 
 

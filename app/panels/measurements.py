@@ -14,7 +14,7 @@ from app.scale import power_of_ten, power_text
 from app.session import Session
 
 SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
-READOUT_HEIGHT = 364  # pixels of the window that are not plot: heading, numbers, titles and axes
+READOUT_HEIGHT = 404  # pixels of the window that are not plot: heading, numbers, titles and axes
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
 _FROM_ZERO = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0}, "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
@@ -45,14 +45,15 @@ class Measurements:
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
 
-    def refresh(self, session: Session, estimator: str | None, quantity: str, unit: str) -> None:
+    def refresh(self, session: Session, estimator: str | None, quantity: str, unit: str,
+                probed: str | None) -> None:
         """Show what has come in since the last time."""
         if session.report is None:
             return
         self._fit_height()
         history = session.history
         series = history.series
-        self._readout.content = _readout(session, series, estimator, quantity)
+        self._readout.content = _readout(session, series, estimator, quantity, probed)
         time = series.get("time", np.zeros(0))
         if len(time) < 2:
             for plot in (self._errors, self._index, self._crossings):
@@ -120,7 +121,8 @@ def _plot(gui: viser.GuiApi, series: tuple[dict, ...], legend: bool = False,
                          legend={"show": legend, "live": False})
 
 
-def _readout(session: Session, series: dict[str, np.ndarray], estimator: str | None, quantity: str) -> str:
+def _readout(session: Session, series: dict[str, np.ndarray], estimator: str | None, quantity: str,
+             probed: str | None) -> str:
     report = session.report
     scene = report.scene
     real = "–" if report.real_speed is None or not report.playing else f"{report.real_speed:.3g}"
@@ -137,6 +139,7 @@ def _readout(session: Session, series: dict[str, np.ndarray], estimator: str | N
     if len(index) and np.isfinite(index[-1]):
         apart = series[f"{estimator}/apart_{quantity}"][-1]
         rows.append(("estimate", f"index {index[-1]:.2f}, distance {apart:.2f}"))
+    rows.append(("region", html.escape(probed) if probed else "drag a rectangle on the stage to read errors in it"))
     cells = "".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows)
     return f"<div class='lab-readout'><table>{cells}</table></div>"
 

@@ -11,54 +11,63 @@ from solvers.result import Snapshot
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
-#: Columns before the errors: position, displacement, steps since the last cell change (-1: never).
-LEADING = 3
 WIDTH = len(QUANTITIES)
 
 
 @dataclass(frozen=True)
 class FrameArrays:
-    """A frame's particles in single precision, for drawing. Columns of errors are x, v, sigma, a."""
+    """A frame's particles in single precision, for drawing. D dimensions; columns of errors are x, v, sigma, a.
+
+    ``position`` and ``displacement`` (P, D), ``deformation_gradient`` (P, D * D), ``steps_since_crossing`` (P,) with -1
+    for never, ``error`` and each ``estimate`` (P, 4), NaN where nothing is known.
+    """
 
     position: np.ndarray
     displacement: np.ndarray
+    deformation_gradient: np.ndarray
     steps_since_crossing: np.ndarray
     error: np.ndarray
     estimate: dict[str, np.ndarray]
 
 
 def block_bytes(scene: Scene) -> int:
-    """Bytes that a scene's frame needs."""
-    return 4 * scene.particles * _columns(scene)
+    """Bytes that a scene's frame needs at most: a layout may hold a few particles more than the scene's count."""
+    return 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene).values())
 
 
 def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
     """Put a snapshot into the block."""
-    table = _table(block, scene)
+    P = len(shot.position)
     crossing = shot.last_crossing
+    columns = {"position": shot.position, "displacement": shot.position - shot.material_position,
+               "deformation_gradient": shot.deformation_gradient,
+               "steps_since_crossing": -1 if crossing is None else np.where(crossing < 0, -1, shot.step - crossing),
+               "error": np.nan if shot.error is None else shot.error, **shot.estimate}
     with np.errstate(over="ignore"):  # a run that has gone bad may exceed single precision
-        table[:, 0] = shot.position
-        table[:, 1] = shot.position - shot.material_position
-        table[:, 2] = -1 if crossing is None else np.where(crossing < 0, -1, shot.step - crossing)
-        table[:, LEADING:LEADING + WIDTH] = np.nan if shot.error is None else shot.error
-        for k, estimator in enumerate(scene.active_estimators, 1):
-            start = LEADING + k * WIDTH
-            table[:, start:start + WIDTH] = shot.estimate[estimator]
+        for name, part in _parts(block, scene, P).items():
+            values = columns[name]
+            part[:] = values.reshape(P, -1) if isinstance(values, np.ndarray) else values
 
 
-def read(block: SharedMemory, scene: Scene) -> FrameArrays:
-    """Copy the frame of ``scene`` out of the block."""
-    table = _table(block, scene).copy()
-    estimates = {}
-    for k, estimator in enumerate(scene.active_estimators, 1):
-        start = LEADING + k * WIDTH
-        estimates[estimator] = table[:, start:start + WIDTH]
-    return FrameArrays(table[:, 0], table[:, 1], table[:, 2], table[:, LEADING:LEADING + WIDTH], estimates)
+def read(block: SharedMemory, scene: Scene, particles: int) -> FrameArrays:
+    """Copy the frame of ``scene`` with so many particles out of the block."""
+    parts = {name: part.copy() for name, part in _parts(block, scene, particles).items()}
+    return FrameArrays(parts["position"], parts["displacement"], parts["deformation_gradient"],
+                       parts["steps_since_crossing"][:, 0], parts["error"],
+                       {name: parts[name] for name in scene.active_estimators})
 
 
-def _columns(scene: Scene) -> int:
-    return LEADING + WIDTH * (1 + len(scene.active_estimators))
+def _widths(scene: Scene) -> dict[str, int]:
+    """What a frame holds, in order, and how many numbers of each a particle has."""
+    D = scene.DIMENSIONS
+    return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
+            **dict.fromkeys(scene.active_estimators, WIDTH)}
 
 
-def _table(block: SharedMemory, scene: Scene) -> np.ndarray:
-    return np.ndarray((scene.particles, _columns(scene)), np.float32, buffer=block.buf)
+def _parts(block: SharedMemory, scene: Scene, particles: int) -> dict[str, np.ndarray]:
+    """The block as one array (P, width) for each thing it holds."""
+    parts, start = {}, 0
+    for name, width in _widths(scene).items():
+        parts[name] = np.ndarray((particles, width), np.float32, buffer=block.buf, offset=start)
+        start += 4 * particles * width
+    return parts

@@ -56,6 +56,7 @@ class FrameReport:
     scene: Scene
     fresh: bool
     playing: bool
+    particles: int
     step: int
     time: float
     rows: np.ndarray

@@ -1,0 +1,91 @@
+"""What the stages share: the place of things, the colour bar, and points, lines and labels in the plane z = 0."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+
+from app.scale import ColourScale, power_text
+
+RECTANGLE = (-0.105, 1.055, -0.08, 1.1)  # x0, x1, y0, y1 of the stage; every problem is drawn to fit
+COLOUR_BAR, COLOUR_BAR_HEIGHT = 1.015, 0.024
+TICK_GAP = 0.024  # labels have a white ground, which must stay clear of the colours
+FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
+DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
+UNKNOWN = 225  # grey of a particle whose error nobody knows
+AWAY = -50.0  # where points that are not shown wait, far outside the view
+
+
+class ColourBar:
+    """The scale that estimate and truth share, at the top of the stage, with its numbers."""
+
+    def __init__(self, s: viser.SceneApi, scale: ColourScale):
+        self._scale = scale
+        self._drawn: list[tuple[float, str]] = []
+        ends = COLOUR_BAR_HEIGHT / 2
+        bar = points(s, "/colours", COLOUR_BAR_HEIGHT, "square")
+        bar.points = in_plane(np.linspace(ends, 1 - ends, 256), np.array(COLOUR_BAR))
+        bar.colors = scale.gradient(256)
+        self._ticks = [label(s, f"/colours/tick{k}", "", 0.0, COLOUR_BAR - TICK_GAP, "top-center", 0.85)
+                       for k in range(5)]
+        self._title = label(s, "/colours/title", "", 0.0, COLOUR_BAR + TICK_GAP, "bottom-left")
+
+    def draw(self, name: str, unit: str) -> None:
+        """Show the scale as it is now, for the error of ``name``."""
+        title = f"size of the error of {name} / {power_text(self._scale.power)}{unit}"
+        if self._title.text != title:
+            self._title.text = title
+        ticks = self._scale.ticks()
+        if ticks != self._drawn:
+            self._drawn = ticks
+            for k, tick in enumerate(self._ticks):
+                tick.text = ticks[k][1] if k < len(ticks) else ""
+                tick.position = (ticks[k][0] if k < len(ticks) else AWAY, COLOUR_BAR - TICK_GAP, 0.0)
+
+
+def shades(scale: ColourScale, sizes: np.ndarray | None, count: int) -> np.ndarray:
+    """Colours (P, 3) of error sizes; plain grey where nothing is known."""
+    if sizes is None or not np.isfinite(sizes).any():
+        return np.full((count, 3), UNKNOWN, np.uint8)
+    return scale.colours(sizes)
+
+
+def flash_colours(seconds_ago: np.ndarray) -> np.ndarray:
+    """Colours (P, 3) that fade from the flash to the white of the ground."""
+    fade = np.clip(seconds_ago / FLASH_SECONDS, 0, 1)[:, None]
+    return (np.array(FLASH) + fade * (255 - np.array(FLASH))).astype(np.uint8)
+
+
+def points(s: viser.SceneApi, name: str, size: float, shape: str = "circle") -> viser.PointCloudHandle:
+    """Points of ``size`` across: the viewer counts from the middle.
+
+    Points, because they alone show a colour exactly as it is given; lines and meshes are toned and lit.
+    """
+    return s.add_point_cloud(name, np.full((1, 3), AWAY, np.float32), np.zeros((1, 3), np.uint8),
+                             point_size=size / 2, point_shape=shape, precision="float32", point_shading="flat")
+
+
+def lines(s: viser.SceneApi, name: str, colour: tuple[int, int, int], thickness: float) -> viser.LineSegmentsHandle:
+    """Line segments of a thickness in pixels, none yet."""
+    return s.add_line_segments(name, np.full((1, 2, 3), AWAY, np.float32), colour, thickness=thickness,
+                               thickness_units="screen")
+
+
+def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: str,
+          size: float = 1.0) -> viser.LabelHandle:
+    return s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=size)
+
+
+def in_plane(x: np.ndarray, y: np.ndarray, z: float = 0.0) -> np.ndarray:
+    """Points (n, 3) from coordinates (n,) or one for all."""
+    x, y = np.broadcast_arrays(x, y)
+    return np.stack([x, y, np.full_like(x, z)], axis=1).astype(np.float32)
+
+
+def joined(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Line segments (n, 2, 3) between points (n, 3)."""
+    return np.stack([starts, ends], axis=1)
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    return tuple(int(colour[k:k + 2], 16) for k in (1, 3, 5))

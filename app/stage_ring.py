@@ -1,0 +1,130 @@
+"""The ring on the stage: a quarter and its mirror images, the estimate on the left half, the truth on the right.
+
+Both halves and the colour bar use one scale. The ring is drawn to fit the stage, whatever its amplitude.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+
+from app.scale import ColourScale
+from app.stage import (
+    AWAY,
+    CELL,
+    flash_colours,
+    in_plane,
+    joined,
+    label,
+    lines,
+    points,
+    shades,
+)
+from solvers.engine.memory import FrameArrays
+from solvers.ring.exact import OUTER
+from solvers.ring.layout import particle_layout
+from solvers.ring.scene import RingScene
+
+MIDDLE = (0.5, 0.44)
+RADIUS = 0.46  # of the outermost the ring should come, on the stage
+MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
+BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
+MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
+
+
+class RingStage:
+    """Draws frames of the ring in one client's scene. ``domains`` says whether particle domains are outlined."""
+
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale):
+        self._scale = scale
+        self._drawn_scene: RingScene | None = None
+        self.domains = False
+        s = client.scene
+        self.root = s.add_frame("/ring", show_axes=False)
+        self._halves = [points(s, f"/ring/{name}", 0.01) for name in ("truth", "estimate")]
+        self._cells = lines(s, "/ring/cells", (225, 229, 234), 1.0)
+        self._planes = lines(s, "/ring/planes", CELL, 1.5)
+        self._outlines = lines(s, "/ring/domains", (120, 125, 132), 0.8)
+        self._flashes = points(s, "/ring/crossings", 0.01)
+        label(s, "/ring/l1", "estimated error", 0.06, 0.88, "top-left")
+        label(s, "/ring/l2", "true error", 0.94, 0.88, "top-right")
+        self._size_note = label(s, "/ring/l3", "", 0.0, -0.05, "bottom-left", 0.85)
+        label(s, "/ring/l4", "magenta dots: crossing a cell boundary", 1.0, -0.05, "bottom-right", 0.85)
+
+    def draw(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray,
+             t: float, speed: float) -> None:
+        """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); ``speed`` in simulated s per s."""
+        self._draw_grid(scene)
+        x = np.clip(np.nan_to_num(arrays.position, nan=AWAY), -2.0, 2.0)
+        for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
+            half.points = np.concatenate([self._place(x * m) for m in mirrors])
+            half.colors = np.tile(shades(self._scale, sizes, len(x)), (2, 1))
+        self._draw_crossings(scene, arrays, x, speed)
+        self._draw_domains(scene, arrays, x)
+
+    def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
+        """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""
+        inside = np.zeros(len(arrays.position), bool)
+        for m in MIRRORS:
+            place = self._place(arrays.position * m)[:, :2]
+            inside |= ((place >= low) & (place <= high)).all(axis=1)
+        return inside
+
+    def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
+        """Positions in metres (n, 2) as points of the stage (n, 3)."""
+        return in_plane(MIDDLE[0] + self._per_metre * x[:, 0], MIDDLE[1] + self._per_metre * x[:, 1], depth)
+
+    def _draw_grid(self, scene: RingScene) -> None:
+        if scene == self._drawn_scene:
+            return
+        self._drawn_scene = scene
+        reach = OUTER + scene.amplitude
+        self._per_metre = RADIUS / reach
+        count = int(reach / scene.spacing) + 1
+        at, end = np.arange(-count, count + 1) * scene.spacing, count * scene.spacing
+        ends = np.full(len(at), end)
+        self._cells.points = np.concatenate([
+            joined(self._place(np.stack([at, -ends], 1), -0.02), self._place(np.stack([at, ends], 1), -0.02)),
+            joined(self._place(np.stack([-ends, at], 1), -0.02), self._place(np.stack([ends, at], 1), -0.02))])
+        axes = np.array([[-end, 0], [end, 0], [0, -end], [0, end]])
+        self._planes.points = self._place(axes, -0.01).reshape(2, 2, 3)
+        width = scene.spacing / scene.particles_per_cell * self._per_metre
+        for half in self._halves:
+            half.point_size = 0.58 * width
+        self._flashes.point_size = max(0.22 * width, 0.0025)
+        self._edges = particle_layout(scene).edges if scene.particles <= MOST_DOMAINS else None
+        self._size_note.text = f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
+
+    def _draw_crossings(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray, speed: float) -> None:
+        since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-12)
+        shown = (arrays.steps_since_crossing >= 0) & (since < BRIEF)
+        where = x[shown] if shown.any() else np.full((1, 2), AWAY)
+        colours = flash_colours(0 * since[shown]) if shown.any() else np.zeros((1, 3), np.uint8)
+        self._flashes.points = np.concatenate([self._place(where * m, 0.02) for m in MIRRORS])
+        self._flashes.colors = np.tile(colours, (4, 1))
+
+    def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
+        """Outline what each particle stands for: a box for GIMP, a parallelogram for CPDI."""
+        shown = self.domains and self._edges is not None and len(x) == len(self._edges)
+        self._outlines.visible = shown
+        if not shown:
+            return
+        first, second = _half_edges(scene, arrays, self._edges)
+        corners = [x - first - second, x + first - second, x + first + second, x - first + second]
+        segments = []
+        for m in ((1, 1), (-1, 1)):
+            placed = [self._place(c * m, 0.01) for c in corners]
+            segments += [joined(placed[k], placed[(k + 1) % 4]) for k in range(4)]
+        self._outlines.points = np.concatenate(segments)
+
+
+def _half_edges(scene: RingScene, arrays: FrameArrays, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half the edge vectors (P, 2) of the particles' domains as the method sees them now."""
+    F = arrays.deformation_gradient.reshape(-1, 2, 2)
+    if scene.method == "cpdi":
+        return (0.5 * np.einsum("pij,pj->pi", F, edges[:, :2]), 0.5 * np.einsum("pij,pj->pi", F, edges[:, 2:]))
+    reach = 0.5 * scene.spacing / scene.particles_per_cell
+    stretch = np.minimum(np.stack([F[:, 0, 0], F[:, 1, 1]], 1), scene.particles_per_cell) if scene.method == "cpgimp" \
+        else np.full((len(F), 2), 0.0 if scene.method == "mpm" else 1.0)
+    zero = np.zeros(len(F))
+    return np.stack([reach * stretch[:, 0], zero], 1), np.stack([zero, reach * stretch[:, 1]], 1)
