@@ -11,7 +11,7 @@ from typing import Protocol
 from solvers.engine import memory
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport, Goodbye, Seen, Wish
-from solvers.engine.process import EngineProcess
+from solvers.engine.process import CANNOT_START, EngineProcess
 from solvers.scene import Scene
 
 DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between before its scene is given up
@@ -35,8 +35,8 @@ class EnginePool:
         self._engines = [EngineProcess(warm_up) for _ in range(engines)]
 
     def open(self, listener: Listener) -> SessionLink:
-        """A new session, on the engine that has fewest."""
-        engine = min(self._engines, key=lambda e: e.load)
+        """A new session, on the engine that has fewest; on one that has been given up only if all have."""
+        engine = min(self._engines, key=lambda e: (e.given_up, e.load))
         return SessionLink(next(self._numbers), engine, listener)
 
     def wait_ready(self, timeout: float) -> bool:
@@ -65,26 +65,35 @@ class SessionLink:
         self._block_since = 0  # the first wish whose frames go to the present block
         self._outgrown: list[SharedMemory] = []
         self._deaths = 0
+        self._closed = False
         engine.add(self)
 
     def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int) -> int:
-        """Say what is wanted now; returns the wish's number."""
+        """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
-            number = 1 if self.wish is None else self.wish.number + 1
+            last = 0 if self.wish is None else self.wish.number
+            if self._closed:
+                return last
+            number = last + 1
             self._fit_block(scene, number)
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
                              self._block.name)
             self._deaths = 0
             self._engine.send(self.wish)
-            return number
+        if self._engine.given_up:
+            self.trouble(CANNOT_START)
+        return number
 
     def close(self) -> None:
-        """Leave. Frames still on their way are dropped."""
-        self._engine.remove(self.session)
-        self._engine.send(Goodbye(self.session))
+        """Leave. Frames still on their way are dropped. A second call does nothing."""
         with self._lock:
+            if self._closed:
+                return
+            self._closed = True
             _free([*self._outgrown, *([self._block] if self._block else [])])
             self._block, self._outgrown = None, []
+        self._engine.remove(self.session)
+        self._engine.send(Goodbye(self.session))
 
     # ---- called by the engine's reader thread -------------------------------------------------------------
 
@@ -106,15 +115,18 @@ class SessionLink:
     def trouble(self, sentence: str) -> None:
         self.listener.on_trouble(sentence)
 
-    def engine_lost(self) -> None:
-        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it."""
-        self._deaths += 1
+    def engine_lost(self, had_worked: bool) -> None:
+        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it.
+
+        An engine that never came to work (``had_worked``) has not read the scene: that cannot be the cause.
+        """
+        self._deaths += had_worked
         if self._deaths > DEATHS_ALLOWED:
             self.listener.on_trouble("the simulation process keeps ending with this scene; change a setting")
             return
         self.listener.on_engine_lost()
         with self._lock:
-            if self.wish:
+            if self.wish and not self._closed:
                 self.wish = replace(self.wish, number=self.wish.number + 1)
                 self._engine.send(self.wish)
 

@@ -6,15 +6,22 @@ and only a session's newest wish is sent.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import multiprocessing
 import threading
 from collections import deque
+from collections.abc import Iterator
 from typing import Protocol
 
 from solvers.engine import entry
 from solvers.engine.messages import FrameReport, Goodbye, Ready, Seen, Trouble, Wish
 from solvers.scene import Scene
+
+FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
+LONGEST_PAUSE = 10.0
+FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
+CANNOT_START = "the simulation process cannot be started; see the terminal"
 
 
 class Link(Protocol):
@@ -26,14 +33,19 @@ class Link(Protocol):
 
     def trouble(self, sentence: str) -> None: ...
 
-    def engine_lost(self) -> None: ...
+    def engine_lost(self, had_worked: bool) -> None: ...
 
 
 class EngineProcess:
-    """Starts the process, restarts it when it dies, and passes messages."""
+    """Starts the process, restarts it when it dies, and passes messages.
+
+    ``given_up`` says that it kept dying before it was ready: it serves nobody any more.
+    """
 
     def __init__(self, warm_up: Scene):
         self.ready = threading.Event()
+        self.given_up = False
+        self._failures = 0
         self._warm_up = warm_up
         self._links: dict[int, Link] = {}
         self._closing = False
@@ -62,16 +74,20 @@ class EngineProcess:
     def send(self, message: Wish | Seen | Goodbye) -> None:
         """Queue a message; never waits. A newer wish of a session takes the place of an older one."""
         with self._news:
+            if self.given_up:
+                return
             if isinstance(message, Wish):
                 self._wishes[message.session] = message
             else:
                 self._outbox.append(message)
-            self._news.notify()
+            if isinstance(message, Goodbye):  # a wish sent after it would bring the session back
+                self._wishes.pop(message.session, None)
+            self._news.notify_all()
 
     def close(self) -> None:
         with self._news:
             self._closing = True
-            self._news.notify()  # the writer sends None, at which the process ends
+            self._news.notify_all()  # the writer sends None, at which the process ends
         self._process.join(2)
         if self._process.is_alive():
             self._process.kill()
@@ -80,17 +96,15 @@ class EngineProcess:
     # ---- threads ------------------------------------------------------------------------------------------
 
     def _read(self) -> None:
-        while not self._closing:
+        while not (self._closing or self.given_up):
             try:
                 message = self._pipe.recv()
             except (EOFError, OSError):
                 if not self._closing:
                     self._restart()
                 continue
-            try:
+            with _contained():
                 self._dispatch(message)
-            except Exception:  # a page that fails to draw must not stop the others' frames
-                logging.getLogger(__name__).exception("a session could not take a message")
 
     def _write(self) -> None:
         while True:
@@ -112,24 +126,50 @@ class EngineProcess:
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
-        self._pipe, theirs = context.Pipe()
-        self._process = context.Process(target=entry.main, args=(theirs, self._warm_up), daemon=True,
-                                        name="mpm-lab-engine")
-        self._process.start()
+        ours, theirs = context.Pipe()
+        process = context.Process(target=entry.main, args=(theirs, self._warm_up), daemon=True,
+                                  name="mpm-lab-engine")
+        process.start()
         theirs.close()
+        self._pipe, self._process = ours, process
 
     def _restart(self) -> None:
+        """Replace a dead process: at once if it had been ready, else after a pause, and not for ever."""
         self._process.join(1)
+        had_worked = self.ready.is_set()
         self.ready.clear()
+        self._failures += not had_worked
+        if self._failures >= FAILURES_ALLOWED:
+            self._give_up()
+            return
+        pause = min(LONGEST_PAUSE, FIRST_PAUSE * 2 ** (self._failures - 1)) if self._failures else 0.0
         with self._news:
+            if self._news.wait_for(lambda: self._closing, pause):
+                return  # a process started now would outlive the pool
             self._outbox.clear()
             self._wishes.clear()
-            self._start()
+            try:
+                self._start()
+            except OSError:  # the old pipe stays and fails again: one more failure, and a longer pause
+                logging.getLogger(__name__).exception("the simulation process could not be started")
         for link in list(self._links.values()):
-            link.engine_lost()
+            with _contained():
+                link.engine_lost(had_worked)
+
+    def _give_up(self) -> None:
+        with self._news:
+            self.given_up = True
+            self._outbox.clear()
+            self._wishes.clear()
+        logging.getLogger(__name__).error("%d simulation processes in a row ended before they were ready; "
+                                          "no more are started", self._failures)
+        for link in list(self._links.values()):
+            with _contained():
+                link.trouble(CANNOT_START)
 
     def _dispatch(self, message: FrameReport | Trouble | Ready) -> None:
         if isinstance(message, Ready):
+            self._failures = 0
             self.ready.set()
             return
         link = self._links.get(message.session)
@@ -137,3 +177,12 @@ class EngineProcess:
             link.receive(message)
         elif link:
             link.trouble(message.sentence)
+
+
+@contextlib.contextmanager
+def _contained() -> Iterator[None]:
+    """Log what a session raises: a page that fails to draw must not stop the others' frames."""
+    try:
+        yield
+    except Exception:
+        logging.getLogger(__name__).exception("a session could not take a message")

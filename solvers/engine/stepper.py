@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from multiprocessing.shared_memory import SharedMemory
 from time import perf_counter
 
@@ -21,6 +22,10 @@ EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
 LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
 
 
+class BlockGone(Exception):
+    """The page has freed the block that a wish names: its visitor has left, and nobody waits for an answer."""
+
+
 class Stepper:
     """Steps a session's solver towards its wish, a slice at a time. Lives in the engine's one thread."""
 
@@ -28,14 +33,18 @@ class Stepper:
         self._block: SharedMemory | None = None
         self._unseen = False
         self.wish: Wish | None = None
-        self.accept(wish)
+        try:
+            self.accept(wish)
+        except BaseException:
+            self.close()
+            raise
 
     def accept(self, wish: Wish) -> None:
-        """Take over a newer wish; rebuild if it is another scene or a restart."""
+        """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more."""
         old, self.wish = self.wish, wish
         if self._block is None or self._block.name != wish.memory:
             self.close()
-            self._block = SharedMemory(wish.memory)
+            self._block = _attach(wish.memory)
         if old is None or old.scene != wish.scene or old.restarts != wish.restarts:
             self._rebuild()
         elif wish.single_steps > old.single_steps and not wish.playing:
@@ -44,9 +53,10 @@ class Stepper:
         self._frame_wanted = True
 
     def close(self) -> None:
-        if self._block is not None:
-            self._block.close()
-            self._block = None
+        block, self._block = self._block, None
+        if block is not None:
+            with contextlib.suppress(BufferError):  # an exception still holds a view: it goes with that
+                block.close()
 
     def seen(self) -> None:
         """The page has copied the last frame."""
@@ -149,3 +159,10 @@ class Stepper:
             self._real_speed = (self.solver.time - simulated) / (now - wall)
         if now - wall > SPEED_WINDOW:
             self._window = (now, self.solver.time)
+
+
+def _attach(name: str) -> SharedMemory:
+    try:
+        return SharedMemory(name)
+    except FileNotFoundError as error:
+        raise BlockGone(name) from error

@@ -6,17 +6,21 @@ read before every turn, so a dragged slider never leaves stale work in a queue.
 
 from __future__ import annotations
 
+import logging
 import signal
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from time import perf_counter
 
 from solvers import runtime
-from solvers.engine.messages import Goodbye, Ready, Seen, Trouble, Wish
-from solvers.engine.stepper import Stepper
+from solvers.engine.messages import FrameReport, Goodbye, Ready, Seen, Trouble, Wish
+from solvers.engine.stepper import BlockGone, Stepper
 from solvers.run import build
 from solvers.scene import Scene
 
 IDLE_SECONDS = 0.5
+NO_MEMORY = "this scene needs more memory than there is: choose fewer particles"
+FAILED = "the simulation of this scene failed; change a setting"
 
 
 def main(pipe: Connection, warm_up: Scene) -> None:
@@ -32,7 +36,7 @@ def main(pipe: Connection, warm_up: Scene) -> None:
 
 
 class Worker:
-    """The sessions of one engine."""
+    """The sessions of one engine. One that fails is dropped and told; its next wish begins it anew."""
 
     def __init__(self, pipe: Connection):
         self._pipe = pipe
@@ -41,19 +45,25 @@ class Worker:
     def serve(self) -> None:
         while True:
             self._read_messages()
-            busy = [self._serve_one(stepper) for stepper in self._steppers.values()]
+            busy = [self._serve_one(stepper) for stepper in list(self._steppers.values())]
             if not any(busy):
                 self._wait()
 
     def _serve_one(self, stepper: Stepper) -> bool:
         """One turn of one session; says whether there was anything to do."""
-        busy = stepper.behind
-        if busy:
-            stepper.turn()
-        if stepper.ready:
-            self._pipe.send(stepper.frame())
-            busy = True
-        return busy
+        busy = False
+
+        def work() -> FrameReport | None:
+            nonlocal busy
+            busy = stepper.behind
+            if busy:
+                stepper.turn()
+            return stepper.frame() if stepper.ready else None
+
+        report = self._contain(stepper.wish, work)
+        if report is not None:  # sent out here: a pipe that fails ends the engine, not the session
+            self._pipe.send(report)
+        return busy or report is not None
 
     def _wait(self) -> None:
         """Sleep until a message comes or the next frame or step is due."""
@@ -80,15 +90,30 @@ class Worker:
             self._accept(wish)
 
     def _accept(self, wish: Wish) -> None:
-        try:
+        def work() -> None:
             if wish.session in self._steppers:
                 self._steppers[wish.session].accept(wish)
             else:
                 self._steppers[wish.session] = Stepper(wish)
+
+        self._contain(wish, work)
+
+    def _contain(self, wish: Wish, work: Callable[[], FrameReport | None]) -> FrameReport | None:
+        """Do a piece of one session's work; what goes wrong in it costs that session alone."""
+        sentence = None
+        try:
+            return work()
+        except BlockGone:
+            pass
         except MemoryError:
-            self._drop(wish.session)
-            self._pipe.send(Trouble(wish.session, wish.number,
-                                    "this scene needs more memory than there is: choose fewer particles"))
+            sentence = NO_MEMORY
+        except Exception:
+            logging.getLogger(__name__).exception("session %d failed and is dropped: %s", wish.session, wish.scene)
+            sentence = FAILED
+        self._drop(wish.session)  # only now: the exception's frames may have held views of the block
+        if sentence:
+            self._pipe.send(Trouble(wish.session, wish.number, sentence))
+        return None
 
     def _drop(self, session: int) -> None:
         stepper = self._steppers.pop(session, None)
