@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.plots_parts import MOST_CELL_LINES, MOST_DOTS, largest, robust_size, say, shared_scale, styled
+from app.plots_parts import MOST_CELL_LINES, MOST_DOTS, largest, robust_size, say, styled
 from solvers.bar import exact
 from solvers.result import Result
 

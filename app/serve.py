@@ -154,9 +154,8 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     furnish(server.gui)
     visitors = Visitors(pool, max_sessions, Page, lambda client, sentence: _show(client, sentence, add_head))
-
+    server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     server.on_client_connect(visitors.connect)
-    server.on_client_disconnect(visitors.disconnect)
     return server
 
 

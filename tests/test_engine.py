@@ -15,11 +15,28 @@ import numpy as np
 import pytest
 
 from solvers.bar.scene import BarScene
+from solvers.engine.messages import Wish
 from solvers.engine.pool import EnginePool
+from solvers.engine.worker import FAILED
 from solvers.run import build
+from solvers.scene import Scene
 
 SCENE = BarScene(cells=20, periods=1)
 PATIENCE = 30.0  # seconds; a loaded machine may need to compile
+
+
+class Deadly(Scene):
+    """Ends the process that unpickles it: a scene that kills its engine every time."""
+
+    def __reduce__(self):
+        return os._exit, (1,)
+
+
+class Failing(Scene):
+    """Cannot be built."""
+
+    def __reduce__(self):
+        return str, ("no scene",)
 
 
 class Listener:
@@ -153,10 +170,9 @@ def test_a_scene_that_keeps_killing_is_given_up(pool, session):
     """After four deaths without a frame between them the visitor is told, and a new wish is served again."""
     link, listener = session
     listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
-    link._deaths = 3  # three engines lost already
-    os.kill(pool.process_ids[0], signal.SIGKILL)
+    link.ask(Deadly(cells=20, periods=1), False, 1.0, 0, 0)
     listener.wait(lambda: listener.troubles)
-    assert "change a setting" in listener.troubles[0]
+    assert listener.losses == 3 and "change a setting" in listener.troubles[0]
     report, _ = listener.frame(link.ask(replace(SCENE, cells=24), False, 1.0, 0, 0))
     assert report.scene.cells == 24
     assert pool.wait_ready(PATIENCE)
@@ -209,3 +225,52 @@ def test_sessions_share_an_engine_fairly(pool):
     for link in links:
         link.close()
     assert min(gained) >= 15
+
+
+def test_wish_of_a_visitor_who_has_left_is_dropped(pool, session):
+    """A wish may wait until its block is gone. Nobody is told, and the engine lives on for the others."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
+    engines, leaver = pool.process_ids, Listener()
+    gone = pool.open(leaver)
+    pool._engines[0].send(Wish(gone.session, 1, SCENE, False, 1.0, 0, 0, "mpm-lab-no-such-block"))
+    report, _ = listener.frame(link.ask(SCENE, False, 1.0, 1, 0), lambda r: r.fresh)
+    gone.close()
+    assert report.scene == SCENE and pool.process_ids == engines
+    assert not (listener.troubles or listener.losses or leaver.troubles or leaver.losses)
+
+
+def test_failing_session_is_told_and_comes_back(pool, session):
+    """An exception costs its session alone, not the engine; the next wish is served."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
+    engines = pool.process_ids
+    link.ask(Failing(cells=20, periods=1), False, 1.0, 0, 0)
+    listener.wait(lambda: listener.troubles)
+    assert listener.troubles == [FAILED]
+    report, _ = listener.frame(link.ask(SCENE, False, 1.0, 0, 0), lambda r: r.fresh)
+    assert report.scene == SCENE
+    assert pool.process_ids == engines and not listener.losses
+
+
+def test_asking_after_closing_does_nothing(pool):
+    """A slider that moves while its visitor leaves must not open a session that nobody closes."""
+    listener = Listener()
+    link = pool.open(listener)
+    number = link.ask(SCENE, True, 1.0, 0, 0)
+    listener.frame(number)
+    link.close()
+    wish = link.wish
+    assert link.ask(SCENE, True, 1.0, 1, 0) == number
+    assert link.wish is wish and link._block is None
+    link.close()
+
+
+def test_goodbye_overtakes_a_wish_that_waits(pool):
+    """A wish still in the queue when its session leaves is never sent: it would bring the session back."""
+    engine = pool._engines[0]
+    with engine._news:  # holds the writer; a condition's lock may be taken again by the same thread
+        link = pool.open(Listener())
+        link.ask(SCENE, True, 1.0, 0, 0)
+        link.close()
+        assert link.session not in engine._wishes

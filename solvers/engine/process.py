@@ -6,10 +6,12 @@ and only a session's newest wish is sent.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import multiprocessing
 import threading
 from collections import deque
+from collections.abc import Iterator
 from typing import Protocol
 
 from solvers.engine import entry
@@ -101,10 +103,8 @@ class EngineProcess:
                 if not self._closing:
                     self._restart()
                 continue
-            try:
+            with _contained():
                 self._dispatch(message)
-            except Exception:  # a page that fails to draw must not stop the others' frames
-                logging.getLogger(__name__).exception("a session could not take a message")
 
     def _write(self) -> None:
         while True:
@@ -153,7 +153,8 @@ class EngineProcess:
             except OSError:  # the old pipe stays and fails again: one more failure, and a longer pause
                 logging.getLogger(__name__).exception("the simulation process could not be started")
         for link in list(self._links.values()):
-            link.engine_lost(had_worked)
+            with _contained():
+                link.engine_lost(had_worked)
 
     def _give_up(self) -> None:
         with self._news:
@@ -163,7 +164,8 @@ class EngineProcess:
         logging.getLogger(__name__).error("%d simulation processes in a row ended before they were ready; "
                                           "no more are started", self._failures)
         for link in list(self._links.values()):
-            link.trouble(CANNOT_START)
+            with _contained():
+                link.trouble(CANNOT_START)
 
     def _dispatch(self, message: FrameReport | Trouble | Ready) -> None:
         if isinstance(message, Ready):
@@ -175,3 +177,12 @@ class EngineProcess:
             link.receive(message)
         elif link:
             link.trouble(message.sentence)
+
+
+@contextlib.contextmanager
+def _contained() -> Iterator[None]:
+    """Log what a session raises: a page that fails to draw must not stop the others' frames."""
+    try:
+        yield
+    except Exception:
+        logging.getLogger(__name__).exception("a session could not take a message")

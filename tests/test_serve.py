@@ -1,0 +1,243 @@
+"""What must not end the service: early leavers, pages, sessions and engines that fail. No web server."""
+
+from __future__ import annotations
+
+import operator
+import os
+import threading
+from time import monotonic, sleep
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from test_engine import PATIENCE, SCENE, Listener
+
+from app.serve import Visitors, _engine_count
+from solvers.engine import entry, process
+from solvers.engine.messages import Trouble, Wish
+from solvers.engine.pool import EnginePool
+from solvers.engine.process import CANNOT_START
+from solvers.engine.worker import FAILED, Worker
+
+
+class Link:
+    """A session's line that knows whether it was closed."""
+
+    closed = False
+
+    def close(self):
+        self.closed = True
+
+
+class Pool:
+    """Opens lines and keeps them."""
+
+    def __init__(self):
+        self.links = []
+
+    def open(self, listener):
+        self.links.append(Link())
+        return self.links[-1]
+
+
+class Page:
+    """Opens one session, as the real one."""
+
+    def __init__(self, client, pool):
+        self.link = pool.open(None)
+
+    def close(self):
+        self.link.close()
+
+
+class House:
+    """Visitors with two places, and what they were shown."""
+
+    def __init__(self, make_page=Page):
+        self.pool, self.shown = Pool(), []
+        self.visitors = Visitors(self.pool, 2, make_page, lambda client, text: self.shown.append(text))
+
+    def come(self, number):
+        self.visitors.connect(SimpleNamespace(client_id=number))
+
+    def leave(self, number):
+        self.visitors.disconnect(SimpleNamespace(client_id=number))
+
+    @property
+    def open_links(self):
+        return sum(not link.closed for link in self.pool.links)
+
+    @property
+    def empty(self):
+        visitors = self.visitors
+        return not (visitors._pages or visitors._pageless or visitors._left)
+
+
+def test_places_are_taken_and_freed():
+    """The third of two is refused in words; who leaves makes room; nothing is remembered of those gone."""
+    house = House()
+    for number in (1, 2, 3):
+        house.come(number)
+    assert house.open_links == 2 and "2 places" in house.shown[0]
+    house.leave(3)
+    house.leave(1)
+    assert house.open_links == 1
+    house.come(4)
+    assert house.open_links == 2 and len(house.shown) == 1
+    house.leave(2)
+    house.leave(4)
+    assert house.open_links == 0 and house.empty
+
+
+def test_many_at_once_get_no_more_than_the_places():
+    """The count and the taking of a place are one: pages slow to make do not let others in."""
+    release = threading.Event()
+
+    def slow(client, pool):
+        release.wait(5)
+        return Page(client, pool)
+
+    house = House(slow)
+    threads = [threading.Thread(target=house.come, args=(number,)) for number in range(8)]
+    for thread in threads:
+        thread.start()
+    release.set()
+    for thread in threads:
+        thread.join()
+    assert len(house.pool.links) == 2 and len(house.shown) == 6
+
+
+def test_leaving_while_the_page_is_made_closes_it():
+    def leaving(client, pool):
+        house.leave(client.client_id)
+        return Page(client, pool)
+
+    house = House(leaving)
+    house.come(1)
+    assert len(house.pool.links) == 1 and house.open_links == 0 and house.empty
+
+
+def test_leaving_before_being_let_in_makes_no_page():
+    """The web server's threads may call in either order."""
+    house = House()
+    house.leave(1)
+    house.come(1)
+    assert not house.pool.links and not house.shown and house.empty
+
+
+@pytest.mark.parametrize("leaves", [False, True])
+def test_page_that_fails_leaves_nothing_behind(leaves, caplog):
+    """Its session is closed, its place is free, the reason is logged, and a visitor still here is told."""
+    def failing(client, pool):
+        Page(client, pool)
+        if leaves:
+            house.leave(client.client_id)
+        raise ValueError("no such panel")
+
+    house = House(failing)
+    for number in (1, 2, 3):
+        house.come(number)
+    assert len(house.pool.links) == 3 and house.open_links == 0
+    assert "no such panel" in caplog.text
+    assert len(house.shown) == (0 if leaves else 3) and all("could not be made" in text for text in house.shown)
+    if not leaves:
+        for number in (1, 2, 3):
+            house.leave(number)
+    assert house.empty
+
+
+@pytest.mark.parametrize("processors, engines", [(1, 1), (2, 1), (4, 3), (64, 4)])
+def test_engines_follow_the_processors_that_may_be_used(monkeypatch, processors, engines):
+    monkeypatch.setattr(os, "cpu_count", lambda: 128)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(processors)), raising=False)
+    assert _engine_count() == engines
+
+
+def test_engines_where_there_is_no_affinity(monkeypatch):
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert _engine_count() == 1
+
+
+@pytest.mark.parametrize("fault", ["turn", "frame"])
+def test_failing_turn_or_frame_drops_that_session_only(fault, caplog):
+    """Whatever a stepper raises: its session is closed and told, the other one is still there."""
+
+    class Pipe:
+        def __init__(self):
+            self.sent = []
+
+        def send(self, message):
+            self.sent.append(message)
+
+    class Stepper:
+        behind = ready = True
+        closed = False
+
+        def __init__(self, session, fault):
+            self.wish = Wish(session, 5, SCENE, True, 1.0, 0, 0, "")
+            self._fault = fault
+
+        def turn(self):
+            assert self._fault != "turn"
+
+        def frame(self):
+            assert self._fault != "frame"
+            return "a frame"
+
+        def close(self):
+            self.closed = True
+
+    pipe = Pipe()
+    worker = Worker(pipe)
+    bad, good = Stepper(1, fault), Stepper(2, None)
+    worker._steppers = {1: bad, 2: good}
+    for stepper in (bad, good):
+        worker._serve_one(stepper)
+    assert pipe.sent == [Trouble(1, 5, FAILED), "a frame"]
+    assert bad.closed and not good.closed and worker._steppers == {2: good}
+    assert "AssertionError" in caplog.text
+
+
+@pytest.fixture
+def starts(monkeypatch):
+    """Engines that end at once; the times at which they were started."""
+    times, start = [], process.EngineProcess._start
+
+    def timed(self):
+        times.append(monotonic())
+        start(self)
+
+    monkeypatch.setattr(entry, "main", operator.is_)  # any function that takes two arguments and returns
+    monkeypatch.setattr(process.EngineProcess, "_start", timed)
+    return times
+
+
+def test_engine_that_cannot_start_is_given_up(starts, monkeypatch):
+    """Pauses double up to the longest; after six failures every session hears why, and again when it asks."""
+    monkeypatch.setattr(process, "FIRST_PAUSE", 0.1)
+    monkeypatch.setattr(process, "LONGEST_PAUSE", 0.4)
+    pool, listener = EnginePool(SCENE), Listener()
+    try:
+        link = pool.open(listener)
+        link.ask(SCENE, True, 1.0, 0, 0)
+        listener.wait(lambda: listener.troubles)
+        assert listener.troubles == [CANNOT_START]
+        link.ask(SCENE, True, 1.0, 0, 0)
+        assert listener.troubles == [CANNOT_START] * 2
+        assert len(starts) == 6 and listener.losses == 5
+        assert all(gap >= pause for gap, pause in zip(np.diff(starts), (0.1, 0.2, 0.4, 0.4, 0.4), strict=True))
+        link.close()
+    finally:
+        pool.close()
+
+
+def test_no_engine_is_started_after_closing(starts, monkeypatch):
+    """Closing in the pause before a restart ends the pause and the restarts."""
+    monkeypatch.setattr(process, "FIRST_PAUSE", 0.3)
+    pool = EnginePool(SCENE)
+    pool._engines[0]._process.join(PATIENCE)
+    sleep(0.1)  # the reader has noticed and waits
+    pool.close()
+    sleep(0.6)
+    assert len(starts) == 1
