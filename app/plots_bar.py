@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.plots_parts import MOST_CELL_LINES, MOST_DOTS, largest, robust_size, say, styled
+from app.plots_parts import MOST_CELL_LINES, MOST_DOTS, colour_bar, robust_size, say, shared_scale, styled
 from solvers.bar import exact
 from solvers.result import Result
 
@@ -43,11 +43,9 @@ def draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
     few = thinned(len(final.position))
     few = few[(final.position[few] >= 0) & (final.position[few] <= 1)]  # an unstable run leaves NaN and worse
-    known = [largest(sizes[few]) for _, sizes, _ in lanes if sizes is not None]
-    largest = max(known, default=0.0)
-    if final.error is not None and known[0] > 0:  # an estimate that has lost its way must not blank the truth
-        largest = min(largest, 10 * known[0])
-    scale = Normalize(0.0, largest or 1.0)
+    known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
+    truth = known.pop(0) if final.error is not None else None
+    scale = shared_scale(truth, known)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):
         mapped = {} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
@@ -68,11 +66,7 @@ def draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     axes.set_title(f"particles at t = {final.time:.4g} s, coloured by the size of the position's error",
                    fontsize=10)
     if len(few) and lanes[0][1] is not None:
-        bar = figure.colorbar(strokes, ax=axes, location="bottom", aspect=80, pad=0.02)
-        bar.set_label("|error of x| (m), one scale for all lanes")
-        bar.formatter.set_powerlimits((-2, 3))
-        if not largest:
-            bar.set_ticks([0.0])
+        colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)
 
 
 def thinned(count: int) -> np.ndarray:

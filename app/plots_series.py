@@ -33,10 +33,15 @@ def draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     _time_axis(axes, result)
     name, unit = DRAWN[quantity]
     axes.set_ylabel(f"{name} ({unit})")
+    silent = not_estimated(result, quantity)
     if not drawn:
         axes.set_yticks([])
-        say(axes, "nothing to show: every error is zero, or was not computed")
+        say(axes, f"nothing to show: not estimated by {', '.join(silent)}, and no true error was computed" if silent
+            else "nothing to show: every error is zero, or was not computed")
         return
+    if silent:
+        axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
+                  color=ESTIMATE, ha="right")
     axes.set_yscale("log")
     axes.set_ylim(*_span(np.concatenate(drawn)))
     axes.grid(alpha=0.3)
@@ -49,15 +54,16 @@ def draw_index(axes: Axes, result: Result) -> None:
     axes.set_title("error index so far: sum of estimates / sum of true errors", fontsize=10)
     axes.set_xlabel("time t (s)")
     axes.axhline(1.0, color=TRUTH, linewidth=1.2)
-    highest = 1.0
+    highest, silent = 1.0, []
     several = len(result.scene.active_estimators) > 1
     for name, _ in styled(result):
         for quantity, style in INDEX_STYLES.items():
+            symbol = "σ" if quantity == "sigma" else quantity
             ratio = _running_ratio(result, name, quantity)
             if not np.isfinite(ratio).any():
+                silent += [f"{symbol} by {name}"] * (name in not_estimated(result, quantity))
                 continue
             highest = max(highest, float(np.nanpercentile(ratio, 90)))
-            symbol = "σ" if quantity == "sigma" else quantity
             axes.plot(result.series["time"], ratio, color=_estimator_shade(result, name), linestyle=style,
                       linewidth=1.4, label=f"{symbol} ({name})" if several else symbol, marker=_marker(ratio),
                       markersize=4)
@@ -70,7 +76,16 @@ def draw_index(axes: Axes, result: Result) -> None:
     axes.grid(alpha=0.3)
     axes.text(0.99, 1.0, "perfect ", transform=axes.get_yaxis_transform(), color=TRUTH, fontsize=8,
               ha="right", va="bottom")
+    if silent:
+        axes.text(0.01, 0.97, f"not estimated: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
+                  color=ESTIMATE, va="top")
     axes.legend(loc="upper right", fontsize=8, ncols=3, framealpha=0.9)
+
+
+def not_estimated(result: Result, quantity: str) -> list[str]:
+    """The active estimators that say nothing about a quantity."""
+    return [name for name in result.scene.active_estimators
+            if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
 
 
 def _estimator_shade(result: Result, name: str) -> str:

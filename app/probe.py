@@ -1,4 +1,4 @@
-"""The probe: drag a rectangle on the stage and read the errors of the particles in it. A click puts it away."""
+"""The probe: drag a rectangle on the stage and read the errors of the particles in it. One without any puts it away."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from app.camera import FlatCamera
 from app.scale import number
 from app.stage import AWAY, DOT, in_plane, joined, lines
 from solvers.engine.memory import FrameArrays
-
-SMALLEST = 0.01  # of the stage's width: a smaller drag is a click
 
 
 class Stage(Protocol):
@@ -39,7 +37,8 @@ class Probe:
             return
         inside = stage.region(*rectangle, arrays)
         if not inside.any():
-            self.text = "no particles here"
+            self._rectangle, self.text = None, None
+            self._frame.points = np.full((1, 2, 3), AWAY, np.float32)
             return
         parts = [f"{np.count_nonzero(inside)} particles"]
         for name, sizes in (("estimated", estimated), ("true", true)):
@@ -51,10 +50,6 @@ class Probe:
     def _select(self, camera: FlatCamera, event: viser.SceneRectSelectEvent) -> None:
         a, b = camera.on_stage(event.screen_min), camera.on_stage(event.screen_max)
         low, high = (min(a[0], b[0]), min(a[1], b[1])), (max(a[0], b[0]), max(a[1], b[1]))
-        if high[0] - low[0] < SMALLEST and high[1] - low[1] < SMALLEST:
-            self._rectangle = None
-            self._frame.points = np.full((1, 2, 3), AWAY, np.float32)
-            return
         self._rectangle = (low, high)
         corners = in_plane(np.array([low[0], high[0], high[0], low[0]]), np.array([low[1], low[1], high[1], high[1]]),
                            0.03)

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference import Bar
 
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.scene import Scene
+from tests.reference import Bar
 
 STEPS = 40
 BASE = BarScene(cells=12, amplitude=0.1, cfl=0.2, periods=2, density=1.7, estimators=(), effects=())

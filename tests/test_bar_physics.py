@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference import NUMBERS
 
 from solvers.bar.scene import BarScene
 from solvers.run import run
 from solvers.scene import Scene
+from tests.reference import NUMBERS
 
 TABLE = NUMBERS["table1"]
 TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0)

@@ -18,12 +18,12 @@ from app.commands.output import Target, json_text, noted_interrupts
 from app.commands.run_bar import RunBar
 from app.commands.table import run_table
 from solvers.bar.scene import BarScene
-from solvers.scene import EFFECTS, Scene
+from solvers.scene import EFFECTS
 
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = ["--cells", "8", "--ppc", "2", "--periods", "0.2"]
 KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate", "index", "distance",
-        "grid_crossings", "energy", "effects", "bytes", "seconds", "rate", "arch", "threads"}
+        "grid_crossings", "energy", "effects", "bytes", "seconds", "rate", "arch", "threads", "plan"}
 
 
 def command(*arguments: str, **options) -> subprocess.CompletedProcess:
@@ -57,8 +57,8 @@ def test_json_scene_has_every_flag_with_its_default(printed):
     assert set(printed["scene"]) == flags | {"problem"}
     assert None not in printed["scene"].values()
     assert (printed["scene"]["cells"], printed["scene"]["ppc"]) == (8, 2)
-    assert printed["scene"]["modulus"] == Scene.modulus
-    assert printed["scene"]["estimator"] == list(Scene.estimators)
+    assert printed["scene"]["modulus"] == BarScene.modulus
+    assert printed["scene"]["estimator"] == list(BarScene.estimators)
 
 
 @pytest.mark.parametrize("key", ["error", "estimate"])
@@ -123,7 +123,7 @@ BAD = [
 @pytest.mark.parametrize(("flags", "names", "allows"), BAD, ids=[" ".join(bad[0])[:30] for bad in BAD])
 def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("app.commands.run_bar._run", lambda *_: pytest.fail("it ran before it had checked"))
+    monkeypatch.setattr("app.commands.run._run", lambda *_: pytest.fail("it ran before it had checked"))
     assert main(["run", "bar", *flags]) == 2
     seen = capsys.readouterr()
     assert seen.out == "" and seen.err.count("\n") == 1
@@ -134,7 +134,7 @@ def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys,
 @pytest.mark.parametrize(("words", "says"), [
     (["frobnicate"], "mpm-lab: frobnicate: is not a command; give mpm-lab serve or mpm-lab run"),
     (["serv"], "did you mean serve?"),
-    (["run"], "give mpm-lab run bar"),
+    (["run"], "give mpm-lab run bar or mpm-lab run ring"),
     (["run", "rod"], "rod: is not a command"),
     (["--cells", "4"], "--cells: is not a flag of mpm-lab serve"),
     (["--port", "0"], "--port 0: give a whole number from 1 to 65535"),
@@ -163,7 +163,7 @@ def test_help_lists_every_flag_with_its_default(capsys):
     for flag in ("method", "cells", "ppc", "dt", "cfl", "t-end", "periods", "no-linearity-preserving",
                  "estimator", "effects", "sample-every", "json", "plot", "quiet"):
         assert f"--{flag}" in shown
-    assert f"(default: {Scene.cells})" in shown and f"(default: {Scene.amplitude})" in shown
+    assert f"(default: {BarScene.cells})" in shown and f"(default: {BarScene.amplitude})" in shown
 
 
 def test_version(capsys):
@@ -183,9 +183,9 @@ def test_flags_reach_the_scene(monkeypatch):
                  "--linearity-preserving", "--velocity", "corners", "--estimator", "none",
                  "--effects", "truth,energy", "--threads", "2", "--sample-every", "7"]) == 0
     assert seen == [BarScene(method="cpgimp", cells=100, particles_per_cell=2, amplitude=0.1, modulus=9.0,
-                          density=2.0, dt=1e-4, t_end=0.5, body_force="node", linearity_preserving=True,
-                          velocity="corners", estimators=(), effects=("truth", "energy"), threads=2,
-                          sample_every=7)]
+                             density=2.0, dt=1e-4, t_end=0.5, body_force="node", linearity_preserving=True,
+                             velocity="corners", estimators=(), effects=("truth", "energy"), threads=2,
+                             sample_every=7)]
 
 
 @pytest.mark.parametrize(("text", "effects"), [("none", ()), ("all", EFFECTS), ("truth energy", ("truth", "energy"))])
@@ -257,7 +257,7 @@ def test_json_refuses_what_json_has_not():
 
 
 def test_unexpected_failures_are_one_line(monkeypatch, capsys):
-    monkeypatch.setattr("app.commands.run_bar._run", lambda *_: (_ for _ in ()).throw(MemoryError("no room")))
+    monkeypatch.setattr("app.commands.run._run", lambda *_: (_ for _ in ()).throw(MemoryError("no room")))
     monkeypatch.setattr("app.dispatch._wants_traceback", lambda: False)
     assert main(["run", "bar"]) == 1
     assert capsys.readouterr().err == "mpm-lab: failed: MemoryError: no room\n"

@@ -19,20 +19,19 @@ from solvers.engine.messages import Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
 from solvers.run import build
-from solvers.scene import Scene
 
 SCENE = BarScene(cells=20, periods=1)
 PATIENCE = 30.0  # seconds; a loaded machine may need to compile
 
 
-class Deadly(Scene):
+class Deadly(BarScene):
     """Ends the process that unpickles it: a scene that kills its engine every time."""
 
     def __reduce__(self):
         return os._exit, (1,)
 
 
-class Failing(Scene):
+class Failing(BarScene):
     """Cannot be built."""
 
     def __reduce__(self):
@@ -106,7 +105,7 @@ def test_frames_carry_the_solvers_numbers(session):
     solver.advance(7)
     shot = solver.snapshot()
     assert report.scene == SCENE and report.time == solver.time
-    np.testing.assert_array_equal(arrays.position, shot.position.astype(np.float32))
+    np.testing.assert_array_equal(arrays.position[:, 0], shot.position.astype(np.float32))
     np.testing.assert_array_equal(arrays.error, shot.error.astype(np.float32))
     np.testing.assert_array_equal(arrays.estimate["transport"], shot.estimate["transport"].astype(np.float32))
 
@@ -196,7 +195,7 @@ def test_growing_scene_gets_a_larger_block(session):
         report, arrays = listener.frame(link.ask(scene, False, 1.0, 0, 0))
         assert report.scene == scene
         X = (np.arange(scene.particles) + 0.5) / scene.particles
-        np.testing.assert_allclose(arrays.position, X, atol=1e-6)  # single precision near 1
+        np.testing.assert_allclose(arrays.position[:, 0], X, atol=1e-6)  # single precision near 1
 
 
 def test_leaving_frees_the_memory(pool):

@@ -7,15 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
 from app.plots import png_bytes, run_figure, save_png
 from solvers.bar.scene import BarScene
 from solvers.result import Result
+from solvers.ring.scene import RingScene
 from solvers.run import run
 
 SCENE = BarScene(cells=8, particles_per_cell=2, periods=0.3)
+RING = RingScene(cells=12, periods=0.1)
 
 
 @pytest.fixture(scope="module")
@@ -118,6 +121,82 @@ def test_pictures_leave_no_global_figure(result):
     run_figure(result)
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or pyplot.get_fignums() == []
+
+
+@pytest.fixture(scope="module")
+def ring() -> Result:
+    return run(RING)
+
+
+def ring_halves(figure) -> tuple:
+    """The estimate's dots on the left and the truth's on the right."""
+    left, right = [drawn for drawn in figure.axes[5].collections if isinstance(drawn, PathCollection)]
+    return left, right
+
+
+def words(axes) -> str:
+    return " ".join(text.get_text() for text in axes.texts)
+
+
+def test_ring_shows_the_estimate_mirrored_and_the_truth_on_one_scale(ring):
+    figure = run_figure(ring)
+    estimate, truth = ring_halves(figure)
+    np.testing.assert_array_equal(estimate.get_offsets(), ring.final.position * (-1, 1))
+    np.testing.assert_array_equal(truth.get_offsets(), ring.final.position)
+    np.testing.assert_array_equal(estimate.get_array(), ring.final.estimate["transport"][:, 0])
+    np.testing.assert_array_equal(truth.get_array(), ring.final.error[:, 0])
+    assert estimate.norm is truth.norm
+    assert estimate.norm.vmax == min(max(estimate.get_array().max(), truth.get_array().max()),
+                                     10 * truth.get_array().max())
+    assert figure.axes[5].get_aspect() == 1.0 and "estimate (transport) truth" in words(figure.axes[5])
+
+
+def test_ring_scale_is_capped_by_the_truth(ring):
+    wild = replace(ring.final, estimate={"transport": 1e6 * ring.final.estimate["transport"]})
+    estimate, truth = ring_halves(run_figure(replace(ring, final=wild)))
+    assert estimate.norm.vmax == truth.norm.vmax == 10 * truth.get_array().max()
+
+
+def test_ring_profile_is_drawn_in_the_two_colours(ring):
+    truth, estimate = run_figure(ring).axes[4].get_lines()
+    assert (truth.get_color(), estimate.get_color()) == (TRUTH, ESTIMATE)
+    shells = len(truth.get_xdata())
+    squares = ring.final.error[:, 0].reshape(-1, shells) ** 2  # the polar layout runs through R first
+    np.testing.assert_allclose(truth.get_ydata(), np.sqrt(squares.mean(axis=0)))
+
+
+def test_ring_says_what_is_not_estimated(ring):
+    figure = run_figure(ring)
+    assert "not estimated by transport" in words(figure.axes[2])
+    assert "not estimated: σ by transport" in words(figure.axes[3])
+    assert len(figure.axes[2].get_lines()) == 1
+
+
+@pytest.mark.parametrize(("changes", "says"), [
+    ({"effects": ()}, "not estimated truth not computed"),
+    ({"effects": ("estimate",)}, "estimate (transport) truth not computed"),
+    ({"estimators": ()}, "not estimated truth"),
+])
+def test_ring_without_effects_says_so(changes, says):
+    figure = run_figure(run(replace(RING, **changes)))
+    assert says in words(figure.axes[5])
+    assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_unstable_ring_is_drawn_with_its_reason():
+    unstable = run(replace(RING, cfl=1.2, periods=1.0))
+    assert unstable.status == "unstable"
+    figure = run_figure(unstable)
+    assert "went unstable" in figure.get_suptitle()
+    assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_ring_without_a_finite_particle_is_drawn(ring):
+    lost = replace(ring.final, position=np.full_like(ring.final.position, np.nan),
+                   error=np.full_like(ring.final.error, np.nan))
+    figure = run_figure(replace(ring, final=lost))
+    assert "no particle is left" in words(figure.axes[5])
+    assert png_bytes(figure).startswith(b"\x89PNG")
 
 
 def test_colour_table_rises_evenly_in_lightness():

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_engine import PATIENCE, SCENE, Listener
 
 from app.serve import Visitors, _engine_count
 from solvers.engine import entry, process
@@ -18,6 +17,7 @@ from solvers.engine.messages import Trouble, Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.process import CANNOT_START
 from solvers.engine.worker import FAILED, Worker
+from tests.test_engine import PATIENCE, SCENE, Listener
 
 
 class Link:

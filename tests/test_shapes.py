@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import taichi as ti
-from reference import weight
 
 from solvers import runtime
 from solvers.shapes import weights_1d
+from tests.reference import weight
 
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]
 COUNT = 4000

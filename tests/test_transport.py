@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference import NUMBERS
 
 from solvers import norms
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
+from tests.reference import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]
 TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0,

@@ -57,7 +57,8 @@ def _cost(result: dict) -> str:
             ("energy drift", _percent(energy["drift"]) if energy else NOTHING),
             ("time", f"{seconds['run']:.3g} s{estimators}; and {seconds['compile']:.3g} s to compile"),
             ("rate", f"{result['rate']:.3g} million particle-steps/s on {result['arch']}, "
-             f"{result['threads']} thread{'s' * (result['threads'] != 1)}, {result['plan']} plan" if result["rate"] else NOTHING)]
+             f"{result['threads']} thread{'s' * (result['threads'] != 1)}, {result['plan']} plan"
+             if result["rate"] else NOTHING)]
     return "\n".join(f"{name:<16}{value}" for name, value in rows)
 
 

@@ -60,13 +60,18 @@ class RingSolver(Solver):
             return np.stack([_size(a.motion[:, :2] - X - exact.displacement(scene, X, t)),
                              _size(a.motion[:, 2:] - exact.velocity(scene, X, t)), frobenius, _size(error_a)], axis=1)
 
+    def compile(self) -> None:
+        super().compile()
+        if self.plan == "parallel":
+            step_in_slabs(0, 0, self._pack, self._switches)
+
     def _run(self, steps: int) -> None:
         if self.plan == "serial":
             advance(self.step, steps, self._pack, self._switches)
             return
         interval, row = self.scene.sample_interval, 0
         for step in range(self.step, self.step + steps):
-            step_in_slabs(step, self._pack, self._switches)
+            step_in_slabs(step, self.threads, self._pack, self._switches)
             sampled = (step + 1) % interval == 0
             if sampled or (step + 1) % CHECK_EVERY == 0:
                 inspect(step + 1, row if sampled else -1, self._pack, self._switches)

@@ -130,7 +130,7 @@ def update_nodes(ring: ti.template(), j):
         mass = ring.node_mass[node]
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
-            q = ring.node_sums[node] / mass
+            q = ring.node_sums[node] * (1 / mass)
             motion = ti.Vector([q[0] + ring.dt * q[2], q[1] + ring.dt * q[3], q[2], q[3]])
             if i == GHOSTS:
                 motion[0], motion[2] = 0.0, 0.0
@@ -198,31 +198,31 @@ def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
 
 
 @ti.kernel
-def step_in_slabs(step: ti.i32, ring: RingState, on: ti.template()):
-    """One step on as many threads as there are slabs."""
-    for _ in range(1):
+def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template()):
+    """One step on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
+    for _ in range(ti.min(slabs, 1)):
         radial_forces(ring, step * ring.dt, on)
-    for task in range(TASK * ring.slabs):
+    for task in range(TASK * slabs):
         if task % TASK == 0:
             particles_to_nodes(ring, task // TASK, on)
-    for task in range(TASK * ring.slabs):
+    for task in range(TASK * slabs):
         if task % TASK == 0:
             first, last = slab_range(ring.active, task // TASK, ring.slabs)
             for j in range(first, last):
                 sum_slabs(ring, j)
-    for _ in range(1):
+    for _ in range(ti.min(slabs, 1)):
         fold(ring)
-    for task in range(TASK * ring.slabs):
+    for task in range(TASK * slabs):
         if task % TASK == 0:
             first, last = slab_range(ring.active - GHOSTS, task // TASK, ring.slabs)
             for j in range(first, last):
                 update_nodes(ring, GHOSTS + j)
-    for _ in range(1):
+    for _ in range(ti.min(slabs, 1)):
         mirror(ring)
         if ti.static("transport" in on.estimators):
             if (step + 1) % ring.estimate_interval == 0:
                 transport_ring.ring_step(ring, on)
-    for task in range(TASK * ring.slabs):
+    for task in range(TASK * slabs):
         if task % TASK == 0:
             nodes_to_particles(ring, task // TASK, step + 1, on)
 

@@ -6,96 +6,29 @@ import io
 import os
 import re
 import signal
-from pathlib import Path
-from time import monotonic, sleep
+from time import sleep
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from app.colours import colour_table
-
-PATIENCE = 20.0  # seconds for what follows a click; software rendering on a loaded machine is slow
-
-
-def until(condition, what):
-    """Wait until ``condition()`` is true."""
-    end = monotonic() + PATIENCE
-    while not condition():
-        assert monotonic() < end, f"never happened: {what}"
-        sleep(0.1)
-
-
-def row(page, label):
-    """The row of the control panel with this label."""
-    return page.get_by_text(label).locator("xpath=ancestor::div[contains(@class,'mantine-Flex-root')][1]")
-
-
-def readout(page):
-    return page.locator(".lab-readout").inner_text()
-
-
-def number(page, pattern):
-    """The first number in the readout that matches ``pattern``'s group."""
-    return float(re.search(pattern, readout(page))[1].replace(",", ""))
-
-
-def time(page):
-    return number(page, r"time\s+(\S+) s")
-
-
-def steps(page):
-    return number(page, r"steps\s+([\d,]+)")
-
-
-def choose(page, label, option):
-    page.get_by_label(label, exact=True).click()
-    page.get_by_role("option", name=option).click()
-
-
-def press(page, label, key, times=1):
-    row(page, label).get_by_role("slider").focus()
-    for _ in range(times):
-        page.keyboard.press(key)
-
-
-def click(page, button):
-    page.get_by_role("button", name=button, exact=True).click()
-
-
-def stage(page):
-    """The stage between the panels, as an array of colours."""
-    shot = page.screenshot(clip={"x": 330, "y": 0, "width": 580, "height": 720})
-    return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
-
-
-def plotted(page):
-    """Number of points each plot draws and the last time on it, from the charts themselves."""
-    return page.evaluate("Object.values(window.__viserTestpoints.uplots).map(u => "
-                         "[u.chart.data[0].length, u.chart.data[0][u.chart.data[0].length - 1]])")
-
-
-def drawn(page):
-    """Of the plot of error norms: the number of points, and of each series whether it draws more than one of them."""
-    return page.evaluate("(() => { const d = Object.values(window.__viserTestpoints.uplots)[0].chart.data;"
-                         "return [d[0].length, ...d.slice(1).map(s => +([...s].filter(v => v > 0).length > 1))]; })()")
-
-
-def coloured(picture):
-    """Share of the picture whose colours are those of the colour map, to within rounding."""
-    table = {tuple(c) for c in colour_table().tolist()}
-    return np.mean([tuple(c) in table for c in picture.reshape(-1, 3)[::7].tolist()])
-
-
-def engine_processes(parent):
-    """Ids of the processes that ``parent`` has spawned to simulate in."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/stat"):
-        fields = status.read_text().rpartition(")")[2].split()
-        command = (status.parent / "cmdline").read_bytes()
-        if int(fields[1]) == parent and b"spawn_main" in command:
-            found.append(int(status.parent.name))
-    return found
+from tests.browser.driving import (
+    choose,
+    click,
+    coloured,
+    drawn,
+    engine_processes,
+    number,
+    plotted,
+    press,
+    readout,
+    row,
+    stage,
+    steps,
+    time,
+    until,
+)
 
 
 def test_bar_moves_and_is_coloured(page):

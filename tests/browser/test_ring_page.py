@@ -1,0 +1,83 @@
+"""The ring on the page: estimate on one half, truth on the other, domains, the probe, and what cannot be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.browser.driving import choose, coloured, number, press, readout, row, stage, time, until
+
+
+@pytest.fixture
+def ring(page):
+    """The page with the ring running."""
+    choose(page, "Problem", "expanding ring")
+    page.get_by_text("Cells, h = 1.2/24").wait_for()
+    until(lambda: number(page, r"time\s+(\S+) s") > 1e-4 and "estimate" in readout(page), "the ring running")
+    return page
+
+
+def drag(page, start, end):
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(*end, steps=6)
+    page.mouse.up()
+
+
+def test_ring_moves_and_both_halves_are_coloured(ring):
+    """Left and right of the middle carry the map's colours, and the picture changes."""
+    until(lambda: coloured(stage(ring)) > 0.05, "a coloured ring")
+    first = stage(ring)
+    middle = first.shape[1] // 2
+    assert coloured(first[150:, :middle]) > 0.03 and coloured(first[150:, middle:]) > 0.03
+    until(lambda: np.any(np.abs(stage(ring) - first) > 30, axis=2).mean() > 0.005, "another picture")
+
+
+def test_methods_layouts_and_domains(ring):
+    """Every method and layout runs; domains are drawn on request."""
+    for method in ("uGIMP", "cpGIMP", "MPM (hat functions)", "CPDI"):
+        choose(ring, "Method", method)
+        until(lambda: time(ring) > 1e-4, f"{method} running")
+    ring.get_by_text("Method details").click()
+    choose(ring, "Layout", "Cartesian")
+    until(lambda: time(ring) > 1e-4, "the Cartesian layout running")
+    ring.get_by_role("button", name="Pause", exact=True).click()
+    until(lambda: "paused" in readout(ring), "paused")
+    before = stage(ring)
+    ring.get_by_label("Show domains").click()
+    until(lambda: np.any(np.abs(stage(ring) - before) > 30, axis=2).mean() > 0.005, "outlines")
+
+
+def test_finer_ring_starts_without_compiling(ring):
+    """96 cells from a slider: the finer grid's step size is there at once."""
+    size = number(ring, r"of (\S+) s")
+    row(ring, "Cells, h = ").locator("input.mantine-NumberInput-input").fill("96")
+    until(lambda: number(ring, r"of (\S+) s") == pytest.approx(size / 4, rel=1e-2), "a quarter of the step")
+
+
+def test_probe_reads_a_region(ring):
+    """A rectangle dragged over the ring reads the particles in it and their errors; an empty one puts it away."""
+    drag(ring, (640, 250), (880, 560))
+    until(lambda: "true mean" in readout(ring), "errors in the region")
+    assert number(ring, r"region\s+(\d+) particles") > 10
+    drag(ring, (400, 560), (440, 620))
+    until(lambda: "drag a rectangle" in readout(ring), "no region")
+
+
+def test_wrinkling_is_warned_of_and_inversion_refused(ring):
+    """Above 0.198 the page warns and runs on; from 0.386 it refuses; back below, both are gone."""
+    press(ring, "A = ", "End")
+    ring.locator(".lab-refused").wait_for()
+    assert "0.386" in ring.locator(".lab-refused").inner_text()
+    press(ring, "A = ", "ArrowLeft", 25)
+    until(lambda: "wrinkles" in ring.locator(".lab-refused").inner_text(), "the warning")
+    press(ring, "A = ", "ArrowLeft", 120)
+    ring.locator(".lab-refused").wait_for(state="detached")
+
+
+def test_back_to_the_bar(ring):
+    """The bar comes back with its own controls."""
+    choose(ring, "Problem", "vibrating bar")
+    ring.get_by_text("Cells, h = 1/40").wait_for()
+    until(lambda: number(ring, r"time\s+(\S+) s") > 0.05, "the bar running")
+    assert ring.get_by_text("Show domains").count() == 0

@@ -1,0 +1,156 @@
+"""The ring's kernels are the method: sums that must be kept, fields that must be reproduced, symmetry planes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import taichi as ti
+
+from solvers.ring import exact, step
+from solvers.ring.material import radial_forces
+from solvers.ring.scene import RingScene
+from solvers.ring.solver import RingSolver
+from solvers.ring.state import GHOSTS, RingState, quads
+
+METHODS = ["mpm", "ugimp", "cpgimp", "cpdi"]
+BASE = RingScene(cells=16, estimators=(), effects=())
+ROUNDING = np.finfo(float).eps
+
+
+@ti.kernel
+def map_to_nodes(time: ti.f64, ring: RingState, on: ti.template()):
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        radial_forces(ring, time, on)
+        step.particles_to_nodes(ring, 0, on)
+
+
+@ti.kernel
+def map_back(ring: RingState, value: quads, by_x: quads, by_y: quads, on: ti.template()):
+    ti.loop_config(serialize=True)
+    for p in range(ring.particles):
+        value[p], by_x[p], by_y[p] = step.gather(ring, p, on)
+
+
+def stirred(scene: RingScene) -> RingSolver:
+    """A ring in an irregular state, which no symmetry helps."""
+    rng, solver = np.random.default_rng(5), RingSolver(scene)
+    a = solver._arrays
+    P = len(a.mass)
+    a.motion[:, :2] += rng.uniform(-0.2, 0.2, (P, 2)) * scene.spacing
+    a.motion[:, 2:] += rng.normal(0, 3, (P, 2))
+    a.deformation_gradient += rng.uniform(-0.1, 0.1, (P, 4))
+    return solver
+
+
+def node_places(scene: RingScene) -> np.ndarray:
+    line = (np.arange(scene.cells + 1) - GHOSTS) * scene.spacing
+    y, x = np.meshgrid(line, line, indexing="ij")
+    return np.stack([x.ravel(), y.ravel()], axis=1)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_linear_fields_are_reproduced(method):
+    """Every mapping is exact for linear nodal fields: value at x_p and gradient, on any state.
+
+    Rounding of weights (1e-16) is divided by the smallest domain: 1e-16 / (h/10) of the field's 10.
+    """
+    solver = stirred(replace(BASE, method=method))
+    a, on = solver._arrays, solver._switches
+    map_to_nodes(0.0, solver._pack, on)
+    slopes = np.array([[3.0, -2.0], [1.0, 5.0], [-4.0, 0.5], [2.0, 7.0]])
+    a.node_motion[:] = 1.5 + node_places(BASE) @ slopes.T
+    value, by_x, by_y = (np.zeros((len(a.mass), 4)) for _ in range(3))
+    map_back(solver._pack, value, by_x, by_y, on)
+    assert np.abs(value - 1.5 - a.motion[:, :2] @ slopes.T).max() < 1e-13
+    assert np.abs(by_x - slopes[:, 0]).max() < 1e-11 and np.abs(by_y - slopes[:, 1]).max() < 1e-11
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_sums_at_the_nodes_are_the_particles(method):
+    """Mass and momentum are kept, force adds to sum m b, and sum f_i x_i to sum m b x - V sigma (the virial).
+
+    These say that weights sum to one, gradients to zero, and that a linear field has its own gradient. Bounds are
+    1000 roundings of the sum of sizes.
+    """
+    scene = replace(BASE, method=method, density=1300.0)
+    solver, time = stirred(scene), 0.2 * scene.period
+    a = solver._arrays
+    map_to_nodes(time, solver._pack, solver._switches)
+    m, v, x = a.mass[:, None], a.motion[:, 2:], a.motion[:, :2]
+    b = exact.body_force(scene, np.linalg.norm(a.material_position, axis=1), time)[:, None] * a.direction
+    F = a.deformation_gradient.reshape(-1, 2, 2)
+    kirchhoff = 0.5 * scene.modulus * (F @ F.transpose(0, 2, 1) - np.eye(2)) * (m / scene.density)[:, :, None]
+    force = a.node_sums[:, 2:]
+    scale = 1000 * ROUNDING
+    assert abs(a.node_mass.sum() - m.sum()) < scale * m.sum()
+    assert np.abs(a.node_sums[:, :2].sum(0) - (m * v).sum(0)).max() < scale * np.abs(m * v).sum()
+    assert np.abs(force.sum(0) - (m * b).sum(0)).max() < scale * np.abs(force).sum()
+    virial = force.T @ node_places(scene)
+    assert np.abs(virial - (m * b).T @ x + kirchhoff.sum(0)).max() < scale * np.abs(force).sum()
+    assert np.abs(kirchhoff.sum(0)).max() > 1e3 * scale * np.abs(force).sum()
+
+
+def test_body_force_in_the_kernel_is_the_exact_one():
+    """The kernel's force at every radius, at the step's time: 1e-12 of the largest term."""
+    solver = RingSolver(replace(BASE, density=1300.0, modulus=3e6))
+    solver.step = 77
+    solver.advance(1)
+    a = solver._arrays
+    expected = exact.body_force(solver.scene, a.radii, 77 * solver.scene.time_step)
+    np.testing.assert_allclose(a.radial_force, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_nothing_moves_across_the_planes(method):
+    """Nodes on a plane have no normal motion; ghosts are mirror images; the tangential motion is free."""
+    solver = stirred(replace(BASE, method=method))
+    solver.advance(3)
+    n = BASE.cells + 1
+    grid = solver._arrays.node_motion.reshape(n, n, 4)  # [j, i]
+    odd_x, odd_y = np.array([-1, 1, -1, 1]), np.array([1, -1, 1, -1])
+    assert not grid[:, GHOSTS, [0, 2]].any() and not grid[GHOSTS, :, [1, 3]].any()
+    assert np.abs(grid[GHOSTS, :, 0]).max() > 1 and np.abs(grid[:, GHOSTS, 1]).max() > 1
+    for k in (0, 1):
+        np.testing.assert_array_equal(grid[:, k], odd_x * grid[:, 2 * GHOSTS - k])
+        np.testing.assert_array_equal(grid[k], odd_y * grid[2 * GHOSTS - k])
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_solution_is_symmetric_about_the_diagonal(method):
+    """x and y swapped give the same problem: particles of angle t and 90 degrees - t stay each other's image.
+
+    Sums run in another order: rounding of 1e-16 a step and place grows over 200 steps; 1e-11 m is far below any error.
+    """
+    solver = RingSolver(replace(BASE, method=method))
+    before = solver._arrays.motion[:, :2].copy()
+    solver.advance(200)
+    across = len(solver._arrays.radii)
+    for places, bound in ((before, 1e-14), (solver._arrays.motion[:, :2], 1e-11)):
+        rays = places.reshape(-1, across, 2)
+        assert np.abs(rays - rays[::-1, :, ::-1]).max() < bound
+    assert np.abs(solver._arrays.motion[:, :2] - before).max() > 0.01
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_ring_at_rest_stays_at_rest(method):
+    """F = I and v = 0 without a force: no force arises from the grid."""
+    solver = RingSolver(replace(BASE, method=method, body_force="none"))
+    solver._arrays.motion[:, 2:] = 0
+    solver.advance(50)
+    assert not solver._arrays.motion[:, 2:].any()
+    np.testing.assert_array_equal(solver._arrays.motion[:, :2], solver._arrays.material_position)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_unstable_runs_stay_inside_their_arrays(method):
+    """Whatever positions and deformations a bad run has, every kept node lies in the grid."""
+    solver = stirred(replace(BASE, method=method))
+    a = solver._arrays
+    a.motion[::7, :2] = 1e9
+    a.motion[1::7, :2] = -1e9
+    a.deformation_gradient[2::7] = 1e6
+    map_to_nodes(0.0, solver._pack, solver._switches)
+    kept, width = (a.corner_nodes, 1) if method == "cpdi" else (a.first_node, 2)
+    assert kept.min() >= 0
+    assert kept.max() + width * (BASE.cells + 2) < (BASE.cells + 1) ** 2
