@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solvers.ring import exact
 from solvers.ring.scene import RingScene
 from solvers.scene import SceneError
 
 TABLE = json.loads((Path(__file__).parents[1] / "assets/reference/ring.json").read_text())
 METHODS = ["ugimp", "cpgimp", "cpdi"]
 ROWS = [(m, n) for m in METHODS for n in TABLE["cells"]]
-SHORT = RingScene(cells=16, periods=0.25, cfl=0.1)
+SHORT = RingScene(cells=16, periods=0.25, cfl=0.1, estimators=(), effects=("truth",))
 
 
 def table_scene(method: str, cells: int) -> RingScene:
@@ -35,7 +36,7 @@ def test_table(method, cells, simulate):
     k, errors = TABLE["cells"].index(cells), result.errors()
     for name in ("x", "v"):
         assert errors[name]["final"] == pytest.approx(TABLE[method][name][k], rel=0.15), name
-    index = result.to_dict()["estimators"]["transport"]["index"]["x"]
+    index = result.index("transport")["x"]
     assert index == pytest.approx(TABLE["transport_index_x"][method][k], rel=0.15)
 
 
@@ -88,7 +89,7 @@ def test_energy_balance(method, simulate):
 
 def test_snapshot_errors_are_the_sampled_norms(simulate):
     """The RMS of the snapshot's errors (numpy) is the last sample (kernel); rounding relative to the fields."""
-    result = simulate(SHORT)
+    result = simulate(RingScene(cells=16, periods=0.25, cfl=0.1))
     rms = np.sqrt((result.final.error**2).mean(0))
     for value, name in zip(rms, ("error_x", "error_v", "error_sigma", "error_a"), strict=True):
         assert value == pytest.approx(result.series[name][-1], rel=1e-9), name
@@ -116,7 +117,6 @@ def test_amplitude_rules():
     for value in (0.386, 0.5, 0.0, -0.1, math.nan):
         with pytest.raises(SceneError, match="amplitude"):
             RingScene(amplitude=value)
-    from solvers.ring import exact
-    _, slope, _ = exact.shape(np.linspace(exact.INNER, exact.OUTER, 10_001))
-    w_R = exact.shape(np.linspace(exact.INNER, exact.OUTER, 10_001))[0] / np.linspace(exact.INNER, exact.OUTER, 10_001)
-    assert 1 / max(np.abs(slope).max(), np.abs(w_R).max()) == pytest.approx(0.386, abs=1e-3)
+    R = np.linspace(exact.INNER, exact.OUTER, 10_001)
+    w, slope, _ = exact.shape(R)
+    assert 1 / max(np.abs(slope).max(), (w / R).max()) == pytest.approx(0.386, abs=1e-3)

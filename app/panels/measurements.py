@@ -40,7 +40,7 @@ class Measurements:
                                  {"label": "perfect", "stroke": "#6b7480", "width": 1, "dash": [5, 4]}),
                                 y_scale={"distr": 3, "range": list(INDEX_RANGE)},
                                 y_axis={"splits": [0.1, 1, 10], "values": ["0.1", "1", "10"]})
-            gui.add_html(_heading("grid crossings per second"))
+            self._crossings_heading = gui.add_html(_heading("grid crossings per second"))
             self._crossings = _plot(gui, ({"label": "crossings", "stroke": "#cc0078", "width": 1.5},))
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
@@ -63,9 +63,7 @@ class Measurements:
         estimated, true = series.get(f"{estimator}/estimate_{quantity}", nothing), series[f"error_{quantity}"]
         estimated = _bounded(estimated, true)
         power = power_of_ten(_largest(estimated, true))
-        heading = _heading(f"error norm of {SYMBOLS[quantity]} / {power_text(power)}{unit}")
-        if heading != self._errors_heading.content:
-            self._errors_heading.content = heading
+        _set(self._errors_heading, _heading(f"error norm of {SYMBOLS[quantity]} / {power_text(power)}{unit}"))
         self._errors.data = _finite(time, estimated / 10.0**power, true / 10.0**power)
         index = np.minimum(series.get(f"{estimator}/index_{quantity}", nothing), INDEX_RANGE[1])
         self._index.data = _finite(time, index, np.ones(len(time)))
@@ -80,7 +78,9 @@ class Measurements:
 
     def _refresh_crossings(self, history: History) -> None:
         time, rate = history.crossings_per_second()
-        self._crossings.data = _finite(time, rate) if len(time) > 1 else (_EMPTY, _EMPTY)
+        power = power_of_ten(_largest(rate))
+        _set(self._crossings_heading, _heading(f"grid crossings per second{' / ' * bool(power)}{power_text(power)}"))
+        self._crossings.data = _finite(time, rate / 10.0**power) if len(time) > 1 else (_EMPTY, _EMPTY)
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
@@ -103,6 +103,12 @@ def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
         if np.isnan(series).all():
             series[0] = 0.0
     return (time, *drawn)
+
+
+def _set(element: viser.GuiHtmlHandle, content: str) -> None:
+    """Send html only when it has changed."""
+    if element.content != content:
+        element.content = content
 
 
 def _heading(text: str) -> str:
