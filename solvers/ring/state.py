@@ -120,7 +120,7 @@ RingState = ti.types.argpack(
     particles=ti.i32, nodes=ti.i32, row=ti.i32, active=ti.i32, slabs=ti.i32, radius_count=ti.i32,
     estimators=ti.i32, sample_interval=ti.i32, estimate_interval=ti.i32,
     spacing=real, cells_per_length=real, dt=real, estimate_dt=real, shear_modulus=real, density=real,
-    volume_per_mass=real, half_width=real, farthest=real, amplitude=real, angular_frequency=real,
+    half_width=real, farthest=real, amplitude=real, angular_frequency=real,
     material_position=pairs, motion=quads, deformation_gradient=quads, mass=reals, direction=pairs, radius=integers,
     edges=quads, weights=octets, first_node=integers, corner_nodes=integer_quads, acceleration=pairs,
     last_crossing=integers, radii=reals, shape=reals, shape_slope=reals, shape_curvature=reals, radial_force=reals,
@@ -145,6 +145,6 @@ def pack(scene: RingScene, arrays: Arrays, slabs: int):
         sample_interval=scene.sample_interval, estimate_interval=scene.estimate_interval,
         spacing=scene.spacing, cells_per_length=1 / scene.spacing, dt=scene.time_step,
         estimate_dt=scene.estimate_interval * scene.time_step, shear_modulus=0.5 * scene.modulus,
-        density=scene.density, volume_per_mass=1 / scene.density, half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene),
+        density=scene.density, half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene),
         amplitude=scene.amplitude, angular_frequency=scene.angular_frequency,
         **{f.name: getattr(arrays, f.name) for f in fields(arrays)})

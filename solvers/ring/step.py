@@ -130,7 +130,7 @@ def update_nodes(ring: ti.template(), j):
         mass = ring.node_mass[node]
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
-            q = ring.node_sums[node] * (1 / mass)
+            q = ring.node_sums[node] / mass
             motion = ti.Vector([q[0] + ring.dt * q[2], q[1] + ring.dt * q[3], q[2], q[3]])
             if i == GHOSTS:
                 motion[0], motion[2] = 0.0, 0.0
