@@ -80,7 +80,7 @@ class Visitors:
         if admitted:
             self._admit(client)
         else:
-            self._show(client, f"All {self._places} places are taken. Reload the page in a while.")
+            self._show(client, "Every place on this server is taken. Reload the page in a while.")
 
     def disconnect(self, client: Client) -> None:
         """Close the visitor's page, now or as soon as it is made."""

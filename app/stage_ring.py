@@ -80,8 +80,9 @@ class RingStage:
         self._drawn_scene = scene
         reach = OUTER + scene.amplitude
         self._per_metre = RADIUS / reach
-        count = int(reach / scene.spacing) + 1
-        at, end = np.arange(-count, count + 1) * scene.spacing, count * scene.spacing
+        end = 1.05 * reach
+        count = int(end / scene.spacing)
+        at = np.arange(-count, count + 1) * scene.spacing
         ends = np.full(len(at), end)
         self._cells.points = np.concatenate([
             joined(self._place(np.stack([at, -ends], 1), -0.02), self._place(np.stack([at, ends], 1), -0.02)),
