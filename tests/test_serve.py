@@ -78,7 +78,7 @@ def test_places_are_taken_and_freed():
     house = House()
     for number in (1, 2, 3):
         house.come(number)
-    assert house.open_links == 2 and "2 places" in house.shown[0]
+    assert house.open_links == 2 and "place on this server is taken" in house.shown[0]
     house.leave(3)
     house.leave(1)
     assert house.open_links == 1
