@@ -76,7 +76,7 @@ class RingScene(Scene):
         if self.cells > 10_000:
             raise SceneError("cells", self.cells, "give a whole number from 8 to 10,000")
         if self.linearity_preserving:
-            # Measured at 48 cells, A = 0.1: everywhere, the internal forces no longer cancel (by 0.4 of their sum, all at
+            # Measured at 48 cells, A = 0.1: everywhere, the internal forces no longer cancel (0.4 of their sum, all at
             # the surface) and uGIMP blows up within a period; at nodes full of material alone, x gets 21 % better for
             # uGIMP and 15 % worse for CPDI, whose parallelograms tile and leave nothing to correct.
             raise SceneError("linearity_preserving", True,
