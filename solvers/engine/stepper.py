@@ -15,7 +15,6 @@ from solvers.scene import MOST_STEPS
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 FRAME_SECONDS = 1 / 30
-LATEST_FRAME = 1 / 28  # a frame that cannot catch up in time goes out as it is
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
 EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
@@ -65,17 +64,14 @@ class Stepper:
     @property
     def behind(self) -> bool:
         """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
-        if not self._running or (self._unseen and self._frame_due(FRAME_SECONDS)):
+        if not self._running or (self._unseen and self._frame_due()):
             return False
-        return self._steps_wanted() >= (1 if self._frame_due(FRAME_SECONDS) else self._slice)
+        return self._steps_wanted() >= (1 if self._frame_due() else self._slice)
 
     @property
     def ready(self) -> bool:
-        """Whether a frame can go: the last was seen, and this one is due and as far as it can be in time."""
-        if self._unseen:
-            return False
-        return self._frame_wanted or (self._running and (
-            self._frame_due(LATEST_FRAME) or (self._frame_due(FRAME_SECONDS) and self._steps_wanted() < 1)))
+        """Whether a frame can go: the last was seen and this one is due. A turn before it catches up what it can."""
+        return not self._unseen and (self._frame_wanted or (self._running and self._frame_due()))
 
     @property
     def next_due(self) -> float:
@@ -133,8 +129,8 @@ class Stepper:
         """Steps that fit into one turn."""
         return max(1, int(SLICE_SECONDS / self._seconds_a_step))
 
-    def _frame_due(self, after: float) -> bool:
-        return perf_counter() >= self._last_frame + after
+    def _frame_due(self) -> bool:
+        return perf_counter() >= self._last_frame + FRAME_SECONDS
 
     def _steps_wanted(self) -> int:
         """Whole steps from here to the time that the clock shows."""
