@@ -17,17 +17,15 @@ from app.panels.lessons import add_lessons
 from app.panels.measurements import Measurements
 from app.probe import Probe
 from app.scale import ColourScale
-from app.session import Notice, Session
+from app.session import FIRST_SCENE, Notice, Session
 from app.stage import RECTANGLE, ColourBar
 from app.stage_bar import BarStage
 from app.stage_ring import RingStage
-from solvers.bar.scene import BarScene
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
-FIRST_SCENE = BarScene(periods=1)
 
 
 class Page:

@@ -11,6 +11,7 @@ from app.colours import colour_table
 DECADES = 3  # that a logarithmic scale shows below its top
 FADE = 0.985  # per frame: how slowly the top follows when errors shrink
 SMALLEST = 1e-300
+BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale
 
 
 class ColourScale:
@@ -35,10 +36,10 @@ class ColourScale:
         """
         if self.held:
             return
-        truth, largest = _largest(true), _largest(estimated)
+        truth, top = largest(true), largest(estimated)
         if truth > 0:
-            largest = max(truth, min(largest, 10 * truth))
-        self._peak = max(largest, FADE * self._peak)
+            top = max(truth, min(top, BEYOND * truth))
+        self._peak = max(top, FADE * self._peak)
         if self._peak > SMALLEST:
             self.top = round_up(self._peak)
 
@@ -65,7 +66,8 @@ class ColourScale:
         return 0 if self.logarithmic else power_of_ten(self.top)
 
 
-def _largest(sizes: np.ndarray | None) -> float:
+def largest(sizes: np.ndarray | None) -> float:
+    """The largest of what is finite; 0 for nothing."""
     return 0.0 if sizes is None else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 

@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable
 from typing import Protocol
 
+from app.session import FIRST_SCENE
 from solvers.engine.pool import EnginePool, Listener, SessionLink
 
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
@@ -127,8 +128,7 @@ class Visitors:
 def serve(host: str, port: int, max_sessions: int) -> None:
     """Serve the page until interrupted. Raises :class:`ServeError` when host and port cannot be had."""
     _require_free(host, port)
-    from app.page import FIRST_SCENE  # the engines start first: they need longest
-
+    # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(FIRST_SCENE, engines=_engine_count()), None
     try:
         server = _start_server(host, port, pool, max_sessions)

@@ -8,12 +8,14 @@ from dataclasses import dataclass, fields
 from time import monotonic
 
 from app.history import History
+from solvers.bar.scene import BarScene
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool
 from solvers.problems import SCENES
 from solvers.scene import Scene, SceneError
 
+FIRST_SCENE = BarScene(periods=1)
 FIRST_SPEED = {"bar": 0.5, "ring": 0.2}  # periods a second
 CAPPED_BELOW = 0.9  # of the speed asked for
 LOST = 0.5  # error of x over the amplitude from which on a run shows something else than the solution

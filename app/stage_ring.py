@@ -12,7 +12,7 @@ from app.scale import ColourScale
 from app.stage import (
     AWAY,
     CELL,
-    flash_colours,
+    FLASH,
     in_plane,
     joined,
     label,
@@ -100,9 +100,8 @@ class RingStage:
         since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-12)
         shown = (arrays.steps_since_crossing >= 0) & (since < BRIEF)
         where = x[shown] if shown.any() else np.full((1, 2), AWAY)
-        colours = flash_colours(0 * since[shown]) if shown.any() else np.zeros((1, 3), np.uint8)
         self._flashes.points = np.concatenate([self._place(where * m, 0.02) for m in MIRRORS])
-        self._flashes.colors = np.tile(colours, (4, 1))
+        self._flashes.colors = np.full((len(MIRRORS) * len(where), 3), FLASH, np.uint8)
 
     def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
         """Outline what each particle stands for: a box for GIMP, a parallelogram for CPDI."""

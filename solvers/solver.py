@@ -12,6 +12,7 @@ from solvers.samples import ROWS
 from solvers.scene import Scene
 
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
+SAFE_CFL = 0.4  # up to which the length of the step is hardly to blame
 
 
 class Solver(ABC):
@@ -75,8 +76,11 @@ class Solver(ABC):
         what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
                 CRUSHED: "was crushed to less than a thousandth of its size",
                 ESCAPED: self._escape()}[kind]
+        cfl = self.scene.courant_number
+        advice = f"take shorter steps (cfl {cfl:.2g} now; 0.3 is stable for most scenes)" if cfl > SAFE_CFL \
+            else self._advice()
         return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
-                f"(X = {place}) {what}; {self._advice()}")
+                f"(X = {place}) {what}; {advice}")
 
     @abstractmethod
     def snapshot(self) -> Snapshot:
@@ -96,4 +100,4 @@ class Solver(ABC):
 
     @abstractmethod
     def _advice(self) -> str:
-        """What the visitor should change."""
+        """What to change when the step is short enough."""

@@ -10,7 +10,7 @@ import viser
 from app.colours import ESTIMATE, TRUTH
 from app.history import History
 from app.panels.furniture import MEASUREMENTS_WIDTH
-from app.scale import power_of_ten, power_text
+from app.scale import BEYOND, largest, power_of_ten, power_text
 from app.session import Session
 
 SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
@@ -62,7 +62,7 @@ class Measurements:
         nothing = np.full(len(time), np.nan)
         estimated, true = series.get(f"{estimator}/estimate_{quantity}", nothing), series[f"error_{quantity}"]
         estimated = _bounded(estimated, true)
-        power = power_of_ten(_largest(estimated, true))
+        power = power_of_ten(max(largest(estimated), largest(true)))
         _set(self._errors_heading, _heading(f"error norm of {SYMBOLS[quantity]} / {power_text(power)}{unit}"))
         self._errors.data = _finite(time, estimated / 10.0**power, true / 10.0**power)
         index = np.minimum(series.get(f"{estimator}/index_{quantity}", nothing), INDEX_RANGE[1])
@@ -78,19 +78,15 @@ class Measurements:
 
     def _refresh_crossings(self, history: History) -> None:
         time, rate = history.crossings_per_second()
-        power = power_of_ten(_largest(rate))
+        power = power_of_ten(largest(rate))
         _set(self._crossings_heading, _heading(f"grid crossings per second{' / ' * bool(power)}{power_text(power)}"))
         self._crossings.data = _finite(time, rate / 10.0**power) if len(time) > 1 else (_EMPTY, _EMPTY)
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
     """An estimate that has lost its way leaves the plot instead of flattening the truth."""
-    largest = np.max(true[np.isfinite(true)], initial=0.0)
-    return np.where(estimated <= 10 * largest, estimated, np.nan) if largest > 0 else estimated
-
-
-def _largest(*series: np.ndarray) -> float:
-    return max((float(np.max(np.abs(s[np.isfinite(s)]), initial=0.0)) for s in series), default=0.0)
+    truth = largest(true)
+    return np.where(estimated <= BEYOND * truth, estimated, np.nan) if truth > 0 else estimated
 
 
 def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:

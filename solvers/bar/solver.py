@@ -54,9 +54,6 @@ class BarSolver(Solver):
         return f"moved {farthest(self.scene):.3g} m or more from where it began"
 
     def _advice(self) -> str:
-        scene = self.scene
-        if scene.courant_number > 0.4:
-            return f"take shorter steps (cfl {scene.courant_number:.2g} now; 0.3 is stable for most scenes)"
-        if not scene.linearity_preserving:
+        if not self.scene.linearity_preserving:
             return "switch linearity preservation on or choose a smaller amplitude"
         return "choose a smaller amplitude or more cells"

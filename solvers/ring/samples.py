@@ -16,6 +16,14 @@ NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly lin
 
 
 @ti.func
+def phase(ring: ti.template(), step):
+    """T and T' of the exact solution at the step, and T at the step before, whose acceleration was used."""
+    angle = ring.angular_frequency * ring.dt * step
+    return (ring.amplitude * ti.sin(angle), ring.amplitude * ring.angular_frequency * ti.cos(angle),
+            ring.amplitude * ti.sin(angle - ring.angular_frequency * ring.dt))
+
+
+@ti.func
 def vector_errors(ring: ti.template(), p, expansion, speed, before, on: ti.template()):
     """Errors of x and v as one vector of four, and of a, at particle p. ``expansion`` is T, ``speed`` T'."""
     w = ring.shape[ring.radius[p]]
@@ -92,10 +100,7 @@ def sample(ring: ti.template(), row, step, on: ti.template()):
 @ti.func
 def sample_truth(ring: ti.template(), row, step, on: ti.template()):
     """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
-    angle = ring.angular_frequency * ring.dt * step
-    expansion = ring.amplitude * ti.sin(angle)
-    speed = ring.amplitude * ring.angular_frequency * ti.cos(angle)
-    before = ring.amplitude * ti.sin(angle - ring.angular_frequency * ring.dt)
+    expansion, speed, before = phase(ring, step)
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(ring.particles):
         motion, a = vector_errors(ring, p, expansion, speed, before, on)
@@ -113,10 +118,7 @@ def sample_truth(ring: ti.template(), row, step, on: ti.template()):
 @ti.func
 def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth; the stress is not estimated yet."""
-    angle = ring.angular_frequency * ring.dt * step
-    expansion = ring.amplitude * ti.sin(angle)
-    speed = ring.amplitude * ring.angular_frequency * ti.cos(angle)
-    before = ring.amplitude * ti.sin(angle - ring.angular_frequency * ring.dt)
+    expansion, speed, before = phase(ring, step)
     for e in range(ring.estimators):
         squares, apart = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
         for p in range(ring.particles):

@@ -86,8 +86,6 @@ class RingSolver(Solver):
         return f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, or beyond a plane)"
 
     def _advice(self) -> str:
-        if self.scene.courant_number > 0.4:
-            return f"take shorter steps (cfl {self.scene.courant_number:.2g} now; 0.3 is stable for most scenes)"
         if self.scene.method != "cpdi":
             return "choose CPDI, more particles per cell or a smaller amplitude"
         return "choose a smaller amplitude or fewer periods"
