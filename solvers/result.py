@@ -37,11 +37,17 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class Seconds:
-    """Wall time: compiling (or loading from the cache), running, and the part of it the estimators took."""
+    """Wall time: setting up, compiling (or loading from the cache), running, and each estimator's part of the run."""
 
+    setup: float
     compile: float
     run: float
-    estimate: float | None
+    estimators: dict[str, float]
+
+    @property
+    def estimate(self) -> float | None:
+        """The part of the run that all estimators took together; None without any."""
+        return sum(self.estimators.values()) if self.estimators else None
 
 
 @dataclass(frozen=True)
@@ -56,6 +62,7 @@ class Result:
     series: dict[str, np.ndarray]
     final: Snapshot
     bytes: int
+    not_valid: dict[str, str]  # estimators that do not hold here, each with a sentence that says why
     seconds: Seconds
     arch: str
     threads: int
@@ -114,16 +121,17 @@ class Result:
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": None if math.isnan(crossings) else int(crossings), "energy": self.energy(),
             "effects": self.effects, "bytes": self.bytes,
-            "seconds": {"compile": self.seconds.compile, "run": self.seconds.run,
-                        "estimate": self.seconds.estimate},
+            "not_valid": self.not_valid,
+            "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
+                        "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
             "rate": _number(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
 
     def _each(self, what, missing) -> dict:
-        """One estimator's values as they are, several keyed by estimator, nulls for none."""
-        names = self.scene.active_estimators
-        if len(names) == 1:
-            return what(names[0])
-        return {name: what(name) for name in names} if names else dict.fromkeys(QUANTITIES, missing)
+        """One estimator's values as they are, several keyed by estimator, nulls for none and where not valid."""
+        nothing = dict.fromkeys(QUANTITIES, missing)
+        names = self.scene.estimators if "estimate" in self.scene.effects else ()
+        values = {name: nothing if name in self.not_valid else what(name) for name in names}
+        return values if len(names) > 1 else next(iter(values.values()), nothing)
 
 
 def _number(value: float) -> float | None:

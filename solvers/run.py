@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -36,7 +35,7 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None) -> Res
     solver.compile()
     compiled = time.perf_counter() - begun
     rows = [solver.measure()]
-    ran, slice_steps = 0.0, 64
+    ran, slice_steps, prices = 0.0, 64, {}
     while solver.step < scene.steps and solver.sound:
         steps = min(slice_steps, scene.steps - solver.step, solver.longest_advance)
         begun = time.perf_counter()
@@ -44,6 +43,8 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None) -> Res
         took = time.perf_counter() - begun
         ran += took
         slice_steps = max(1, int(min(2.0, SLICE_SECONDS / took) * steps)) if took > 0 else 2 * slice_steps
+        if not prices and 2 * solver.step >= scene.steps:
+            prices = solver.prices()
         if on_progress:
             on_progress(solver.step / scene.steps)
     last = solver.measure()  # also the last look for a run gone bad: the kernel's own look may be steps ago
@@ -54,30 +55,7 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None) -> Res
     sound = solver.sound
     return Result(scene=scene, status="ok" if sound else "unstable", reason=None if sound else solver.reason(),
                   time=solver.time, steps=solver.step, series=series, final=final,
-                  bytes=solver.bytes, seconds=Seconds(compiled, ran, _estimate_seconds(scene, ran)),
+                  bytes=solver.bytes, not_valid=solver.not_valid(),
+                  seconds=Seconds(solver.setup_seconds, compiled, ran,
+                                  {name: part * ran for name, part in prices.items()}),
                   arch=solver.arch, threads=solver.threads, plan=solver.plan)
-
-
-def _estimate_seconds(scene: Scene, ran: float) -> float | None:
-    """The part of ``ran`` that the estimators took.
-
-    The estimators share the kernel with the method, so their time is found by running two copies of the
-    scene's beginning side by side, with and without them, and keeping the faster of several turns of each.
-    """
-    if not scene.active_estimators:
-        return None
-    pair = [build(scene), build(replace(scene, estimators=()))]
-    steps = min(scene.steps, pair[0].longest_advance, max(32, TIMED_PARTICLE_STEPS // scene.particles))
-    for solver in pair:
-        solver.compile()
-    best = [float("inf"), float("inf")]
-    for _ in range(TIMED_TURNS):
-        for k, solver in enumerate(pair):
-            begun = time.perf_counter()
-            solver.advance(steps)
-            best[k] = min(best[k], time.perf_counter() - begun)
-    return max(0.0, 1 - best[1] / best[0]) * ran
-
-
-TIMED_PARTICLE_STEPS = 400_000
-TIMED_TURNS = 3

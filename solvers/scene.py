@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from typing import ClassVar, Literal, get_args
 
-Estimator = Literal["transport"]
+Estimator = Literal["transport", "recovered", "companion", "two-grid"]
 Effect = Literal["truth", "estimate", "crossings", "energy", "acceleration"]
 Arch = Literal["cpu", "gpu"]
 
@@ -171,13 +171,31 @@ class Scene(ABC):
         return max(1, min(10, int(0.5 / self.courant_number)))
 
     @property
+    def not_valid(self) -> dict[str, str]:
+        """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
+        from solvers.estimators.validity import not_valid  # it is about scenes, so it imports this file
+
+        reasons = {name: not_valid(self, name) for name in self.estimators}
+        return {name: reason for name, reason in reasons.items() if reason}
+
+    @property
     def active_estimators(self) -> tuple[Estimator, ...]:
-        return self.estimators if "estimate" in self.effects else ()
+        """The estimators that run: those asked for that are valid here, if the effect is on."""
+        refused = self.not_valid if "estimate" in self.effects else {}
+        return tuple(e for e in self.estimators if e not in refused) if "estimate" in self.effects else ()
+
+    @property
+    def solution_known(self) -> bool:
+        """Whether an exact solution is built in, so that there is a true error."""
+        return self.body_force != "two-tone"
 
     def has(self, effect: Effect) -> bool:
-        """Whether the effect is switched on (``acceleration`` needs the ``truth`` that it is compared with)."""
+        """Whether the effect is switched on and can be (``truth`` needs an exact solution; ``acceleration``, kept to
+        be compared with the exact one or estimated, one of the two)."""
         if effect == "acceleration":
-            return "acceleration" in self.effects and "truth" in self.effects
+            return "acceleration" in self.effects and (self.has("truth") or self.has("estimate"))
+        if effect == "truth":
+            return "truth" in self.effects and self.solution_known
         return bool(self.active_estimators) if effect == "estimate" else effect in self.effects
 
     def to_dict(self) -> dict:

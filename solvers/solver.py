@@ -2,32 +2,39 @@
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 
+from solvers.estimators.interface import NEVER, Estimator
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene
 
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 SAFE_CFL = 0.4  # up to which the length of the step is hardly to blame
+TIMED_SECONDS = 0.004  # that one timed stretch takes at least: many times the cost of a launch
+TIMED_TURNS = 5
 
 
 class Solver(ABC):
     """Owns the arrays of one run. All calls must come from the thread that started Taichi.
 
-    A problem's solver sets ``_arrays`` (with ``samples``, ``verdict``, ``material_position`` and ``bytes``), ``arch``
-    and ``threads``, and supplies the kernels.
+    A problem's solver sets ``_arrays`` (with ``samples``, ``verdict``, ``material_position``, ``estimate_intervals``,
+    ``memory`` and ``members``), ``arch`` and ``threads``, and supplies the kernels and the estimators.
     """
 
     plan: ClassVar[str] = "serial"
+    ESTIMATORS: ClassVar[Mapping[str, Estimator]]
 
     def __init__(self, scene: Scene):
         self.scene = scene
         self.step = 0
         self.arch = ""
+        self.setup_seconds = 0.0  # that it took to put particles and estimators in place
         self.threads = 1
 
     @property
@@ -37,7 +44,7 @@ class Solver(ABC):
     @property
     def bytes(self) -> int:
         """Memory of all arrays."""
-        return self._arrays.bytes
+        return sum(a.nbytes for a in self._arrays.members().values() if isinstance(a, np.ndarray))
 
     @property
     def sound(self) -> bool:
@@ -68,6 +75,53 @@ class Solver(ABC):
         """Check the state and sample it now: one row."""
         self._measure()
         return self._arrays.samples[:1].copy()
+
+    def not_valid(self) -> dict[str, str]:
+        """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
+        found = {name: self.ESTIMATORS[name].verdict(self.scene, self._arrays.memory)
+                 for name in self.scene.active_estimators}
+        return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
+
+    def prices(self) -> dict[str, float]:
+        """The share of the running time that each estimator takes, measured here and now.
+
+        The same steps are taken several times from the present state, with every estimator and with each one resting
+        in turn, samples included; the fastest of each counts. The state is put back, to the bit.
+        """
+        names, arrays = self.scene.active_estimators, self._arrays
+        if not names or not self.sound:
+            return {}
+        step = self.step
+        kept = {name: a.copy() for name, a in arrays.members().items() if isinstance(a, np.ndarray)}
+        steps = self._timed_steps(int(np.lcm.reduce(arrays.estimate_intervals)), kept)
+        best = np.full(len(names) + 1, np.inf)
+        for _ in range(TIMED_TURNS):
+            for resting in range(len(names) + 1):  # the last one: none rests
+                self._put_back(step, kept)
+                arrays.estimate_intervals[resting:resting + 1] = NEVER
+                best[resting] = min(best[resting], self._timed(steps))
+        self._put_back(step, kept)
+        return {name: max(0.0, 1 - float(best[e] / best[-1])) for e, name in enumerate(names)}
+
+    def _timed_steps(self, whole: int, kept: dict[str, np.ndarray]) -> int:
+        """Steps, a multiple of ``whole``, that take about ``TIMED_SECONDS``."""
+        step, steps = self.step, whole
+        while self._timed(steps) < TIMED_SECONDS and 2 * steps <= self.longest_advance:
+            self._put_back(step, kept)
+            steps *= 2
+        self._put_back(step, kept)
+        return steps
+
+    def _timed(self, steps: int) -> float:
+        begun = time.perf_counter()
+        self.advance(min(steps, self.longest_advance))
+        return time.perf_counter() - begun
+
+    def _put_back(self, step: int, kept: dict[str, np.ndarray]) -> None:
+        members = self._arrays.members()
+        for name, values in kept.items():
+            members[name][...] = values
+        self.step = step
 
     def reason(self) -> str:
         """Why the run stopped, and what to change, in one sentence."""

@@ -7,6 +7,8 @@ import taichi as ti
 
 from solvers.shapes import stencil
 
+GHOSTS = 4  # node arrays hold one periodic image on the left and three on the right
+MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that three nodes suffice
 EMPTY = 1e-12  # sum of S below which a node carries nothing
 DEGENERATE = 1e-3  # linearity preservation falls back to the plain gradient below this share of its volume
 
@@ -63,7 +65,7 @@ def divergence_form(bar: ti.template(), i, on: ti.template()):
 @ti.func
 def gather_moments(bar: ti.template()):
     """Nodal sums of D*, D* r, S r and S sigma with r = x_p - x_i, and V_i = sum S F V0."""
-    for i in range(bar.cells + 4):
+    for i in range(bar.cells + GHOSTS):
         bar.node_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
         bar.node_volume[i] = 0.0
     for p in range(bar.particles):

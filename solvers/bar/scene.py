@@ -10,7 +10,7 @@ from solvers.scene import Scene, SceneError, require_number
 
 Problem = Literal["bar"]
 Method = Literal["mpm", "ugimp", "cpgimp", "bspline"]
-BodyForce = Literal["material", "node", "none"]
+BodyForce = Literal["material", "node", "none", "two-tone"]
 PositionUpdate = Literal["grid", "particle", "corners"]
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.

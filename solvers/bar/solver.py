@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 
 from solvers import runtime
 from solvers.bar import exact
+from solvers.bar.estimators import ESTIMATORS
 from solvers.bar.scene import BarScene
 from solvers.bar.state import allocate, farthest, pack, switches
-from solvers.bar.step import advance, measure
+from solvers.bar.step import advance, measure, report
 from solvers.result import Snapshot
 from solvers.solver import Solver
 
@@ -16,15 +19,24 @@ from solvers.solver import Solver
 class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
+    ESTIMATORS = ESTIMATORS
+
     def __init__(self, scene: BarScene):
         super().__init__(scene)
         self.arch = runtime.start(scene.arch, self.threads)
+        begun = time.perf_counter()
         self._switches = switches(scene)
         self._arrays = allocate(scene)
         self._arrays.samples[:] = np.nan
         self._pack = pack(scene, self._arrays)
+        self.setup_seconds = time.perf_counter() - begun
+
+    def compile(self) -> None:
+        super().compile()
+        report(0, self._pack, self._switches)
 
     def snapshot(self) -> Snapshot:
+        report(self.step, self._pack, self._switches)
         a, scene, t = self._arrays, self.scene, self.time
         X = a.material_position
         errors = None

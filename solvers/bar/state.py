@@ -14,18 +14,12 @@ import numpy as np
 import taichi as ti
 
 from solvers.bar import exact
+from solvers.bar.estimators import ESTIMATORS
+from solvers.bar.nodes import GHOSTS
 from solvers.bar.scene import BarScene
+from solvers.estimators.interface import allocate_memory, intervals, memory_types
+from solvers.kinds import integers, pairs, quads, real, reals, table
 from solvers.samples import ROWS, column_count
-
-real = ti.f64
-reals = ti.types.ndarray(dtype=real, ndim=1)
-integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
-pairs = ti.types.ndarray(dtype=ti.types.vector(2, real), ndim=1)
-quads = ti.types.ndarray(dtype=ti.types.vector(4, real), ndim=1)
-table = ti.types.ndarray(dtype=real, ndim=2)
-
-GHOSTS = 4  # node arrays hold one periodic image on the left and three on the right
-MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that three nodes suffice
 
 
 class Switches(NamedTuple):
@@ -67,27 +61,25 @@ class Arrays:
     node_moments: np.ndarray  # sum of D*, D* r, S r, S sigma (N+4, 4)
     node_volume: np.ndarray  # V_i = sum of S F V0 (N+4,)
     node_motion: np.ndarray  # v_i after the step and a_i (N+4, 2)
-    node_slope: np.ndarray  # d(sigma)/dx as the step saw it (N+4,), for the transport estimator
     estimate: np.ndarray  # estimated error of x, v, sigma, a (E*P, 4)
-    transport_nodes: np.ndarray  # the transport estimator's nodal sums (N+4, 4)
-    transport_spread: np.ndarray  # its nodal sum of S r^2 (N+4,)
-    transport_errors: np.ndarray  # its nodal errors of v and a, and v_xx (N+4, 4)
+    estimate_intervals: np.ndarray  # steps between two steps of each estimator (E,)
     totals: np.ndarray  # grid crossings so far, work of the body force so far (2,)
     samples: np.ndarray  # one row a sample (ROWS, columns)
     verdict: np.ndarray  # 0 or the kind of failure, its step, its particle (3,)
+    memory: dict  # what the estimators keep: numbers and arrays by name (see ``solvers.estimators.interface``)
 
-    @property
-    def bytes(self) -> int:
-        return sum(getattr(self, f.name).nbytes for f in fields(self))
+    def members(self) -> dict:
+        """Every array, and the estimators' numbers, by name."""
+        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "memory"}
+        return {**own, **self.memory}
 
 
 def allocate(scene: BarScene) -> Arrays:
     """The initial state: particles at (p + 1/2) h/ppc, F = 1, velocity A w sin 2 pi X."""
     P, nodes, on = scene.particles, scene.cells + GHOSTS, switches(scene)
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.particles_per_cell)
-    transport = "transport" in on.estimators
-    moments = on.linearity_preserving or transport
-    material = on.body_force == "material"
+    moments = on.linearity_preserving or "transport" in on.estimators
+    material = on.body_force in ("material", "two-tone")
 
     def particles(width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:
         return _zeros(P, width, when, kind)
@@ -99,18 +91,18 @@ def allocate(scene: BarScene) -> Arrays:
         material_position=X, position=X.copy(), velocity=exact.velocity(scene, X, 0.0),
         deformation_gradient=np.ones(P),
         sine=np.sin(exact.WAVENUMBER * X) if on.truth or material else np.zeros(1),
-        cosine=np.cos(exact.WAVENUMBER * X) if on.truth else np.zeros(1),
+        cosine=np.cos(exact.WAVENUMBER * X) if on.truth or on.body_force == "two-tone" else np.zeros(1),
         first_node=particles(kind=np.int32), weights=particles(4),
         acceleration=particles(when=on.acceleration),
         last_crossing=particles(when=on.crossings, kind=np.int32),
         node_sine=at_nodes(when=on.body_force == "node"), node_sums=at_nodes(4),
         node_moments=at_nodes(4, when=moments), node_volume=at_nodes(when=moments),
-        node_motion=at_nodes(2), node_slope=at_nodes(when=transport),
+        node_motion=at_nodes(2),
         estimate=_zeros(len(on.estimators) * P, 4, bool(on.estimators)),
-        transport_nodes=at_nodes(4, when=transport), transport_spread=at_nodes(when=transport),
-        transport_errors=at_nodes(4, when=transport),
+        estimate_intervals=intervals(ESTIMATORS, scene),
         totals=np.zeros(2), samples=np.zeros((ROWS, column_count(on.estimators))),
-        verdict=np.zeros(3, np.int32))
+        verdict=np.zeros(3, np.int32),
+        memory=allocate_memory(ESTIMATORS, scene))
     arrays.last_crossing[:] = -1
     if on.body_force == "node":
         arrays.node_sine[:] = np.sin(exact.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
@@ -124,14 +116,13 @@ def _zeros(length: int, width: int | None, when: bool, kind: type = np.float64) 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
 BarState = ti.types.argpack(
-    particles=ti.i32, cells=ti.i32, estimators=ti.i32, sample_interval=ti.i32, estimate_interval=ti.i32,
-    spacing=real, cells_per_length=real, dt=real, estimate_dt=real, modulus=real, density=real, volume=real,
-    half_width=real, farthest=real, amplitude=real, angular_frequency=real, force_scale=real,
+    particles=ti.i32, cells=ti.i32, sample_interval=ti.i32, spacing=real, cells_per_length=real, dt=real,
+    modulus=real, density=real, volume=real, half_width=real, farthest=real, amplitude=real, angular_frequency=real, force_scale=real,
     material_position=reals, position=reals, velocity=reals, deformation_gradient=reals, sine=reals,
     cosine=reals, first_node=integers, weights=quads, acceleration=reals, last_crossing=integers,
     node_sine=reals, node_sums=quads, node_moments=quads, node_volume=reals, node_motion=pairs,
-    node_slope=reals, estimate=quads, transport_nodes=quads, transport_spread=reals, transport_errors=quads,
-    totals=reals, samples=table, verdict=integers)
+    estimate=quads, estimate_intervals=integers, totals=reals, samples=table, verdict=integers,
+    **memory_types(ESTIMATORS))
 
 
 def farthest(scene: BarScene) -> float:
@@ -143,11 +134,9 @@ def pack(scene: BarScene, arrays: Arrays):
     """The kernel's view of a scene and its arrays. The arrays must outlive it."""
     w = scene.angular_frequency
     return BarState(
-        particles=scene.particles, cells=scene.cells, estimators=len(scene.active_estimators),
-        sample_interval=scene.sample_interval, estimate_interval=scene.estimate_interval,
+        particles=scene.particles, cells=scene.cells, sample_interval=scene.sample_interval,
         spacing=scene.spacing, cells_per_length=float(scene.cells), dt=scene.time_step,
-        estimate_dt=scene.estimate_interval * scene.time_step, modulus=scene.modulus, density=scene.density,
-        volume=scene.spacing / scene.particles_per_cell, half_width=0.5 / scene.particles_per_cell,
+        modulus=scene.modulus, density=scene.density, volume=scene.spacing / scene.particles_per_cell, half_width=0.5 / scene.particles_per_cell,
         farthest=farthest(scene), amplitude=scene.motion_amplitude, angular_frequency=w,
         force_scale=3 * w * w * scene.amplitude,
-        **{f.name: getattr(arrays, f.name) for f in fields(arrays)})
+        **arrays.members())

@@ -13,21 +13,24 @@ lets the missing part be the traction; so the estimate does not fall with h, and
 estimated.
 """
 
+import numpy as np
 import taichi as ti
 
+from solvers.estimators.interface import Estimator
+from solvers.kinds import pairs, quads, real
 from solvers.ring import cpdi, gimp
+from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
-from solvers.ring.state import GHOSTS
 
 
 @ti.func
-def ring_step(ring: ti.template(), on: ti.template()):
+def in_step(ring: ti.template(), base, on: ti.template()):
     """Advance Ex by H = k dt and report Ev and Ea, between the node update and the particle update."""
     clear(ring)
     gather_moments(ring, on)
     fold(ring)
     node_errors(ring)
-    particle_errors(ring, on)
+    particle_errors(ring, base, on)
 
 
 @ti.func
@@ -129,15 +132,15 @@ def node_errors(ring: ti.template()):
 
 
 @ti.func
-def particle_errors(ring: ti.template(), on: ti.template()):
+def particle_errors(ring: ti.template(), base, on: ti.template()):
     """Ea and Ev at the particles, and Ex carried on by H."""
     for p in range(ring.particles):
         Ea = interpolate(ring, p, on)
         Ev = ring.dt * Ea
-        before = ring.estimate[p]
-        ring.estimate[p] = ti.Vector([before[0] + ring.estimate_dt * Ev[0], before[1] + ring.estimate_dt * Ev[1],
-                                      Ev[0], Ev[1]])
-        ring.estimate_acceleration[p] = Ea
+        before = ring.estimate[base + p]
+        ring.estimate[base + p] = ti.Vector([before[0] + ring.transport_dt * Ev[0],
+                                             before[1] + ring.transport_dt * Ev[1], Ev[0], Ev[1]])
+        ring.estimate_acceleration[base + p] = Ea
 
 
 @ti.func
@@ -156,3 +159,27 @@ def interpolate(ring: ti.template(), p, on: ti.template()):
             for i in ti.static(range(3)):
                 total += S[i] * R[j] * ring.transport_error[ring.first_node[p] + j * ring.row + i]
     return total
+
+
+@ti.func
+def report(ring: ti.template(), base, step, on: ti.template()):
+    """The other quantities are kept up to date as they are carried on; of the stress nothing is known."""
+    for p in range(ring.particles):
+        ring.estimate_stress[base + p] = ti.Vector([ti.math.nan, ti.math.nan, ti.math.nan])
+
+
+def allocate(scene):
+    """Nodal arrays."""
+    nodes = (scene.cells + 1) ** 2
+    return {"transport_dt": scene.estimate_interval * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
+            "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 2))}
+
+
+TRANSPORT = Estimator(
+    memory={
+        "transport_dt": real,  # H = k dt
+        "transport_stress": quads,  # sums of V S sigma_xx, V S sigma_yy, V S
+        "transport_moments": quads,  # sums of D_x, D_y, D_x r_x, D_y r_y
+        "transport_error": pairs,  # nodal error of a
+    },
+    allocate=allocate, interval=lambda scene: scene.estimate_interval, in_step=in_step, report=report)

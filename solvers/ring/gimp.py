@@ -2,8 +2,8 @@
 
 import taichi as ti
 
+from solvers.ring.layout import GHOSTS
 from solvers.ring.material import force_moment
-from solvers.ring.state import GHOSTS
 from solvers.shapes import stencil, weights_1d
 
 MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that three nodes suffice

@@ -9,6 +9,8 @@ import numpy as np
 from solvers.ring.exact import INNER, OUTER
 from solvers.ring.scene import RingScene, polar_counts
 
+GHOSTS = 2  # rows of nodes beyond each symmetry plane
+
 
 @dataclass(frozen=True)
 class Layout:

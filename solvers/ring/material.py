@@ -2,6 +2,11 @@
 
 import taichi as ti
 
+from solvers.ring.exact import INNER, OUTER
+
+SECOND_SIZE = 0.5  # of the second tone, in w^2 A
+SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
+
 
 @ti.func
 def kirchhoff_stress(ring: ti.template(), p):
@@ -13,19 +18,33 @@ def kirchhoff_stress(ring: ti.template(), p):
 
 
 @ti.func
+def radial_force_at(ring: ti.template(), R, shape, t, on: ti.template()):
+    """The body force per mass at the material radius R, where ``shape`` is (w, w', w''), at time t.
+
+    For "material" see ``solvers.ring.exact.body_force``. "two-tone" adds w^2 A/2 cos(pi (R - a)/(b - a)) sin(1.7 wt),
+    for which no exact solution is built in: there an estimate has to stand alone.
+    """
+    T = ring.amplitude * ti.sin(ring.angular_frequency * t)
+    mu, w, per_R = ring.shear_modulus, ring.angular_frequency, 1 / R
+    radial = 1 + T * shape[1]
+    hoop = 1 + T * shape[0] * per_R
+    per_radial = 1 / radial
+    difference = mu * (radial - per_radial - hoop + 1 / hoop)
+    bending = mu * (1 + per_radial * per_radial) * T * shape[2]
+    force = -w * w * T * shape[0] - (bending + difference * per_R) / ring.density
+    if ti.static(on.two_tone):
+        across = ti.cos(ti.math.pi * (R - INNER) / (OUTER - INNER))
+        force += SECOND_SIZE * w * w * ring.amplitude * across * ti.sin(SECOND_FREQUENCY * w * t)
+    return force
+
+
+@ti.func
 def radial_forces(ring: ti.template(), t, on: ti.template()):
-    """The manufactured body force per mass at every material radius (see ``solvers.ring.exact.body_force``)."""
+    """The body force per mass at every material radius that a particle has."""
     if ti.static(on.body_force):
-        T = ring.amplitude * ti.sin(ring.angular_frequency * t)
-        mu, w = ring.shear_modulus, ring.angular_frequency
         for k in range(ring.radius_count):
-            per_R = 1 / ring.radii[k]
-            radial = 1 + T * ring.shape_slope[k]
-            hoop = 1 + T * ring.shape[k] * per_R
-            per_radial = 1 / radial
-            difference = mu * (radial - per_radial - hoop + 1 / hoop)
-            bending = mu * (1 + per_radial * per_radial) * T * ring.shape_curvature[k]
-            ring.radial_force[k] = -w * w * T * ring.shape[k] - (bending + difference * per_R) / ring.density
+            shape = ti.Vector([ring.shape[k], ring.shape_slope[k], ring.shape_curvature[k]])
+            ring.radial_force[k] = radial_force_at(ring, ring.radii[k], shape, t, on)
 
 
 @ti.func

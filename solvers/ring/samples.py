@@ -7,9 +7,11 @@ time. ``error_extra`` is the paper's "Err A": the error of the acceleration at t
 
 import taichi as ti
 
+from solvers.estimators import running
+from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.exact import C1, C2, C3, INNER
+from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
-from solvers.ring.state import GHOSTS
 from solvers.samples import BASE, EACH, column
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
@@ -38,8 +40,8 @@ def vector_errors(ring: ti.template(), p, expansion, speed, before, on: ti.templ
 
 
 @ti.func
-def stress_error_squared(ring: ti.template(), p, expansion):
-    """Squared Frobenius norm of the error of the Cauchy stress."""
+def stress_error(ring: ti.template(), p, expansion):
+    """Error of the Cauchy stress, as xx, xy, yy."""
     k = ring.radius[p]
     radial = 1 + expansion * ring.shape_slope[k]
     hoop = 1 + expansion * ring.shape[k] / ring.radii[k]
@@ -48,10 +50,14 @@ def stress_error_squared(ring: ti.template(), p, expansion):
     c, s = ring.direction[p][0], ring.direction[p][1]
     F = ring.deformation_gradient[p]
     sigma = kirchhoff_stress(ring, p) / (F[0] * F[3] - F[1] * F[2])
-    xx = sigma[0] - along * c * c - across * s * s
-    xy = sigma[1] - (along - across) * c * s
-    yy = sigma[2] - along * s * s - across * c * c
-    return xx * xx + 2 * xy * xy + yy * yy
+    return sigma - ti.Vector([along * c * c + across * s * s, (along - across) * c * s,
+                              along * s * s + across * c * c])
+
+
+@ti.func
+def squared(tensor):
+    """Squared Frobenius norm of a symmetric tensor given as xx, xy, yy."""
+    return tensor[0] * tensor[0] + 2 * tensor[1] * tensor[1] + tensor[2] * tensor[2]
 
 
 @ti.func
@@ -104,8 +110,7 @@ def sample_truth(ring: ti.template(), row, step, on: ti.template()):
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(ring.particles):
         motion, a = vector_errors(ring, p, expansion, speed, before, on)
-        squares += ti.Vector([motion[0] ** 2 + motion[1] ** 2, motion[2] ** 2 + motion[3] ** 2,
-                              stress_error_squared(ring, p, expansion), a[0] ** 2 + a[1] ** 2])
+        squares += squared_parts(motion, stress_error(ring, p, expansion), a)
     for q in ti.static(range(3)):
         ring.samples[row, ti.static(column("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
@@ -117,25 +122,30 @@ def sample_truth(ring: ti.template(), row, step, on: ti.template()):
 
 @ti.func
 def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
-    """Sums of squares of each estimate and of its distance from the truth; the stress is not estimated yet."""
+    """Sums of squares of each estimate and of its distance from the truth."""
+    running.report(ring, step, ESTIMATORS, on)
     expansion, speed, before = phase(ring, step)
-    for e in range(ring.estimators):
-        squares, apart = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
+    for e in range(ti.static(len(on.estimators))):
+        squares, apart = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(ring.particles):
-            estimate = ring.estimate[e * ring.particles + p]
-            estimate_a = ring.estimate_acceleration[e * ring.particles + p]
-            squares += ti.Vector([estimate[0] ** 2 + estimate[1] ** 2, estimate[2] ** 2 + estimate[3] ** 2,
-                                  estimate_a[0] ** 2 + estimate_a[1] ** 2])
+            motion, sigma = ring.estimate[e * ring.particles + p], ring.estimate_stress[e * ring.particles + p]
+            a = ring.estimate_acceleration[e * ring.particles + p]
+            squares += squared_parts(motion, sigma, a)
             if ti.static(on.truth):
-                motion, a = vector_errors(ring, p, expansion, speed, before, on)
-                d, d_a = estimate - motion, estimate_a - a
-                apart += ti.Vector([d[0] ** 2 + d[1] ** 2, d[2] ** 2 + d[3] ** 2, d_a[0] ** 2 + d_a[1] ** 2])
+                true_motion, true_a = vector_errors(ring, p, expansion, speed, before, on)
+                apart += squared_parts(motion - true_motion, sigma - stress_error(ring, p, expansion), a - true_a)
         at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
-        for q in ti.static(range(3)):
-            place = ti.static((0, 1, 3)[q])  # x, v, a
-            ring.samples[row, at + place] = squares[q]
-            if ti.static(on.truth and (q < 2 or on.acceleration)):
-                ring.samples[row, at + 4 + place] = apart[q]
+        for q in ti.static(range(4)):
+            ring.samples[row, at + q] = squares[q]
+            if ti.static(on.truth and (q < 3 or on.acceleration)):
+                ring.samples[row, at + 4 + q] = apart[q]
+
+
+@ti.func
+def squared_parts(motion, sigma, a):
+    """Squared sizes of x, v, sigma and a."""
+    return ti.Vector([motion[0] * motion[0] + motion[1] * motion[1], motion[2] * motion[2] + motion[3] * motion[3],
+                      squared(sigma), a[0] * a[0] + a[1] * a[1]])
 
 
 @ti.func

@@ -10,7 +10,7 @@ from solvers.scene import Scene, SceneError, require_number, require_whole
 
 Problem = Literal["ring"]
 Method = Literal["ugimp", "cpgimp", "cpdi", "mpm"]
-BodyForce = Literal["material", "none"]
+BodyForce = Literal["material", "none", "two-tone"]
 PositionUpdate = Literal["grid", "particle"]
 ParticleLayout = Literal["polar", "cartesian"]
 Plan = Literal["auto", "serial", "parallel"]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 
 from solvers import runtime
 from solvers.result import Snapshot
 from solvers.ring import exact
+from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.scene import RingScene
 from solvers.ring.state import allocate, farthest, pack, switches
-from solvers.ring.step import CHECK_EVERY, advance, inspect, step_in_slabs
+from solvers.ring.step import CHECK_EVERY, advance, inspect, report, step_in_slabs
 from solvers.solver import SOUND, Solver
 
 PARALLEL_FROM = 120_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
@@ -18,26 +21,31 @@ PARALLEL_FROM = 120_000  # particles from which on two threads beat one: a paral
 class RingSolver(Solver):
     """Owns the arrays of one ring. Two plans: one serial kernel for many steps, or slabs side by side."""
 
+    ESTIMATORS = ESTIMATORS
+
     def __init__(self, scene: RingScene):
         super().__init__(scene)
         large = scene.threads > 1 and scene.particles >= PARALLEL_FROM
         self.plan = ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
         self.threads = scene.threads if self.plan == "parallel" else 1
         self.arch = runtime.start(scene.arch, self.threads)
+        begun = time.perf_counter()
         self._switches = switches(scene)
         self._arrays = allocate(scene, self.threads)
         self._arrays.samples[:] = np.nan
         self._pack = pack(scene, self._arrays, self.threads)
+        self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self) -> Snapshot:
         a, on = self._arrays, self._switches
+        report(self.step, self._pack, on)
         F = a.deformation_gradient.reshape(-1, 2, 2)
         P = len(F)
         estimates = {}
         for k, name in enumerate(on.estimators):
             part = slice(k * P, (k + 1) * P)
             x_v, acceleration = a.estimate[part], a.estimate_acceleration[part]
-            estimates[name] = np.stack([_size(x_v[:, :2]), _size(x_v[:, 2:]), np.full(P, np.nan),
+            estimates[name] = np.stack([_size(x_v[:, :2]), _size(x_v[:, 2:]), _frobenius(a.estimate_stress[part]),
                                         _size(acceleration)], axis=1)
         return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
                         position=a.motion[:, :2].copy(), velocity=a.motion[:, 2:].copy(),
@@ -56,12 +64,13 @@ class RingSolver(Solver):
             tau = 0.5 * scene.modulus * (F @ F.transpose(0, 2, 1) - np.eye(2))
             sigma = (tau / np.linalg.det(F)[:, None, None]).reshape(-1, 4)[:, [0, 1, 3]]
             off = sigma - exact.stress(scene, X, t)
-            frobenius = np.sqrt(off[:, 0] ** 2 + 2 * off[:, 1] ** 2 + off[:, 2] ** 2)
             return np.stack([_size(a.motion[:, :2] - X - exact.displacement(scene, X, t)),
-                             _size(a.motion[:, 2:] - exact.velocity(scene, X, t)), frobenius, _size(error_a)], axis=1)
+                             _size(a.motion[:, 2:] - exact.velocity(scene, X, t)), _frobenius(off), _size(error_a)],
+                            axis=1)
 
     def compile(self) -> None:
         super().compile()
+        report(0, self._pack, self._switches)
         if self.plan == "parallel":
             step_in_slabs(0, 0, self._pack, self._switches)
 
@@ -94,3 +103,9 @@ class RingSolver(Solver):
 def _size(vectors: np.ndarray) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         return np.linalg.norm(vectors, axis=1)
+
+
+def _frobenius(tensors: np.ndarray) -> np.ndarray:
+    """Sizes of symmetric tensors given as xx, xy, yy."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.sqrt(tensors[:, 0] ** 2 + 2 * tensors[:, 1] ** 2 + tensors[:, 2] ** 2)

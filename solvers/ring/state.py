@@ -12,21 +12,13 @@ from typing import NamedTuple
 import numpy as np
 import taichi as ti
 
+from solvers.estimators.interface import allocate_memory, intervals, memory_types
+from solvers.kinds import integer_quads, integers, octets, pairs, quads, real, reals, table, triples
 from solvers.ring import exact
-from solvers.ring.layout import particle_layout
+from solvers.ring.estimators import ESTIMATORS
+from solvers.ring.layout import GHOSTS, particle_layout
 from solvers.ring.scene import RingScene
 from solvers.samples import ROWS, column_count
-
-real = ti.f64
-reals = ti.types.ndarray(dtype=real, ndim=1)
-integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
-pairs = ti.types.ndarray(dtype=ti.types.vector(2, real), ndim=1)
-quads = ti.types.ndarray(dtype=ti.types.vector(4, real), ndim=1)
-octets = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)
-integer_quads = ti.types.ndarray(dtype=ti.types.vector(4, ti.i32), ndim=1)
-table = ti.types.ndarray(dtype=real, ndim=2)
-
-GHOSTS = 2
 
 
 class Switches(NamedTuple):
@@ -34,6 +26,7 @@ class Switches(NamedTuple):
 
     method: str
     body_force: bool
+    two_tone: bool
     velocity: str
     truth: bool
     crossings: bool
@@ -43,7 +36,8 @@ class Switches(NamedTuple):
 
 
 def switches(scene: RingScene) -> Switches:
-    return Switches(scene.method, scene.body_force != "none", scene.velocity, scene.has("truth"),
+    return Switches(scene.method, scene.body_force != "none",
+                    scene.body_force == "two-tone", scene.velocity, scene.has("truth"),
                     scene.has("crossings"), scene.has("energy"), scene.has("acceleration"), scene.active_estimators)
 
 
@@ -73,23 +67,24 @@ class Arrays:
     node_motion: np.ndarray  # v after the step and a (N, 4)
     estimate: np.ndarray  # estimated error of x and v, vectors (E*P, 4)
     estimate_acceleration: np.ndarray  # estimated error of a (E*P, 2)
-    transport_stress: np.ndarray  # nodal sums of V S sigma_xx, V S sigma_yy, V S (N, 4)
-    transport_moments: np.ndarray  # nodal sums of D_x, D_y, D_x r_x, D_y r_y (N, 4)
-    transport_error: np.ndarray  # nodal error of a (N, 2)
+    estimate_stress: np.ndarray  # estimated error of sigma, as xx, xy, yy (E*P, 3)
+    estimate_intervals: np.ndarray  # steps between two steps of each estimator (E,)
     totals: np.ndarray  # grid crossings and work of the body force so far, a slab at a time (2 T,)
     samples: np.ndarray  # one row a sample (ROWS, columns)
     verdict: np.ndarray  # 0 or the kind of failure, its step, its particle (3,)
+    memory: dict  # what the estimators keep: numbers and arrays by name (see ``solvers.estimators.interface``)
 
-    @property
-    def bytes(self) -> int:
-        return sum(getattr(self, f.name).nbytes for f in fields(self))
+    def members(self) -> dict:
+        """Every array, and the estimators' numbers, by name."""
+        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "memory"}
+        return {**own, **self.memory}
 
 
 def allocate(scene: RingScene, slabs: int) -> Arrays:
     """The initial state: the scene's layout, F = I and the exact velocity."""
     layout, on = particle_layout(scene), switches(scene)
     P, N = len(layout.volume), (scene.cells + 1) ** 2
-    cpdi, transport, E = on.method == "cpdi", "transport" in on.estimators, len(on.estimators)
+    cpdi, E = on.method == "cpdi", len(on.estimators)
     X = layout.position
     w, slope, curvature = exact.shape(layout.radii)
 
@@ -108,9 +103,9 @@ def allocate(scene: RingScene, slabs: int) -> Arrays:
         radial_force=zeros(len(layout.radii)),
         node_sums=zeros(slabs * N, 4), node_mass=zeros(slabs * N), node_motion=zeros(N, 4),
         estimate=zeros(E * P, 4, E > 0), estimate_acceleration=zeros(E * P, 2, E > 0),
-        transport_stress=zeros(N, 4, transport), transport_moments=zeros(N, 4, transport),
-        transport_error=zeros(N, 2, transport),
-        totals=zeros(2 * slabs), samples=zeros(ROWS, column_count(on.estimators)), verdict=np.zeros(3, np.int32))
+        estimate_stress=zeros(E * P, 3, E > 0), estimate_intervals=intervals(ESTIMATORS, scene),
+        totals=zeros(2 * slabs), samples=zeros(ROWS, column_count(on.estimators)), verdict=np.zeros(3, np.int32),
+        memory=allocate_memory(ESTIMATORS, scene))
     arrays.last_crossing[:] = -1
     return arrays
 
@@ -118,15 +113,14 @@ def allocate(scene: RingScene, slabs: int) -> Arrays:
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
 RingState = ti.types.argpack(
     particles=ti.i32, nodes=ti.i32, row=ti.i32, active=ti.i32, slabs=ti.i32, radius_count=ti.i32,
-    estimators=ti.i32, sample_interval=ti.i32, estimate_interval=ti.i32,
-    spacing=real, cells_per_length=real, dt=real, estimate_dt=real, shear_modulus=real, density=real,
+    sample_interval=ti.i32, spacing=real, cells_per_length=real, dt=real, shear_modulus=real, density=real,
     half_width=real, farthest=real, amplitude=real, angular_frequency=real,
     material_position=pairs, motion=quads, deformation_gradient=quads, mass=reals, direction=pairs, radius=integers,
     edges=quads, weights=octets, first_node=integers, corner_nodes=integer_quads, acceleration=pairs,
     last_crossing=integers, radii=reals, shape=reals, shape_slope=reals, shape_curvature=reals, radial_force=reals,
     node_sums=quads, node_mass=reals, node_motion=quads, estimate=quads, estimate_acceleration=pairs,
-    transport_stress=quads, transport_moments=quads, transport_error=pairs, totals=reals,
-    samples=table, verdict=integers)
+    estimate_stress=triples, estimate_intervals=integers, totals=reals, samples=table, verdict=integers,
+    **memory_types(ESTIMATORS))
 
 
 def farthest(scene: RingScene) -> float:
@@ -141,10 +135,8 @@ def pack(scene: RingScene, arrays: Arrays, slabs: int):
         particles=len(arrays.mass), nodes=row * row, row=row,
         # Rows in which a sound run can have mass; the others are neither cleared nor visited.
         active=min(row, int(farthest(scene) / scene.spacing) + GHOSTS + 3), slabs=slabs,
-        radius_count=len(arrays.radii), estimators=len(scene.active_estimators),
-        sample_interval=scene.sample_interval, estimate_interval=scene.estimate_interval,
+        radius_count=len(arrays.radii), sample_interval=scene.sample_interval,
         spacing=scene.spacing, cells_per_length=1 / scene.spacing, dt=scene.time_step,
-        estimate_dt=scene.estimate_interval * scene.time_step, shear_modulus=0.5 * scene.modulus,
-        density=scene.density, half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene),
+        shear_modulus=0.5 * scene.modulus, density=scene.density, half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene),
         amplitude=scene.amplitude, angular_frequency=scene.angular_frequency,
-        **{f.name: getattr(arrays, f.name) for f in fields(arrays)})
+        **arrays.members())

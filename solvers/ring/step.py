@@ -7,11 +7,13 @@ grids are summed, so that no two threads ever write to one place and no atomic o
 
 import taichi as ti
 
-from solvers.estimators import transport_ring
+from solvers.estimators import running
 from solvers.ring import cpdi, gimp
+from solvers.ring.estimators import ESTIMATORS
+from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.samples import sample
-from solvers.ring.state import GHOSTS, RingState
+from solvers.ring.state import RingState
 from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
 
 FLATTEST = 1e-3  # det F below which a particle counts as crushed
@@ -186,10 +188,9 @@ def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
             for j in range(GHOSTS, ring.active):
                 update_nodes(ring, j)
             mirror(ring)
-            if ti.static("transport" in on.estimators):
-                if (step + 1) % ring.estimate_interval == 0:
-                    transport_ring.ring_step(ring, on)
+            running.in_step(ring, step + 1, ESTIMATORS, on)
             nodes_to_particles(ring, 0, step + 1, on)
+            running.after_step(ring, step + 1, ESTIMATORS, on)
             if (step + 1) % CHECK_EVERY == 0:
                 check(ring, step + 1)
             if (step + 1) % ring.sample_interval == 0:
@@ -219,12 +220,12 @@ def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template(
                 update_nodes(ring, GHOSTS + j)
     for _ in range(ti.min(slabs, 1)):
         mirror(ring)
-        if ti.static("transport" in on.estimators):
-            if (step + 1) % ring.estimate_interval == 0:
-                transport_ring.ring_step(ring, on)
+        running.in_step(ring, step + 1, ESTIMATORS, on)
     for task in range(TASK * slabs):
         if task % TASK == 0:
             nodes_to_particles(ring, task // TASK, step + 1, on)
+    for _ in range(ti.min(slabs, 1)):
+        running.after_step(ring, step + 1, ESTIMATORS, on)
 
 
 @ti.kernel
@@ -236,3 +237,11 @@ def inspect(step: ti.i32, line: ti.i32, ring: RingState, on: ti.template()):
             check(ring, step)
         if line >= 0:
             sample(ring, line, step, on)
+
+
+@ti.kernel
+def report(step: ti.i32, ring: RingState, on: ti.template()):
+    """Bring the estimates up to date with the state, for whoever looks at the particles."""
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        running.report(ring, step, ESTIMATORS, on)

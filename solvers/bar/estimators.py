@@ -1,0 +1,8 @@
+"""The estimators that the bar has, by the names that scenes use."""
+
+from __future__ import annotations
+
+from solvers.estimators.interface import Estimator
+from solvers.estimators.transport_bar import TRANSPORT
+
+ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT}

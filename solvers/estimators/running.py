@@ -1,0 +1,32 @@
+"""How kernels call the estimators of a scene: a loop over them that is unrolled when the kernel is compiled."""
+
+import taichi as ti
+
+from solvers.estimators.interface import NEVER
+
+
+@ti.func
+def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
+    """The turn of the estimators between nodes and particles; ``step`` counts this step too."""
+    for e in ti.static(range(len(on.estimators))):
+        if ti.static(estimators[on.estimators[e]].in_step):
+            if step % state.estimate_intervals[e] == 0:
+                estimators[on.estimators[e]].in_step(state, e * state.particles, on)
+
+
+@ti.func
+def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
+    """The turn of the estimators at the end of a step; ``step`` counts it."""
+    for e in ti.static(range(len(on.estimators))):
+        if ti.static(estimators[on.estimators[e]].after_step):
+            if step % state.estimate_intervals[e] == 0:
+                estimators[on.estimators[e]].after_step(state, e * state.particles, step, on)
+
+
+@ti.func
+def report(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
+    """Bring every estimate up to date after ``step`` steps, unless its estimator rests."""
+    for e in ti.static(range(len(on.estimators))):
+        if ti.static(estimators[on.estimators[e]].report):
+            if state.estimate_intervals[e] != NEVER:
+                estimators[on.estimators[e]].report(state, e * state.particles, step, on)

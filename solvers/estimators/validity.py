@@ -1,0 +1,21 @@
+"""Where an estimator is known, before anything has run, not to hold: then it says so instead of a number.
+
+Needs no kernels, so that the page and the command line can ask. What only a run can show is the business of the
+estimator's own ``verdict``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from solvers.scene import Scene
+
+#: (problem, estimator) -> a rule that gives the reason, or nothing.
+RULES: dict[tuple[str, str], Callable[[Scene], str | None]] = {}
+
+
+def not_valid(scene: Scene, estimator: str) -> str | None:
+    """A sentence that begins with "not valid here: ", or None where the estimator may be used."""
+    rule = RULES.get((scene.problem, estimator))
+    reason = rule(scene) if rule else None
+    return f"not valid here: {reason}" if reason else None
