@@ -15,6 +15,7 @@ import taichi as ti
 
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
+from solvers.memory import align_fields
 from solvers.samples import ROWS, column_count
 
 real = ti.f64
@@ -75,6 +76,9 @@ class Arrays:
     totals: np.ndarray  # grid crossings so far, work of the body force so far (2,)
     samples: np.ndarray  # one row a sample (ROWS, columns)
     verdict: np.ndarray  # 0 or the kind of failure, its step, its particle (3,)
+
+    def __post_init__(self) -> None:
+        align_fields(self)
 
     @property
     def bytes(self) -> int:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import taichi as ti
 
+from solvers.memory import align_fields
 from solvers.ring import exact
 from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
@@ -79,6 +80,9 @@ class Arrays:
     totals: np.ndarray  # grid crossings and work of the body force so far, a slab at a time (2 T,)
     samples: np.ndarray  # one row a sample (ROWS, columns)
     verdict: np.ndarray  # 0 or the kind of failure, its step, its particle (3,)
+
+    def __post_init__(self) -> None:
+        align_fields(self)
 
     @property
     def bytes(self) -> int:
