@@ -35,5 +35,5 @@ def force_moment(ring: ti.template(), p, on: ti.template()):
     push = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force):
         push = mass * ring.radial_force[ring.radius[p]] * ring.direction[p]
-    tau = (mass / ring.density) * kirchhoff_stress(ring, p)  # V sigma = V0 J sigma
+    tau = mass * (1 / ring.density) * kirchhoff_stress(ring, p)  # V sigma = V0 J sigma
     return mass, ti.Vector([mass * q[2], mass * q[3], push[0], push[1]]), tau

@@ -48,13 +48,12 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
     for p in range(start, end):
         here, by_x, by_y = gather(ring, p, on)
         q, F = ring.motion[p], ring.deformation_gradient[p]
-        v_x, v_y = q[2] + dt * here[2], q[3] + dt * here[3]
-        x, y = q[0] + dt * here[0], q[1] + dt * here[1]
+        moved = q + dt * here
         if ti.static(on.velocity == "particle"):
-            x, y = q[0] + dt * v_x, q[1] + dt * v_y
+            moved[0], moved[1] = q[0] + dt * moved[2], q[1] + dt * moved[3]
         if ti.static(on.crossings):
             per = ring.cells_per_length
-            jump = abs(ti.floor(x * per) - ti.floor(q[0] * per)) + abs(ti.floor(y * per) - ti.floor(q[1] * per))
+            jump = abs(ti.floor(moved[0] * per) - ti.floor(q[0] * per)) + abs(ti.floor(moved[1] * per) - ti.floor(q[1] * per))
             jumps += jump
             ring.last_crossing[p] = ti.select(jump > 0, step, ring.last_crossing[p])
         if ti.static(on.acceleration):
@@ -62,11 +61,10 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
         if ti.static(on.energy and on.body_force):  # the force's power with the velocity in the middle of the step
             push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
             work += dt * (push[0] * (here[0] - 0.5 * dt * here[2]) + push[1] * (here[1] - 0.5 * dt * here[3]))
-        ring.motion[p] = ti.Vector([x, y, v_x, v_y])
-        ring.deformation_gradient[p] = ti.Vector([F[0] + dt * (by_x[0] * F[0] + by_y[0] * F[2]),
-                                                  F[1] + dt * (by_x[0] * F[1] + by_y[0] * F[3]),
-                                                  F[2] + dt * (by_x[1] * F[0] + by_y[1] * F[2]),
-                                                  F[3] + dt * (by_x[1] * F[1] + by_y[1] * F[3])])
+        ring.motion[p] = moved
+        ring.deformation_gradient[p] = F + dt * (
+            ti.Vector([by_x[0], by_x[0], by_x[1], by_x[1]]) * ti.Vector([F[0], F[1], F[0], F[1]])
+            + ti.Vector([by_y[0], by_y[0], by_y[1], by_y[1]]) * ti.Vector([F[2], F[3], F[2], F[3]]))
     ring.totals[2 * slab] = ring.totals[2 * slab] + jumps
     ring.totals[2 * slab + 1] = ring.totals[2 * slab + 1] + work
 
