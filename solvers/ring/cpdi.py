@@ -64,18 +64,18 @@ def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template())
     for p in range(start, end):
         places, cells = ring.weights[p], ring.corner_nodes[p]
         g = corner_gradients(ring, p)
-        mass, carried, tau = force_moment(ring, p, on)
-        mass, carried = 0.25 * mass, 0.25 * carried
+        carried, tau = force_moment(ring, p, on)
+        carried = 0.25 * carried
         for c in ti.static(range(4)):
             a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
-            pull = ti.Vector([0.0, 0.0, g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[1] + g[a + 1] * tau[2]])
+            pull = ti.Vector([0.0, 0.0, g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[1] + g[a + 1] * tau[2],
+                              0.0, 0.0, 0.0, 0.0])
             sums = carried + b * pull
             N = hats(places, c)
             first = grid + cells[c]
             for k in ti.static(range(4)):
                 node = first + (k // 2) * ring.row + k % 2
                 ring.node_sums[node] = ring.node_sums[node] + N[k] * sums
-                ring.node_mass[node] = ring.node_mass[node] + N[k] * mass
 
 
 @ti.func

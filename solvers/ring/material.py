@@ -36,4 +36,4 @@ def force_moment(ring: ti.template(), p, on: ti.template()):
     if ti.static(on.body_force):
         push = mass * ring.radial_force[ring.radius[p]] * ring.direction[p]
     tau = mass * (1 / ring.density) * kirchhoff_stress(ring, p)  # V sigma = V0 J sigma
-    return mass, ti.Vector([mass * q[2], mass * q[3], push[0], push[1]]), tau
+    return ti.Vector([mass * q[2], mass * q[3], push[0], push[1], mass, 0.0, 0.0, 0.0]), tau

@@ -110,7 +110,7 @@ def allocate(scene: RingScene, slabs: int) -> Arrays:
         acceleration=zeros(P, 2, on.acceleration), last_crossing=zeros(P, when=on.crossings, kind=np.int32),
         radii=layout.radii, shape=w, shape_slope=slope, shape_curvature=curvature,
         radial_force=zeros(len(layout.radii)),
-        node_sums=zeros(slabs * N, 4), node_mass=zeros(slabs * N), node_motion=zeros(N, 4),
+        node_sums=zeros(slabs * N, 8), node_mass=zeros(N), node_motion=zeros(N, 4),
         estimate=zeros(E * P, 4, E > 0), estimate_acceleration=zeros(E * P, 2, E > 0),
         transport_stress=zeros(N, 4, transport), transport_moments=zeros(N, 4, transport),
         transport_error=zeros(N, 2, transport),
@@ -128,7 +128,7 @@ RingState = ti.types.argpack(
     material_position=pairs, motion=quads, deformation_gradient=quads, mass=reals, direction=pairs, radius=integers,
     edges=quads, weights=octets, first_node=integers, corner_nodes=integer_quads, acceleration=pairs,
     last_crossing=integers, radii=reals, shape=reals, shape_slope=reals, shape_curvature=reals, radial_force=reals,
-    node_sums=quads, node_mass=reals, node_motion=quads, estimate=quads, estimate_acceleration=pairs,
+    node_sums=octets, node_mass=reals, node_motion=quads, estimate=quads, estimate_acceleration=pairs,
     transport_stress=quads, transport_moments=quads, transport_error=pairs, totals=reals,
     samples=table, verdict=integers)
 

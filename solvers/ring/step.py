@@ -30,13 +30,13 @@ def particles_to_nodes(ring: ti.template(), slab, on: ti.template()):
     grid = slab * ring.nodes
     for j in range(ring.active):
         for node in range(grid + j * ring.row, grid + j * ring.row + ring.active):
-            ring.node_sums[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            ring.node_mass[node] = 0.0
+            ring.node_sums[node] = ti.Vector([0.0] * 8)
     if ti.static(on.method == "cpdi"):
         cpdi.find_weights(ring, start, end)
         cpdi.particles_to_nodes(ring, start, end, grid, on)
     else:
-        gimp.find_weights(ring, start, end, on)
+        for p in range(start, end):
+            gimp.find_weights(ring, p, on)
         gimp.particles_to_nodes(ring, start, end, grid, on)
 
 
@@ -96,7 +96,6 @@ def sum_slabs(ring: ti.template(), j):
     for node in range(j * ring.row, j * ring.row + ring.active):
         for slab in range(1, ring.slabs):
             ring.node_sums[node] = ring.node_sums[node] + ring.node_sums[slab * ring.nodes + node]
-            ring.node_mass[node] = ring.node_mass[node] + ring.node_mass[slab * ring.nodes + node]
 
 
 @ti.func
@@ -107,16 +106,15 @@ def fold(ring: ti.template()):
     """
     for j in range(ring.active):
         for i in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, ti.Vector([-1.0, 1.0, -1.0, 1.0]))
+            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, ti.Vector([-1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]))
     for i in range(ring.active):
         for j in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, ti.Vector([1.0, -1.0, 1.0, -1.0]))
+            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, ti.Vector([1.0, -1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0]))
 
 
 @ti.func
 def fold_pair(ring: ti.template(), ghost, mirror, sign):
     ring.node_sums[mirror] = ring.node_sums[mirror] + sign * ring.node_sums[ghost]
-    ring.node_mass[mirror] = ring.node_mass[mirror] + ring.node_mass[ghost]
 
 
 @ti.func
@@ -125,10 +123,12 @@ def update_nodes(ring: ti.template(), j):
     least = EMPTY * ring.density * ring.spacing * ring.spacing
     for i in range(GHOSTS, ring.active):
         node = j * ring.row + i
-        mass = ring.node_mass[node]
+        sums = ring.node_sums[node]
+        mass = sums[4]
+        ring.node_mass[node] = mass
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
-            q = ring.node_sums[node] / mass
+            q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass
             motion = ti.Vector([q[0] + ring.dt * q[2], q[1] + ring.dt * q[3], q[2], q[3]])
             if i == GHOSTS:
                 motion[0], motion[2] = 0.0, 0.0
