@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.ring.material import force_moment
+from solvers.ring.material import force_moment, force_record
 from solvers.ring.state import GHOSTS
 from solvers.shapes import outer_weights, stencil
 
@@ -27,7 +27,7 @@ def find_weights(ring: ti.template(), p, on: ti.template()):
     first, left, right, slope_left, slope_right = outer_weights(on.method, position, half_widths(ring, p, on))
     # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
     node = ti.min(ti.max(first, 0.0), float(ring.active - 3))
-    ring.first_node[p] = ti.cast(node[1], ti.i32) * ring.row + ti.cast(node[0], ti.i32)
+    ring.first_node[p] = ti.cast(node[1] * ring.row + node[0], ti.i32)  # whole numbers, exact
     slope_left, slope_right = slope_left * per, slope_right * per
     ring.weights[p] = ti.Vector([left[0], left[1], right[0], right[1],
                                  slope_left[0], slope_left[1], slope_right[0], slope_right[1]])
@@ -49,8 +49,8 @@ def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template())
         S, dS, R, dR = stencils_of(ring, p)
         first = grid + ring.first_node[p]
         carried, tau = force_moment(ring, p, on)
-        along_x = ti.Vector([0.0, 0.0, -tau[0], -tau[1], 0.0, 0.0, 0.0, 0.0])
-        along_y = ti.Vector([0.0, 0.0, -tau[1], -tau[2], 0.0, 0.0, 0.0, 0.0])
+        along_x = force_record(-tau[0], -tau[1])
+        along_y = force_record(-tau[1], -tau[2])
         for j in ti.static(range(3)):
             level = R[j] * carried + dR[j] * along_y
             slope = R[j] * along_x

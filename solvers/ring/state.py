@@ -59,7 +59,7 @@ class Arrays:
     direction: np.ndarray  # e_R at the material position (P, 2)
     radius: np.ndarray  # index of the material radius (P,)
     edges: np.ndarray  # r1, r2 of the domain at the start (P, 4), for CPDI
-    weights: np.ndarray  # GIMP: outer weights and gradients in x and y; CPDI: corners' places in their cells (P, 8)
+    weights: np.ndarray  # GIMP: outer weights and slopes, each in x and y; CPDI: x, then y of corners in cells (P, 8)
     first_node: np.ndarray  # GIMP: first node of the 3 x 3 stencil (P,)
     corner_nodes: np.ndarray  # CPDI: first node of each corner's cell (P, 4)
     acceleration: np.ndarray  # a at the particle in the last step (P, 2), with the effect
@@ -69,8 +69,8 @@ class Arrays:
     shape_slope: np.ndarray  # w' (K,)
     shape_curvature: np.ndarray  # w'' (K,)
     radial_force: np.ndarray  # body force per mass in this step (K,)
-    node_sums: np.ndarray  # momentum and force of each slab (T*N, 4)
-    node_mass: np.ndarray  # (T*N,)
+    node_sums: np.ndarray  # momentum, force, mass of each slab and three zeros: a whole vector register (T*N, 8)
+    node_mass: np.ndarray  # mass of all slabs in the last step (N,)
     node_motion: np.ndarray  # v after the step and a (N, 4)
     estimate: np.ndarray  # estimated error of x and v, vectors (E*P, 4)
     estimate_acceleration: np.ndarray  # estimated error of a (E*P, 2)

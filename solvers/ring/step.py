@@ -25,14 +25,18 @@ TASK = 512  # indices that a parallel loop never splits between threads
 
 @ti.func
 def particles_to_nodes(ring: ti.template(), slab, on: ti.template()):
-    """Clear the slab's grid, find its particles' weights, and add mass, momentum and force to the grid."""
+    """Clear the slab's grid, find its particles' weights, and add mass, momentum and force to the grid.
+
+    Weights have a loop of their own: short enough for a processor to work on several particles at a time.
+    """
     start, end = slab_range(ring.particles, slab, ring.slabs)
     grid = slab * ring.nodes
     for j in range(ring.active):
         for node in range(grid + j * ring.row, grid + j * ring.row + ring.active):
             ring.node_sums[node] = ti.Vector([0.0] * 8)
     if ti.static(on.method == "cpdi"):
-        cpdi.find_weights(ring, start, end)
+        for p in range(start, end):
+            cpdi.find_weights(ring, p)
         cpdi.particles_to_nodes(ring, start, end, grid, on)
     else:
         for p in range(start, end):
@@ -53,7 +57,8 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
             moved[0], moved[1] = q[0] + dt * moved[2], q[1] + dt * moved[3]
         if ti.static(on.crossings):
             per = ring.cells_per_length
-            jump = abs(ti.floor(moved[0] * per) - ti.floor(q[0] * per)) + abs(ti.floor(moved[1] * per) - ti.floor(q[1] * per))
+            cells = ti.floor(moved * per) - ti.floor(q * per)
+            jump = abs(cells[0]) + abs(cells[1])
             jumps += jump
             ring.last_crossing[p] = ti.select(jump > 0, step, ring.last_crossing[p])
         if ti.static(on.acceleration):
@@ -106,14 +111,15 @@ def fold(ring: ti.template()):
     """
     for j in range(ring.active):
         for i in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, ti.Vector([-1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]))
+            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, -1.0, 1.0)
     for i in range(ring.active):
         for j in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, ti.Vector([1.0, -1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0]))
+            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, 1.0, -1.0)
 
 
 @ti.func
-def fold_pair(ring: ti.template(), ghost, mirror, sign):
+def fold_pair(ring: ti.template(), ghost, mirror, in_x, in_y):
+    sign = ti.Vector([in_x, in_y, in_x, in_y, 1.0, 1.0, 1.0, 1.0])
     ring.node_sums[mirror] = ring.node_sums[mirror] + sign * ring.node_sums[ghost]
 
 
@@ -125,7 +131,7 @@ def update_nodes(ring: ti.template(), j):
         node = j * ring.row + i
         sums = ring.node_sums[node]
         mass = sums[4]
-        ring.node_mass[node] = mass
+        ring.node_mass[node] = mass  # for those who look on
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
             q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass
