@@ -1,8 +1,8 @@
 """Shape functions in one dimension, as three-node stencils.
 
-Each returns ``(first, S, dS)``: the first of three neighbouring nodes, their weights ``S`` and the gradients
-``dS`` in 1/cell. Positions and half widths are in cells (x/h). Weights sum to one and gradients to zero to
-round-off, because the middle node takes what the outer two leave.
+Each function returns the first of three neighbouring nodes, and for the two outer ones, left and right, the weights
+and then the gradients in 1/cell. Positions and half widths are in cells (x/h). Weights sum to one and gradients to zero
+to round-off, because the middle node takes what the outer two leave (:func:`stencil`).
 
 Sources: hat and GIMP, Bardenhagen & Kober (2004); quadratic B-spline, Steffen, Kirby & Berzins (2008).
 """

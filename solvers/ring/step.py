@@ -67,6 +67,7 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
             push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
             work += dt * (push[0] * (here[0] - 0.5 * dt * here[2]) + push[1] * (here[1] - 0.5 * dt * here[3]))
         ring.motion[p] = moved
+        # (L F)_ij = L_ix F_xj + L_iy F_yj, the four entries side by side.
         ring.deformation_gradient[p] = F + dt * (
             ti.Vector([by_x[0], by_x[0], by_x[1], by_x[1]]) * ti.Vector([F[0], F[1], F[0], F[1]])
             + ti.Vector([by_y[0], by_y[0], by_y[1], by_y[1]]) * ti.Vector([F[2], F[3], F[2], F[3]]))
