@@ -27,18 +27,22 @@ TASK = 512  # indices that a parallel loop never splits between threads
 
 @ti.func
 def particles_to_nodes(ring: ti.template(), slab, on: ti.template()):
-    """Clear the slab's grid, find its particles' weights, and add mass, momentum and force to the grid."""
+    """Clear the slab's grid, find its particles' weights, and add mass, momentum and force to the grid.
+
+    Weights have a loop of their own: short enough for a processor to work on several particles at a time.
+    """
     start, end = slab_range(ring.particles, slab, ring.slabs)
     grid = slab * ring.nodes
     for j in range(ring.active):
         for node in range(grid + j * ring.row, grid + j * ring.row + ring.active):
-            ring.node_sums[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            ring.node_mass[node] = 0.0
+            ring.node_sums[node] = ti.Vector([0.0] * 8)
     if ti.static(on.method == "cpdi"):
-        cpdi.find_weights(ring, start, end)
+        for p in range(start, end):
+            cpdi.find_weights(ring, p)
         cpdi.particles_to_nodes(ring, start, end, grid, on)
     else:
-        gimp.find_weights(ring, start, end, on)
+        for p in range(start, end):
+            gimp.find_weights(ring, p, on)
         gimp.particles_to_nodes(ring, start, end, grid, on)
 
 
@@ -50,13 +54,13 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
     for p in range(start, end):
         here, by_x, by_y = gather(ring, p, on)
         q, F = ring.motion[p], ring.deformation_gradient[p]
-        v_x, v_y = q[2] + dt * here[2], q[3] + dt * here[3]
-        x, y = q[0] + dt * here[0], q[1] + dt * here[1]
+        moved = q + dt * here
         if ti.static(on.velocity == "particle"):
-            x, y = q[0] + dt * v_x, q[1] + dt * v_y
+            moved[0], moved[1] = q[0] + dt * moved[2], q[1] + dt * moved[3]
         if ti.static(on.crossings):
             per = ring.cells_per_length
-            jump = abs(ti.floor(x * per) - ti.floor(q[0] * per)) + abs(ti.floor(y * per) - ti.floor(q[1] * per))
+            cells = ti.floor(moved * per) - ti.floor(q * per)
+            jump = abs(cells[0]) + abs(cells[1])
             jumps += jump
             ring.last_crossing[p] = ti.select(jump > 0, step, ring.last_crossing[p])
         if ti.static(on.acceleration):
@@ -64,11 +68,11 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
         if ti.static(on.energy and on.body_force):  # the force's power with the velocity in the middle of the step
             push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
             work += dt * (push[0] * (here[0] - 0.5 * dt * here[2]) + push[1] * (here[1] - 0.5 * dt * here[3]))
-        ring.motion[p] = ti.Vector([x, y, v_x, v_y])
-        ring.deformation_gradient[p] = ti.Vector([F[0] + dt * (by_x[0] * F[0] + by_y[0] * F[2]),
-                                                  F[1] + dt * (by_x[0] * F[1] + by_y[0] * F[3]),
-                                                  F[2] + dt * (by_x[1] * F[0] + by_y[1] * F[2]),
-                                                  F[3] + dt * (by_x[1] * F[1] + by_y[1] * F[3])])
+        ring.motion[p] = moved
+        # (L F)_ij = L_ix F_xj + L_iy F_yj, the four entries side by side.
+        ring.deformation_gradient[p] = F + dt * (
+            ti.Vector([by_x[0], by_x[0], by_x[1], by_x[1]]) * ti.Vector([F[0], F[1], F[0], F[1]])
+            + ti.Vector([by_y[0], by_y[0], by_y[1], by_y[1]]) * ti.Vector([F[2], F[3], F[2], F[3]]))
     ring.totals[2 * slab] = ring.totals[2 * slab] + jumps
     ring.totals[2 * slab + 1] = ring.totals[2 * slab + 1] + work
 
@@ -100,7 +104,6 @@ def sum_slabs(ring: ti.template(), j):
     for node in range(j * ring.row, j * ring.row + ring.active):
         for slab in range(1, ring.slabs):
             ring.node_sums[node] = ring.node_sums[node] + ring.node_sums[slab * ring.nodes + node]
-            ring.node_mass[node] = ring.node_mass[node] + ring.node_mass[slab * ring.nodes + node]
 
 
 @ti.func
@@ -111,16 +114,16 @@ def fold(ring: ti.template()):
     """
     for j in range(ring.active):
         for i in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, ti.Vector([-1.0, 1.0, -1.0, 1.0]))
+            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, -1.0, 1.0)
     for i in range(ring.active):
         for j in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, ti.Vector([1.0, -1.0, 1.0, -1.0]))
+            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, 1.0, -1.0)
 
 
 @ti.func
-def fold_pair(ring: ti.template(), ghost, mirror, sign):
+def fold_pair(ring: ti.template(), ghost, mirror, in_x, in_y):
+    sign = ti.Vector([in_x, in_y, in_x, in_y, 1.0, 1.0, 1.0, 1.0])
     ring.node_sums[mirror] = ring.node_sums[mirror] + sign * ring.node_sums[ghost]
-    ring.node_mass[mirror] = ring.node_mass[mirror] + ring.node_mass[ghost]
 
 
 @ti.func
@@ -129,10 +132,12 @@ def update_nodes(ring: ti.template(), j):
     least = EMPTY * ring.density * ring.spacing * ring.spacing
     for i in range(GHOSTS, ring.active):
         node = j * ring.row + i
-        mass = ring.node_mass[node]
+        sums = ring.node_sums[node]
+        mass = sums[4]
+        ring.node_mass[node] = mass  # for those who look on
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
-            q = ring.node_sums[node] / mass
+            q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass
             motion = ti.Vector([q[0] + ring.dt * q[2], q[1] + ring.dt * q[3], q[2], q[3]])
             if i == GHOSTS:
                 motion[0], motion[2] = 0.0, 0.0
