@@ -7,7 +7,7 @@ import pytest
 import taichi as ti
 
 from solvers.memory import aligned
-from solvers.ring import exact, step
+from solvers.ring import exact
 from solvers.ring.material import radial_forces
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
@@ -23,14 +23,14 @@ def map_to_nodes(time: ti.f64, ring: RingState, on: ti.template()):
     ti.loop_config(serialize=True)
     for _ in range(1):
         radial_forces(ring, time, on)
-        step.particles_to_nodes(ring, 0, on)
+        phases.particles_to_nodes(ring, 0, on)
 
 
 @ti.kernel
 def map_back(ring: RingState, value: quads, by_x: quads, by_y: quads, on: ti.template()):
     ti.loop_config(serialize=True)
     for p in range(ring.particles):
-        value[p], by_x[p], by_y[p] = step.gather(ring, p, on)
+        value[p], by_x[p], by_y[p] = phases.gather(ring, p, on)
 
 
 def stirred(scene: RingScene) -> RingSolver:
