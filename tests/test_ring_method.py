@@ -7,7 +7,7 @@ import pytest
 import taichi as ti
 
 from solvers.memory import aligned
-from solvers.ring import exact
+from solvers.ring import exact, phases
 from solvers.ring.material import radial_forces
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
@@ -155,3 +155,25 @@ def test_unstable_runs_stay_inside_their_arrays(method):
     kept, width = (a.corner_nodes, 1) if method == "cpdi" else (a.first_node, 2)
     assert kept.min() >= 0
     assert kept.max() + width * (BASE.cells + 2) < (BASE.cells + 1) ** 2
+
+
+@pytest.mark.parametrize("layout", ["polar", "cartesian"])
+def test_snapshot_errors_are_computed_minus_exact(layout):
+    """Every particle's error of x, v, sigma and a, from the exact fields at X and matrices: rounding of the fields.
+
+    Radii are grouped to 12 digits in the Cartesian layout, so 1e-11 of a field's largest value.
+    """
+    solver = stirred(replace(BASE, layout=layout, effects=("truth", "acceleration")))
+    scene, a = solver.scene, solver._arrays
+    solver.step, X = 37, a.material_position
+    t, F = solver.time, a.deformation_gradient.reshape(-1, 2, 2)
+    a.acceleration[:] = np.random.default_rng(6).normal(0, 1e3, X.shape)
+    tau = 0.5 * scene.modulus * (F @ F.transpose(0, 2, 1) - np.eye(2))
+    sigma = (tau / np.linalg.det(F)[:, None, None]).reshape(-1, 4)[:, [0, 1, 3]]
+    fields = [(a.motion[:, :2] - X, exact.displacement(scene, X, t)), (a.motion[:, 2:], exact.velocity(scene, X, t)),
+              (sigma, exact.stress(scene, X, t)), (a.acceleration, exact.acceleration(scene, X, t - scene.time_step))]
+    weights = [1, 1, [1, 2, 1], 1]  # the shear stress stands twice in the tensor
+    for column, (computed, true), weight in zip(solver.snapshot().error.T, fields, weights, strict=True):
+        size = np.sqrt((weight * (computed - true) ** 2).sum(1))
+        assert np.abs(column - size).max() < 1e-11 * np.abs(computed).max()
+        assert size.min() > 1e-6 * np.abs(computed).max()
