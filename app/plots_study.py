@@ -29,6 +29,7 @@ from app.plots_study_parts import (
     nothing,
     room,
     split,
+    ticks_at,
 )
 from app.plots_study_step import error_step_figure
 from solvers.study.fit import pareto
@@ -38,15 +39,20 @@ from solvers.study.series import Series, error_of, measured
 NO_TRUTH = "no row has a true error"
 PANELS = ("x", "v", "sigma")
 WIDTH = 13.5
+MOST_NAMED = 8
+MOST_ORDERS = 8
 
 
 def error_time_figure(rows: Sequence[dict]) -> Figure:
     """Error against seconds: lower left is better. The front is made of the rows that none beats in both."""
     title = "What accuracy costs: error against time"
+    cells = sorted({row["scene"]["cells"] for row in measured(rows)})
     shown = [q for q in known(rows) if q in PANELS]
     if not shown:
         return nothing(title, NO_TRUTH)
     lines = lined(rows)
+    if 1 < len(cells) <= MOST_NAMED:
+        title += f"; from left to right along a line: {', '.join(map(str, cells))} cells"
     figure, axes = frame(title, 1, len(shown), (WIDTH, 5.6))
     for panel, quantity in zip(axes[0], shown, strict=True):
         _front(panel, rows, quantity)
@@ -71,12 +77,13 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
         spacings = sorted({row["h"] for row in measured(rows)})
         _fits(panel, lines, quantity)
         if len(spacings) > 1:
-            _triangles(panel, spacings[0], spacings[-1])
+            _triangles(panel, [(row["h"], error_of(row, quantity)) for row in measured(rows) if row["status"] == OK])
             panel.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.25)
         else:
             panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, fontsize=9, color="0.3")
         panel.set_xlabel("cell size h (m)")
         logarithmic(panel)
+        ticks_at(panel, spacings)
     legend_below(figure, lines, unstable=any(row["status"] == UNSTABLE for row in rows))
     return figure
 
@@ -89,7 +96,7 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     shown = known(rows)
     if not names or not shown:
         return nothing(title, NO_TRUTH if names else "no row has an estimate")
-    figure, axes = frame(title, len(names), len(shown), (WIDTH, 0.9 + 3.7 * len(names)))
+    figure, axes = frame(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
     for line, name in zip(axes, names, strict=True):
         for panel, quantity in zip(line, shown, strict=True):
             _agreement(panel, rows, name, quantity)
@@ -150,16 +157,17 @@ def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> No
         axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
 
 
-MOST_ORDERS = 8
 
-
-def _triangles(axes: Axes, least: float, most: float) -> None:
-    """Slopes 1 and 2 side by side, in the corner of small h and large errors, where no points are."""
-    ratio = (most / least) ** 0.3
+def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
+    """Slopes 1 and 2 in the corner of small h and large errors; the axis is stretched if points are there."""
+    spacings = [h for h, _ in points] or [1.0]
+    left, ratio = min(spacings), (max(spacings) / min(spacings)) ** 0.3
+    right = left * ratio
     bottom, top = axes.get_ylim()
-    high = top / (top / bottom) ** 0.06
-    left, right = least, least * ratio
-    start = high / ratio**2
+    below = max((error for h, error in points if error and h < 1.3 * right), default=bottom)
+    top = max(top, 1.6 * below * ratio**2)
+    axes.set_ylim(bottom, top * (top / bottom) ** 0.06)
+    start = top / ratio**2
     for power in (1, 2):
         axes.plot([left, right, right, left], [start, start * ratio**power, start, start], color="0.45", linewidth=0.9)
         axes.text(right * 1.04, start * ratio ** (power - 0.5), str(power), color="0.3", fontsize=9, va="center")
@@ -170,6 +178,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     axes.set_title(f"{estimator}: {name}", fontsize=10)
     axes.set_xlabel(f"true error ({unit})", color=TRUTH)
     axes.set_ylabel(f"estimated error ({unit})", color=ESTIMATE)
+    axes.set_box_aspect(1)
     points = []
     for row in rows:
         true, estimated = error_of(row, quantity), row["estimate"].get(estimator, {}).get(quantity, {}).get("max")
@@ -196,7 +205,6 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     axes.set_xlim(low, high)
     axes.set_ylim(low, high)
     logarithmic(axes)
-    axes.set_aspect("equal")
 
 
 #: The pictures of a study by the names of their files.

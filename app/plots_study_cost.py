@@ -5,13 +5,14 @@ from __future__ import annotations
 import statistics
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from app.colours import ESTIMATE, METHOD_COLOURS, METHOD_MARKS
 from app.plots import METHODS
-from app.plots_study_parts import frame, logarithmic, nothing
+from app.plots_study_parts import frame, logarithmic, nothing, ticks_at
 from solvers.study.row import OK
 from solvers.study.series import measured
 
@@ -65,16 +66,20 @@ def _steps(axes: Axes, rows: Sequence[dict]) -> None:
     axes.set_ylabel("time of one step of one particle (ns)")
     logarithmic(axes)
     axes.set_yscale("linear")
+    ticks_at(axes, sorted({row["particles"] for row in rows}))
     axes.set_ylim(0, 1.15 * max(1e3 / row["rate"] for row in rows))
 
 
 def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.set_title("on top of it, as a part of the bare run's time", fontsize=10)
+    low, high = _span([100 * part for points in prices.values() for _, part in points])
     for height, points in enumerate(prices.values()):
         for method, part in points:
             place = height + 0.3 * ((list(METHODS).index(method) + 0.5) / len(METHODS) - 0.5) * 1.6
-            axes.plot([100 * part], [place], color=METHOD_COLOURS[method], marker=METHOD_MARKS[method],
-                      linestyle="none", markersize=5, alpha=0.8, zorder=3)
+            outside = "<" if 100 * part < low else ">" if 100 * part > high else ""
+            axes.plot([min(max(100 * part, low), high)], [place], color=METHOD_COLOURS[method],
+                      marker=outside or METHOD_MARKS[method], linestyle="none", markersize=5, alpha=0.8, zorder=3,
+                      clip_on=False)
         middle = 100 * statistics.median(part for _, part in points)
         axes.plot([middle], [height], color="0.3", marker="|", markersize=30, markeredgewidth=2.5, zorder=2)
         axes.text(middle, height + 0.36, f"{middle:.0f} %", ha="center", va="bottom", fontsize=9, color="0.2")
@@ -86,5 +91,11 @@ def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.invert_yaxis()
     axes.set_xlabel("added time (% of the bare run)")
     axes.grid(alpha=0.3, axis="x")
-    low, high = axes.get_xlim()
-    axes.set_xlim(min(low, -0.04 * high), high * 1.05)
+    axes.set_xlim(low, high)
+
+
+def _span(percents: Sequence[float]) -> tuple[float, float]:
+    """Most of the prices; a run that was disturbed must not squeeze the others. What is outside is at the edge."""
+    low, high = np.percentile(percents, (10, 90))
+    high = max(1.6 * high, 10.0)
+    return min(1.6 * low, -0.08 * high), high

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from app.colours import METHOD_COLOURS, METHOD_MARKS
 from app.plots import METHODS
@@ -20,6 +21,9 @@ from solvers.study.series import Series, measured, series
 
 NAMES = {**DRAWN, "a": ("acceleration a", "m/s²")}
 MOST_LEGEND_ENTRIES = 12
+LEGEND_WIDTH = 190  # letters
+MOST_TICKS = 8
+NARROW = 100.0  # an axis that spans less gets labels between the powers of ten
 UNSTABLE_ROOM = 30.0  # times the largest error of a stable run: up to there an unstable one is drawn where it is
 TOP = 0.97  # of the axes: where an unstable run goes whose error is beyond that, or not a number
 UNSTABLE_LOOK = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
@@ -85,9 +89,9 @@ def legend_below(figure: Figure, entries: Sequence[tuple[Series, dict]], extra: 
     if unstable:
         handles.append(Line2D([], [], color="0.3", label="went unstable (at the top edge: error beyond the scale)",
                               **UNSTABLE_LOOK))
-    widest = max(len(handle.get_label()) for handle in handles)
-    figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False,
-                  ncols=max(1, min(len(handles), 130 // (widest + 6))))
+    lengths = [len(handle.get_label()) + 7 for handle in handles]
+    columns = len(handles) if sum(lengths) < LEGEND_WIDTH else max(1, LEGEND_WIDTH // max(lengths))
+    figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=columns)
 
 
 def logarithmic(axes: Axes) -> None:
@@ -98,10 +102,16 @@ def logarithmic(axes: Axes) -> None:
     axes.grid(alpha=0.12, which="minor")
     for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
-        if low > 0 and high / low < 8:
-            axis.set_minor_formatter(_few_digits)
-        axis.set_tick_params(which="minor", labelsize=7)
-        axis.set_tick_params(which="major", labelsize=9)
+        few = low > 0 and high / low < NARROW
+        axis.set_minor_formatter(FuncFormatter(_two_or_five) if few else NullFormatter())
+        axis.set_tick_params(which="both", labelsize=8.5)
+
+
+def ticks_at(axes: Axes, values: Sequence[float]) -> None:
+    """The abscissae that there are as the only ticks, if they are few."""
+    if len(values) <= MOST_TICKS:
+        axes.set_xticks(values, [f"{value:.3g}" if value < 1 else f"{value:,.6g}" for value in values])
+        axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def room(axes: Axes, values: Sequence[float], above: float = 1.6, below: float = 1.6) -> None:
@@ -109,6 +119,7 @@ def room(axes: Axes, values: Sequence[float], above: float = 1.6, below: float =
     axes.set_ylim(min(values) / below, max(values) * above)
 
 
-def _few_digits(value: float, position: int) -> str:
-    mantissa = value / 10 ** np.floor(np.log10(value)) if value > 0 else 0
-    return f"{value:.1e}".replace("e-0", "e-") if round(mantissa) in (2, 5) else ""
+def _two_or_five(value: float, position: int) -> str:
+    """Labels between powers of ten where there are few of those: 2 and 5 times one."""
+    power = int(np.floor(np.log10(value) + 1e-9)) if value > 0 else 0
+    return f"${round(value / 10.0**power)}\\times10^{{{power}}}$" if round(value / 10.0**power) in (2, 5) else ""

@@ -27,6 +27,10 @@ from solvers.study.row import OK, UNSTABLE
 from solvers.study.series import Series, error_of
 
 PANELS = ("x", "v", "sigma")
+MOST_MISFIT = 0.15  # relative; beyond, the two parts do not describe the points
+SPACE = "space error rules: shorter steps gain little"
+TIME = "time error rules: shorter steps pay"
+NEITHER = "not a sum of space and time error"
 BALANCE_LOOK = {"marker": "*", "markersize": 15, "markeredgecolor": "black", "linestyle": "none"}
 
 
@@ -65,16 +69,17 @@ def _panel(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> N
         if points:
             axes.plot(*zip(*points, strict=True), **{**look, "linestyle": "none"}, zorder=3)
         found = line_balance(line, quantity)
-        if found is None:
+        if found is None or found.misfit > MOST_MISFIT:
+            notes += [NEITHER] * (found is not None)
             if points:
                 axes.plot(*zip(*points, strict=True), color=look["color"], linestyle=look["linestyle"], linewidth=1)
             continue
-        fine = np.geomspace(points[0][0], points[-1][0], 60)
+        fine = np.geomspace(found.least, found.most, 60)
         axes.plot(fine, found.at(fine), color=look["color"], linestyle=look["linestyle"], linewidth=1, zorder=2)
         if found.dt:
             axes.plot([found.dt], [found.at(found.dt)], color=look["color"], zorder=4, **BALANCE_LOOK)
         else:
-            notes.append("space" if found.factor * points[-1][0] ** found.power < found.space else "time")
+            notes.append(SPACE if found.space_rules else TIME)
     limit = UNSTABLE_ROOM * max(stood, default=np.inf)
     if stood:
         room(axes, stood, 4.0 if crosses else 1.6)
@@ -87,11 +92,7 @@ def _panel(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> N
 
 
 def _said(notes: Sequence[str], lines: int) -> str:
-    """In words, which error rules the whole range in the series that have no balance."""
-    parts = []
-    for ruler, other in (("space", "shorter steps gain nothing"), ("time", "shorter steps still pay")):
-        number = sum(note == ruler for note in notes)
-        if number:
-            which = "" if number == lines else f" in {number} of {lines} series"
-            parts.append(f"{ruler} error rules{which}: {other}")
-    return "".join(f"\n{part}" for part in parts)
+    """In words, what can be said of the series that have no balance within their steps."""
+    counts = {note: notes.count(note) for note in (SPACE, TIME, NEITHER)}
+    return "".join(f"\n{note}" + ("" if number == lines else f" ({number} of {lines} series)")
+                   for note, number in counts.items() if number)

@@ -16,7 +16,7 @@ from solvers.study import table
 from solvers.study.grid import MOST_ROWS, Task, plan
 from solvers.study.row import FAILED as LOST
 from solvers.study.row import OK as STOOD
-from solvers.study.row import refused
+from solvers.study.row import REFUSED, refused
 from solvers.study.store import Store, StoreError
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ class Sweep:
             nonlocal done
             done += 1
             store.append(row)
-            if not self.quiet:
+            if not self.quiet and row["status"] != REFUSED:  # that was said before
                 say(f"{done}/{len(tasks)} {_told(row, tasks)}")
 
         for task in todo:

@@ -44,38 +44,58 @@ def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
 
 @dataclass(frozen=True)
 class Balance:
-    """error = space + factor dt^power. ``dt`` is where both parts are equal, None where one of them is not seen."""
+    """error = space + factor dt^power over the steps from ``least`` to ``most``.
+
+    ``dt`` is where both parts are equal, None if that is not within these steps; ``misfit`` is the RMS of the relative
+    residual.
+    """
 
     space: float
     factor: float
     power: int
-    dt: float | None
+    least: float
+    most: float
+    misfit: float
 
     def at(self, dt: np.ndarray) -> np.ndarray:
         return self.space + self.factor * np.asarray(dt) ** self.power
+
+    @property
+    def dt(self) -> float | None:
+        if not self.space > 0 or not self.factor > 0:
+            return None
+        dt = (self.space / self.factor) ** (1 / self.power)
+        return dt if self.least <= dt <= self.most else None
+
+    @property
+    def space_rules(self) -> bool:
+        """Whether the error of space is the larger part at the longest step."""
+        return self.space > self.factor * self.most**self.power
 
 
 def balance(dt: Sequence[float], error: Sequence[float]) -> Balance | None:
     """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
 
-    Relative residuals count, so that small errors do too. None with fewer than three different steps.
+    Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
+    the brink of stability, it is not looked at. None with fewer than three different steps.
     """
     dt, error = _usable(dt, error)
+    steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
+    sound = int(np.argmax(steep)) + 1 if steep.any() else len(dt)
+    dt, error = dt[:sound], error[:sound]
     if len(np.unique(dt)) < 3:
         return None
-    fits = [_split(dt, error, power) for power in (1, 2)]
-    found = min(fits, key=lambda fit: float(np.sum((fit.at(dt) / error - 1) ** 2)))
-    return found
+    return min((_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
 
 
-VISIBLE = 0.05  # part of the error, at the end of the range where it is largest, from which on it is seen
+STEEP = 1.5
 
 
 def _split(dt: np.ndarray, error: np.ndarray, power: int) -> Balance:
     columns = np.stack([np.ones_like(dt), dt**power], axis=1) / error[:, None]
     space, factor = _not_negative(columns)
-    seen = space > VISIBLE * error[0] and factor * dt[-1] ** power > VISIBLE * error[-1]
-    return Balance(space, factor, power, float((space / factor) ** (1 / power)) if seen else None)
+    misfit = float(np.sqrt(np.mean((columns @ (space, factor) - 1) ** 2)))
+    return Balance(space, factor, power, float(dt[0]), float(dt[-1]), misfit)
 
 
 def _not_negative(columns: np.ndarray) -> tuple[float, float]:

@@ -7,14 +7,16 @@ Keys of a row::
     error, estimate, index, distance, not_valid (the last four keyed by estimator), grid_crossings, energy, effects,
     bytes, seconds, rate, arch, threads, plan, host, version
 
-``seconds`` holds ``repeats`` (the bare method, run after run), ``min`` of them, ``full`` (the run that gave the
-errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``full``) and ``effects`` (each alone, if asked).
+``seconds`` holds ``repeats`` (the bare method, run after run), ``min`` of them, ``full`` (the shortest of the runs that
+gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``full``) and ``effects`` (each
+alone, if asked).
 """
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
+import statistics
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from solvers.result import Result
@@ -25,6 +27,8 @@ SCHEMA = "mpm-lab/row/1"
 OK, UNSTABLE, FAILED, REFUSED = "ok", "unstable", "failed", "refused"
 TIMINGS = ("seconds", "rate", "host")  # what differs from one measurement of a scene to the next
 WARM_UP_STEPS = 256
+TIMED_SECONDS = 0.05  # that the timed runs of a scene take together at least,
+MOST_TIMES = 10  # unless that needs more than so many times the runs asked for
 #: Effects that can be timed alone, each with those that it needs.
 PRICED = {"truth": (), "crossings": (), "energy": (), "acceleration": ("truth",)}
 BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particles", "particle_steps"))
@@ -45,10 +49,11 @@ def measure(task: Task) -> dict:
 def _measured(task: Task, scene: Scene) -> dict:
     from solvers.run import run  # here: a row can be read, kept and drawn without Taichi
 
-    full = run(scene)
-    values = full.to_dict()
     seconds, timed = time_bare(scene, task.repeats)
     least = min(seconds)
+    results = [run(scene) for _ in range(task.repeats)]
+    full = results[0]
+    values = full.to_dict()
     effects = price_effects(scene, task.repeats) if task.price_effects else {}
     names = [name for name in scene.active_estimators if name not in full.not_valid]
     row = {**_identity(task), "scene": values["scene"], "h": scene.spacing}
@@ -58,8 +63,9 @@ def _measured(task: Task, scene: Scene) -> dict:
             "index": {name: full.index(name) for name in names},
             "distance": {name: full.distance(name) for name in names}}
     row |= {name: values[name] for name in ("not_valid", "grid_crossings", "energy", "effects", "bytes")}
-    row |= {"seconds": {"repeats": seconds, "min": least, "full": full.seconds.run, "compile": full.seconds.compile,
-                        "setup": full.seconds.setup, "estimators": full.seconds.estimators, "effects": effects}}
+    row |= {"seconds": {"repeats": seconds, "min": least, "full": min(result.seconds.run for result in results),
+                        "compile": full.seconds.compile, "setup": full.seconds.setup,
+                        "estimators": _estimator_seconds(results), "effects": effects}}
     rate = 1e-6 * timed.particles * timed.steps / least if least > 0 else None
     return row | {"rate": rate, "arch": timed.arch, "threads": timed.threads, "plan": timed.plan,
                   "host": platform.node(), "version": task.version}
@@ -91,8 +97,26 @@ def _timed(scene: Scene, repeats: int) -> tuple[list[float], Result]:
 
     short = min(scene.end_time, WARM_UP_STEPS * scene.time_step)
     run(replace(scene, t_end=short, periods=None, sample_every=None))
-    results = [run(scene) for _ in range(repeats)]
+    results = _repeated(scene, repeats)
     return [result.seconds.run for result in results], results[0]
+
+
+def _repeated(scene: Scene, repeats: int) -> list[Result]:
+    """Runs of a scene: ``repeats``, and more of a short one, until together they have taken long enough to time."""
+    from solvers.run import run
+
+    results = []
+    while len(results) < repeats or (sum(result.seconds.run for result in results) < TIMED_SECONDS
+                                     and len(results) < MOST_TIMES * repeats):
+        results.append(run(scene))
+    return results
+
+
+def _estimator_seconds(results: Sequence[Result]) -> dict[str, float]:
+    """Each estimator's part of the fastest run, by the median of the shares found."""
+    least = min(result.seconds.run for result in results)
+    return {name: least * statistics.median(result.seconds.estimators[name] / result.seconds.run for result in results)
+            for name in results[0].seconds.estimators}
 
 
 def refused(task: Task, error: SceneError) -> dict:

@@ -96,13 +96,18 @@ def _front(rows: Sequence[dict]) -> str:
 
 
 def _trouble(rows: Sequence[dict]) -> str:
-    bad = [row for row in rows if row["status"] != OK]
-    if not bad:
-        return ""
+    """What is not ok, once for each reason."""
+    reasons: dict[tuple[str, str], list[dict]] = {}
+    for row in rows:
+        if row["status"] != OK:
+            reasons.setdefault((row["status"], row["reason"]), []).append(row)
     names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
-    return "## Not ok\n\n" + "\n".join(
-        "* " + ", ".join(f"{name} {_cell((row['scene'] or row['asked']).get(name))}" for name in names)
-        + f": {row['status']}: {row['reason']}" for row in bad)
+    lines = []
+    for (status, reason), alike in reasons.items():
+        first = ", ".join(f"{name} {_cell((alike[0]['scene'] or alike[0]['asked']).get(name))}" for name in names)
+        more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
+        lines.append(f"* {first}{more}: {status}: {reason}")
+    return "## Not ok\n\n" + "\n".join(lines) if lines else ""
 
 
 def _markdown(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
