@@ -115,8 +115,8 @@ def fill_elements(bar: ti.template()):
 
 
 def mesh(cells: int) -> Elements:
-    """Elements of 3 cells on the coarsest bars and of up to 16 on fine ones, where the companion gains by its order."""
-    return Elements(0.0, 1.0, 6 + cells // 16, POLYNOMIALS)
+    """Elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its order."""
+    return Elements(0.0, 1.0, max(3, min(1 + cells // 3, 6 + cells // 16)), POLYNOMIALS)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:

@@ -92,11 +92,13 @@ def differentiation(points: np.ndarray) -> np.ndarray:
 def unresolved(values: np.ndarray, axis: int) -> np.ndarray:
     """Size of what the elements' polynomials leave out along ``axis``, from the decay of the Legendre modes.
 
-    The highest mode is the last that was kept; carried on at the ratio of the last two it tells the first that was
-    not: c_p min(1, c_p/c_(p-1)). The result has the shape of ``values`` without ``axis``.
+    The highest mode is the last that was kept; carried on at the rate of decay it tells the first that was not:
+    c_p min(1, c_p/c_(p-1)), where c_(p-1) is at least sqrt(c_p c_(p-2)), for a field may be even or odd in an element.
+    The result has the shape of ``values`` without ``axis``.
     """
     order = values.shape[axis] - 1
     to_modes = np.linalg.inv(legendre.legvander(lobatto(order)[0], order))
     modes = np.abs(np.moveaxis(values, axis, -1) @ to_modes.T)
-    last, before = modes[..., -1], modes[..., -2]
+    last = modes[..., -1]
+    before = np.maximum(modes[..., -2], np.sqrt(last * modes[..., -3]))
     return last * np.minimum(1.0, last / np.maximum(before, np.finfo(float).tiny))
