@@ -91,6 +91,7 @@ class Page:
                         other.root.visible = problem == scene.problem
                 stage.draw(scene, arrays, estimated, true, report.time, self._session.speed)
                 self._colour_bar.draw(name, QUANTITIES[name][1])
+            self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, estimated, true)
 
     def _refresh_loop(self) -> None:

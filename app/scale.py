@@ -47,8 +47,8 @@ class ColourScale:
         """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top."""
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
-        share = np.clip(np.nan_to_num(share, nan=1.0, posinf=1.0, neginf=0.0), 0, 1)
-        return self._table[(255 * share).astype(np.int32)]
+            row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin takes the other one where one is not a number
+        return self._table.take(row.astype(np.uint8), axis=0)
 
     def gradient(self, steps: int) -> np.ndarray:
         """(steps, 3) colours from the scale's bottom to its top, for the colour bar."""
@@ -68,7 +68,8 @@ class ColourScale:
 
 def largest(sizes: np.ndarray | None) -> float:
     """The largest of what is finite; 0 for nothing."""
-    return 0.0 if sizes is None else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
+    top = 0.0 if sizes is None else float(np.max(sizes, initial=0.0))
+    return top if math.isfinite(top) else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 
 def round_up(value: float) -> float:

@@ -29,6 +29,7 @@ MIDDLE = (0.5, 0.44)
 RADIUS = 0.46  # of the outermost the ring should come, on the stage
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
+FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gone bad are drawn at most
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
@@ -46,6 +47,7 @@ class RingStage:
         self._planes = lines(s, "/ring/planes", CELL, 1.5)
         self._outlines = lines(s, "/ring/domains", (120, 125, 132), 0.8)
         self._flashes = points(s, "/ring/crossings", 0.01)
+        self._flashes.colors = np.array(FLASH, np.uint8)  # of all: one colour a point would cost a fifth of its bytes
         label(s, "/ring/l1", "estimated error", 0.06, 0.88, "top-left")
         label(s, "/ring/l2", "true error", 0.94, 0.88, "top-right")
         self._size_note = label(s, "/ring/l3", "", 0.0, -0.05, "bottom-left", 0.85)
@@ -55,9 +57,9 @@ class RingStage:
              t: float, speed: float) -> None:
         """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); ``speed`` in simulated s per s."""
         self._draw_grid(scene)
-        x = np.clip(np.nan_to_num(arrays.position, nan=AWAY), -2.0, 2.0)
+        x = np.fmax(np.fmin(arrays.position, FARTHEST), -FARTHEST)  # what is not a number becomes FARTHEST
         for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
-            half.points = np.concatenate([self._place(x * m) for m in mirrors])
+            half.points = self._images(x, mirrors)
             half.colors = np.tile(shades(self._scale, sizes, len(x)), (2, 1))
         self._draw_crossings(scene, arrays, x, speed)
         self._draw_domains(scene, arrays, x)
@@ -73,6 +75,20 @@ class RingStage:
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Positions in metres (n, 2) as points of the stage (n, 3)."""
         return in_plane(MIDDLE[0] + self._per_metre * x[:, 0], MIDDLE[1] + self._per_metre * x[:, 1], depth)
+
+    def _images(self, x: np.ndarray, mirrors: tuple[tuple[int, int], ...], depth: float = 0.0) -> np.ndarray:
+        """The mirror images of positions (n, 2) one after the other, as points of the stage (len(mirrors) n, 3).
+
+        Made with every frame, so written in place: a coordinate is placed once for each side, not for each image.
+        """
+        out = np.empty((len(mirrors), len(x), 3), np.float32)
+        out[:, :, 2] = depth
+        for axis in range(2):
+            from_middle = np.float32(self._per_metre) * x[:, axis]
+            sides = {1: MIDDLE[axis] + from_middle, -1: MIDDLE[axis] - from_middle}
+            for image, mirror in zip(out, mirrors, strict=True):
+                image[:, axis] = sides[mirror[axis]]
+        return out.reshape(-1, 3)
 
     def _draw_grid(self, scene: RingScene) -> None:
         if scene == self._drawn_scene:
@@ -97,11 +113,12 @@ class RingStage:
         self._size_note.text = f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
     def _draw_crossings(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray, speed: float) -> None:
-        since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-12)
-        shown = (arrays.steps_since_crossing >= 0) & (since < BRIEF)
-        where = x[shown] if shown.any() else np.full((1, 2), AWAY)
-        self._flashes.points = np.concatenate([self._place(where * m, 0.02) for m in MIRRORS])
-        self._flashes.colors = np.full((len(MIRRORS) * len(where), 3), FLASH, np.uint8)
+        brief = BRIEF * speed / scene.time_step
+        steps = arrays.steps_since_crossing
+        where = x[(steps >= 0) & (steps < brief)]
+        if not len(where):
+            where = np.full((1, 2), AWAY)
+        self._flashes.points = self._images(where, MIRRORS, 0.02)
 
     def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
         """Outline what each particle stands for: a box for GIMP, a parallelogram for CPDI."""

@@ -1,8 +1,8 @@
 """Shape functions in one dimension, as three-node stencils.
 
-Each returns ``(first, S, dS)``: the first of three neighbouring nodes, their weights ``S`` and the gradients
-``dS`` in 1/cell. Positions and half widths are in cells (x/h). Weights sum to one and gradients to zero to
-round-off, because the middle node takes what the outer two leave.
+Each function returns the first of three neighbouring nodes, and for the two outer ones, left and right, the weights
+and then the gradients in 1/cell. Positions and half widths are in cells (x/h). Weights sum to one and gradients to zero
+to round-off, because the middle node takes what the outer two leave (:func:`stencil`).
 
 Sources: hat and GIMP, Bardenhagen & Kober (2004); quadratic B-spline, Steffen, Kirby & Berzins (2008).
 """
@@ -21,8 +21,8 @@ def stencil(outer_left, outer_right, slope_left, slope_right):
 def hat(position):
     """Piecewise linear: the original MPM. The third node's weight is zero."""
     first = ti.floor(position)
-    weight, slope = stencil(1 - (position - first), 0.0, -1.0, 0.0)
-    return first, weight, slope
+    nothing = 0.0 * position
+    return first, 1 - (position - first), nothing, nothing - 1, nothing
 
 
 @ti.func
@@ -41,10 +41,8 @@ def gimp(position, half_width):
     beyond = ti.max(0.0, end - 1)
     per_length = 0.5 / half_width
     rest = 1 - start
-    weight, slope = stencil(0.5 * per_length * (rest * rest - uncovered * uncovered),
-                            0.5 * per_length * beyond * beyond,
-                            per_length * (uncovered - rest), per_length * beyond)
-    return first, weight, slope
+    return (first, 0.5 * per_length * (rest * rest - uncovered * uncovered), 0.5 * per_length * beyond * beyond,
+            per_length * (uncovered - rest), per_length * beyond)
 
 
 @ti.func
@@ -52,16 +50,26 @@ def bspline(position):
     """Quadratic B-spline centred on the nodes: the GIMP function of a domain one cell wide."""
     first = ti.floor(position - 0.5)
     s = position - first - 0.5  # in [0, 1)
-    weight, slope = stencil(0.5 * (1 - s) * (1 - s), 0.5 * s * s, s - 1, s)
-    return first, weight, slope
+    return first, 0.5 * (1 - s) * (1 - s), 0.5 * s * s, s - 1, s
+
+
+@ti.func
+def outer_weights(method: ti.template(), position, half_width):
+    """First node, outer weights and outer slopes of ``method``: "mpm", "ugimp", "cpgimp" or "bspline".
+
+    ``position`` and ``half_width`` may be vectors, of one entry a direction: a processor does them at once.
+    """
+    first, left, right, slope_left, slope_right = hat(position)
+    if ti.static(method in ("ugimp", "cpgimp")):
+        first, left, right, slope_left, slope_right = gimp(position, half_width)
+    elif ti.static(method == "bspline"):
+        first, left, right, slope_left, slope_right = bspline(position)
+    return first, left, right, slope_left, slope_right
 
 
 @ti.func
 def weights_1d(method: ti.template(), position, half_width):
-    """The stencil of ``method``: "mpm", "ugimp", "cpgimp" or "bspline"."""
-    first, weight, slope = hat(position)
-    if ti.static(method in ("ugimp", "cpgimp")):
-        first, weight, slope = gimp(position, half_width)
-    elif ti.static(method == "bspline"):
-        first, weight, slope = bspline(position)
+    """The stencil of ``method``: first node, three weights and three gradients."""
+    first, left, right, slope_left, slope_right = outer_weights(method, position, half_width)
+    weight, slope = stencil(left, right, slope_left, slope_right)
     return first, weight, slope

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,9 +27,23 @@ def test_runs_are_bitwise_repeatable():
     solvers = [BarSolver(SCENE) for _ in range(2)]
     for solver in solvers:
         solver.advance(SCENE.steps)
-    one, other = (s._arrays for s in solvers)
-    for field in fields(one):
-        np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name))
+    one, other = (s._arrays.members() for s in solvers)
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name])
+
+
+def test_pricing_estimators_leaves_no_trace():
+    """The estimators' prices are found on steps that are taken back: every bit of the run stays."""
+    priced, plain = BarSolver(SCENE), BarSolver(SCENE)
+    for solver in (priced, plain):
+        solver.advance(SCENE.steps // 2)
+    prices = priced.prices()
+    assert set(prices) == set(SCENE.estimators) and all(0 <= part < 1 for part in prices.values())
+    for solver in (priced, plain):
+        solver.advance(SCENE.steps // 2)
+    one, other = priced._arrays.members(), plain._arrays.members()
+    for name in set(one) - {"samples"}:  # rows beyond those taken are left from the timed steps
+        np.testing.assert_array_equal(one[name], other[name])
 
 
 def test_slices_do_not_matter():

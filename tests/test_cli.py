@@ -23,7 +23,8 @@ from solvers.scene import EFFECTS
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = ["--cells", "8", "--ppc", "2", "--periods", "0.2"]
 KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate", "index", "distance",
-        "grid_crossings", "energy", "effects", "bytes", "seconds", "rate", "arch", "threads", "plan"}
+        "grid_crossings", "energy", "effects", "bytes", "seconds", "rate", "arch", "threads", "plan",
+        "not_valid"}
 
 
 def command(*arguments: str, **options) -> subprocess.CompletedProcess:
@@ -77,8 +78,10 @@ def test_json_index_and_distance_are_numbers(printed, key):
 
 
 def test_json_cost_and_energy(printed):
-    assert set(printed["seconds"]) == {"compile", "run", "estimate"}
-    assert all(value >= 0 for value in printed["seconds"].values())
+    seconds = printed["seconds"]
+    assert set(seconds) == {"setup", "compile", "run", "estimate", "estimators"}
+    assert seconds["estimate"] == sum(seconds.pop("estimators").values())
+    assert all(value >= 0 for value in seconds.values())
     assert printed["rate"] == pytest.approx(1e-6 * 16 * printed["steps"] / printed["seconds"]["run"])
     assert set(printed["energy"]) == {"initial", "final", "drift"}
     assert printed["bytes"] > 0 and printed["threads"] == 1 and printed["grid_crossings"] >= 0

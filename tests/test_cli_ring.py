@@ -39,9 +39,9 @@ def printed() -> dict:
 def test_json_has_exactly_the_contracts_keys(printed):
     assert set(printed) == {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate",
                             "index", "distance", "grid_crossings", "energy", "effects", "bytes", "seconds", "rate",
-                            "arch", "threads", "plan"}
+                            "arch", "threads", "plan", "not_valid"}
     assert (printed["schema"], printed["status"], printed["plan"]) == ("mpm-lab/run/1", "ok", "serial")
-    assert set(printed["seconds"]) == {"compile", "run", "estimate"}
+    assert set(printed["seconds"]) == {"setup", "compile", "run", "estimate", "estimators"}
 
 
 def test_json_scene_has_every_flag_with_its_default(printed):

@@ -108,10 +108,10 @@ def test_switched_off_it_reports_nulls_and_allocates_nothing(off, simulate):
     assert report["index"] == report["distance"] == dict.fromkeys(("x", "v", "sigma", "a"))
     assert all(value is None for each in report["estimate"].values() for value in each.values())
     assert report["seconds"]["estimate"] is None and report["scene"]["dt"] == 2.5e-5
-    arrays = BarSolver(scene)._arrays
-    for name in ("estimate", "transport_nodes", "transport_spread", "transport_errors", "node_slope",
+    arrays = BarSolver(scene)._arrays.members()
+    for name in ("estimate", "transport_nodes", "transport_spread", "transport_errors", "transport_slope",
                  "node_moments", "node_volume"):
-        assert len(getattr(arrays, name)) == 1, name
+        assert len(arrays[name]) == 1, name
 
 
 def test_its_cost_is_reported(simulate):

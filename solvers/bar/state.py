@@ -19,6 +19,7 @@ from solvers.bar.nodes import GHOSTS
 from solvers.bar.scene import BarScene
 from solvers.estimators.interface import allocate_memory, intervals, memory_types
 from solvers.kinds import integers, pairs, quads, real, reals, table
+from solvers.memory import align_fields
 from solvers.samples import ROWS, column_count
 
 
@@ -67,6 +68,9 @@ class Arrays:
     samples: np.ndarray  # one row a sample (ROWS, columns)
     verdict: np.ndarray  # 0 or the kind of failure, its step, its particle (3,)
     memory: dict  # what the estimators keep: numbers and arrays by name (see ``solvers.estimators.interface``)
+
+    def __post_init__(self) -> None:
+        align_fields(self)
 
     def members(self) -> dict:
         """Every array, and the estimators' numbers, by name."""
@@ -117,7 +121,8 @@ def _zeros(length: int, width: int | None, when: bool, kind: type = np.float64) 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
 BarState = ti.types.argpack(
     particles=ti.i32, cells=ti.i32, sample_interval=ti.i32, spacing=real, cells_per_length=real, dt=real,
-    modulus=real, density=real, volume=real, half_width=real, farthest=real, amplitude=real, angular_frequency=real, force_scale=real,
+    modulus=real, density=real, volume=real, half_width=real, farthest=real, amplitude=real,
+    angular_frequency=real, force_scale=real,
     material_position=reals, position=reals, velocity=reals, deformation_gradient=reals, sine=reals,
     cosine=reals, first_node=integers, weights=quads, acceleration=reals, last_crossing=integers,
     node_sine=reals, node_sums=quads, node_moments=quads, node_volume=reals, node_motion=pairs,
@@ -135,8 +140,9 @@ def pack(scene: BarScene, arrays: Arrays):
     w = scene.angular_frequency
     return BarState(
         particles=scene.particles, cells=scene.cells, sample_interval=scene.sample_interval,
-        spacing=scene.spacing, cells_per_length=float(scene.cells), dt=scene.time_step,
-        modulus=scene.modulus, density=scene.density, volume=scene.spacing / scene.particles_per_cell, half_width=0.5 / scene.particles_per_cell,
-        farthest=farthest(scene), amplitude=scene.motion_amplitude, angular_frequency=w,
+        spacing=scene.spacing, cells_per_length=float(scene.cells), dt=scene.time_step, modulus=scene.modulus,
+        density=scene.density, volume=scene.spacing / scene.particles_per_cell,
+        half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene), amplitude=scene.motion_amplitude,
+        angular_frequency=w,
         force_scale=3 * w * w * scene.amplitude,
         **arrays.members())

@@ -76,7 +76,7 @@ class Stepper:
     @property
     def next_due(self) -> float:
         """When the session next has something to do, by ``perf_counter``; infinite while it waits for the page."""
-        return self._last_frame + FRAME_SECONDS if self._running and not self._unseen else float("inf")
+        return self._due if self._running and not self._unseen else float("inf")
 
     def turn(self) -> None:
         """Step for at most one slice towards the clock's time."""
@@ -98,7 +98,10 @@ class Stepper:
             reason=None if solver.sound else solver.reason(), rate=self._rate, real_speed=self._real_speed,
             arch=solver.arch)
         self._rows = [report.rows[:0]]
-        self._fresh, self._frame_wanted, self._unseen, self._last_frame = False, False, True, now
+        self._fresh, self._frame_wanted, self._unseen = False, False, True
+        # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is
+        # late by what the last one was, and 30 a second become 24. Within limits, so that frames come evenly.
+        self._due = min(max(self._due + FRAME_SECONDS, now + 0.5 * FRAME_SECONDS), now + FRAME_SECONDS)
         return report
 
     # ---- inside -------------------------------------------------------------------------------------------
@@ -111,7 +114,7 @@ class Stepper:
         self.solver = build(self.wish.scene)
         self.solver.compile()
         self._rows = [self.solver.measure()]
-        self._fresh, self._last_frame = True, 0.0
+        self._fresh, self._due = True, 0.0  # by perf_counter: when the next frame goes out
         self._kernel_seconds, self._kernel_steps, self._real_speed = 0.0, 0, None
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
 
@@ -130,7 +133,7 @@ class Stepper:
         return max(1, int(SLICE_SECONDS / self._seconds_a_step))
 
     def _frame_due(self) -> bool:
-        return perf_counter() >= self._last_frame + FRAME_SECONDS
+        return perf_counter() >= self._due
 
     def _steps_wanted(self) -> int:
         """Whole steps from here to the time that the clock shows."""

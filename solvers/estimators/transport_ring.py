@@ -165,7 +165,7 @@ def interpolate(ring: ti.template(), p, on: ti.template()):
 def report(ring: ti.template(), base, step, on: ti.template()):
     """The other quantities are kept up to date as they are carried on; of the stress nothing is known."""
     for p in range(ring.particles):
-        ring.estimate_stress[base + p] = ti.Vector([ti.math.nan, ti.math.nan, ti.math.nan])
+        ring.estimate_stress[base + p] = ti.Vector([ti.math.nan] * 4)
 
 
 def allocate(scene):

@@ -8,7 +8,7 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 import taichi as ti
 
 from solvers.ring.layout import GHOSTS
-from solvers.ring.material import force_moment
+from solvers.ring.material import force_moment, force_record
 
 CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
@@ -23,23 +23,22 @@ def convected_edges(ring: ti.template(), p):
 
 
 @ti.func
-def find_weights(ring: ti.template(), start, end):
-    """Keep the cell of each corner and its place in it."""
-    for p in range(start, end):
-        x = ring.motion[p] * ring.cells_per_length + GHOSTS
-        r = convected_edges(ring, p)
-        places, nodes = ti.Vector([0.0] * 8), ti.Vector([0, 0, 0, 0])
-        for c in ti.static(range(4)):
-            a, b = ti.static(CORNERS[c])
-            corner_x = x[0] + a * r[0] + b * r[2]
-            corner_y = x[1] + a * r[1] + b * r[3]
-            # Clamped: a run that goes bad has positions anywhere until the check stops it.
-            i = ti.min(ti.max(ti.floor(corner_x), 0.0), ring.active - 2)
-            j = ti.min(ti.max(ti.floor(corner_y), 0.0), ring.active - 2)
-            places[2 * c], places[2 * c + 1] = corner_x - i, corner_y - j
-            nodes[c] = ti.cast(j, ti.i32) * ring.row + ti.cast(i, ti.i32)
-        ring.weights[p] = places
-        ring.corner_nodes[p] = nodes
+def find_weights(ring: ti.template(), p):
+    """Keep the cell of each corner and its place in it. Vectors of four are of the corners."""
+    x = ring.motion[p] * ring.cells_per_length + GHOSTS
+    r = convected_edges(ring, p)
+    along_first, along_second = ti.Vector([c[0] for c in CORNERS]), ti.Vector([c[1] for c in CORNERS])
+    corner_x = x[0] + along_first * r[0] + along_second * r[2]
+    corner_y = x[1] + along_first * r[1] + along_second * r[3]
+    # Clamped: a run that goes bad has positions anywhere until the check stops it.
+    last = float(ring.active - 2)
+    i = ti.min(ti.max(ti.floor(corner_x), 0.0), last)
+    j = ti.min(ti.max(ti.floor(corner_y), 0.0), last)
+    place_x, place_y = corner_x - i, corner_y - j
+    ring.weights[p] = ti.Vector([place_x[0], place_x[1], place_x[2], place_x[3],
+                                 place_y[0], place_y[1], place_y[2], place_y[3]])
+    node = j * ring.row + i  # whole numbers, exact
+    ring.corner_nodes[p] = ti.Vector([ti.cast(node[c], ti.i32) for c in ti.static(range(4))])
 
 
 @ti.func
@@ -53,7 +52,7 @@ def corner_gradients(ring: ti.template(), p):
 @ti.func
 def hats(places, c: ti.template()):
     """Hat functions of corner c at its cell's nodes: left and right below, left and right above."""
-    x, y = places[2 * c], places[2 * c + 1]
+    x, y = places[c], places[c + 4]
     both = x * y
     return ti.Vector([1 - x - y + both, x - both, y - both, both])
 
@@ -64,18 +63,17 @@ def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template())
     for p in range(start, end):
         places, cells = ring.weights[p], ring.corner_nodes[p]
         g = corner_gradients(ring, p)
-        mass, carried, tau = force_moment(ring, p, on)
-        mass, carried = 0.25 * mass, 0.25 * carried
+        carried, tau = force_moment(ring, p, on)
+        carried = 0.25 * carried
         for c in ti.static(range(4)):
             a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
-            pull = ti.Vector([0.0, 0.0, g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[1] + g[a + 1] * tau[2]])
+            pull = force_record(g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[1] + g[a + 1] * tau[2])
             sums = carried + b * pull
             N = hats(places, c)
             first = grid + cells[c]
             for k in ti.static(range(4)):
                 node = first + (k // 2) * ring.row + k % 2
                 ring.node_sums[node] = ring.node_sums[node] + N[k] * sums
-                ring.node_mass[node] = ring.node_mass[node] + N[k] * mass
 
 
 @ti.func

@@ -26,6 +26,12 @@ def _expansion(scene: RingScene, t: float) -> float:
     return scene.amplitude * np.sin(scene.angular_frequency * t)
 
 
+def time_factors(scene: RingScene, t: float) -> tuple[float, float, float]:
+    """T, T' and T'' at the time t: with w(R) the radial displacement, velocity and acceleration."""
+    w, T = scene.angular_frequency, _expansion(scene, t)
+    return T, scene.amplitude * w * np.cos(w * t), -w * w * T
+
+
 def _radially(X: np.ndarray, size: np.ndarray) -> np.ndarray:
     """Vectors (P, 2) of the given size along e_R."""
     return X * (size / np.linalg.norm(X, axis=1))[:, None]
@@ -54,12 +60,17 @@ def stretches(scene: RingScene, R: np.ndarray, t: float) -> tuple[np.ndarray, np
     return 1 + T * slope, 1 + T * w / R
 
 
-def stress(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
-    """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3) in pascals: mu/J (F F^T - I), the paper's eq 37 corrected."""
-    R = np.linalg.norm(X, axis=1)
+def principal_stresses(scene: RingScene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Cauchy stress along and across e_R at the radii R, in pascals: mu/J (F F^T - I), the paper's eq 37 corrected."""
     radial, hoop = stretches(scene, R, t)
     scale = 0.5 * scene.modulus / (radial * hoop)
-    along, across = scale * (radial**2 - 1), scale * (hoop**2 - 1)
+    return scale * (radial**2 - 1), scale * (hoop**2 - 1)
+
+
+def stress(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+    """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3) in pascals."""
+    R = np.linalg.norm(X, axis=1)
+    along, across = principal_stresses(scene, R, t)
     c, s = X[:, 0] / R, X[:, 1] / R
     return np.stack([along * c * c + across * s * s, (along - across) * c * s, along * s * s + across * c * c], axis=1)
 

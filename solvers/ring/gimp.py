@@ -3,8 +3,8 @@
 import taichi as ti
 
 from solvers.ring.layout import GHOSTS
-from solvers.ring.material import force_moment
-from solvers.shapes import stencil, weights_1d
+from solvers.ring.material import force_moment, force_record
+from solvers.shapes import outer_weights, stencil
 
 MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that three nodes suffice
 
@@ -12,36 +12,33 @@ MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that thr
 @ti.func
 def half_widths(ring: ti.template(), p, on: ti.template()):
     """Half the particle's box in x and y, in cells: constant for uGIMP, stretched by F_xx and F_yy for cpGIMP."""
-    across, up = ring.half_width, ring.half_width
+    widths = ti.Vector([ring.half_width, ring.half_width])
     if ti.static(on.method == "cpgimp"):
         F = ring.deformation_gradient[p]
-        across = ti.min(ti.max(ring.half_width * F[0], 1e-6), MOST_HALF_WIDTH)
-        up = ti.min(ti.max(ring.half_width * F[3], 1e-6), MOST_HALF_WIDTH)
-    return across, up
+        widths = ti.min(ti.max(ring.half_width * ti.Vector([F[0], F[3]]), 1e-6), MOST_HALF_WIDTH)
+    return widths
 
 
 @ti.func
-def find_weights(ring: ti.template(), start, end, on: ti.template()):
-    """Keep the stencils of the particles from ``start`` to ``end`` for both mappings of the step."""
-    for p in range(start, end):
-        x = ring.motion[p] * ring.cells_per_length + GHOSTS
-        across, up = half_widths(ring, p, on)
-        i, S, dS = weights_1d(on.method, x[0], across)
-        j, R, dR = weights_1d(on.method, x[1], up)
-        # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
-        i = ti.min(ti.max(i, 0.0), ring.active - 3)
-        j = ti.min(ti.max(j, 0.0), ring.active - 3)
-        ring.first_node[p] = ti.cast(j, ti.i32) * ring.row + ti.cast(i, ti.i32)
-        per = ring.cells_per_length
-        ring.weights[p] = ti.Vector([S[0], S[2], dS[0] * per, dS[2] * per, R[0], R[2], dR[0] * per, dR[2] * per])
+def find_weights(ring: ti.template(), p, on: ti.template()):
+    """Keep the particle's stencils for both mappings of the step. Vectors of two are of x and y."""
+    q, per = ring.motion[p], ring.cells_per_length
+    position = ti.Vector([q[0], q[1]]) * per + GHOSTS
+    first, left, right, slope_left, slope_right = outer_weights(on.method, position, half_widths(ring, p, on))
+    # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
+    node = ti.min(ti.max(first, 0.0), float(ring.active - 3))
+    ring.first_node[p] = ti.cast(node[1] * ring.row + node[0], ti.i32)  # whole numbers, exact
+    slope_left, slope_right = slope_left * per, slope_right * per
+    ring.weights[p] = ti.Vector([left[0], left[1], right[0], right[1],
+                                 slope_left[0], slope_left[1], slope_right[0], slope_right[1]])
 
 
 @ti.func
 def stencils_of(ring: ti.template(), p):
     """The kept stencils: weights and gradients (1/length) at three nodes in x and in y."""
     w = ring.weights[p]
-    S, dS = stencil(w[0], w[1], w[2], w[3])
-    R, dR = stencil(w[4], w[5], w[6], w[7])
+    S, dS = stencil(w[0], w[2], w[4], w[6])
+    R, dR = stencil(w[1], w[3], w[5], w[7])
     return S, dS, R, dR
 
 
@@ -51,17 +48,16 @@ def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template())
     for p in range(start, end):
         S, dS, R, dR = stencils_of(ring, p)
         first = grid + ring.first_node[p]
-        mass, carried, tau = force_moment(ring, p, on)
-        along_x = ti.Vector([0.0, 0.0, -tau[0], -tau[1]])
-        along_y = ti.Vector([0.0, 0.0, -tau[1], -tau[2]])
+        carried, tau = force_moment(ring, p, on)
+        along_x = force_record(-tau[0], -tau[1])
+        along_y = force_record(-tau[1], -tau[2])
         for j in ti.static(range(3)):
             level = R[j] * carried + dR[j] * along_y
             slope = R[j] * along_x
             for i in ti.static(range(3)):
                 node = first + j * ring.row + i
                 # Not +=, which would be an atomic addition where slabs run side by side; each has its own nodes.
-                ring.node_sums[node] = ring.node_sums[node] + S[i] * level + dS[i] * slope
-                ring.node_mass[node] = ring.node_mass[node] + S[i] * (R[j] * mass)
+                ring.node_sums[node] = ring.node_sums[node] + (S[i] * level + dS[i] * slope)
 
 
 @ti.func

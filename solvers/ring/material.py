@@ -49,10 +49,16 @@ def radial_forces(ring: ti.template(), t, on: ti.template()):
 
 @ti.func
 def force_moment(ring: ti.template(), p, on: ti.template()):
-    """What a particle gives to nodes: its mass, (momentum, body force) by weight, V sigma by gradient of the weight."""
+    """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yy) by gradient of the weight."""
     q, mass = ring.motion[p], ring.mass[p]
     push = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force):
         push = mass * ring.radial_force[ring.radius[p]] * ring.direction[p]
     tau = (mass / ring.density) * kirchhoff_stress(ring, p)  # V sigma = V0 J sigma
-    return mass, ti.Vector([mass * q[2], mass * q[3], push[0], push[1]]), tau
+    return ti.Vector([mass * q[2], mass * q[3], push[0], push[1], mass, 0.0, 0.0, 0.0]), tau
+
+
+@ti.func
+def force_record(x, y):
+    """The record of a node on which nothing but a force acts."""
+    return ti.Vector([0.0, 0.0, x, y, 0.0, 0.0, 0.0, 0.0])

@@ -128,7 +128,8 @@ def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
     for e in range(ti.static(len(on.estimators))):
         squares, apart = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(ring.particles):
-            motion, sigma = ring.estimate[e * ring.particles + p], ring.estimate_stress[e * ring.particles + p]
+            motion, stress = ring.estimate[e * ring.particles + p], ring.estimate_stress[e * ring.particles + p]
+            sigma = ti.Vector([stress[0], stress[1], stress[2]])
             a = ring.estimate_acceleration[e * ring.particles + p]
             squares += squared_parts(motion, sigma, a)
             if ti.static(on.truth):

@@ -13,7 +13,8 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.interface import allocate_memory, intervals, memory_types
-from solvers.kinds import integer_quads, integers, octets, pairs, quads, real, reals, table, triples
+from solvers.kinds import integer_quads, integers, octets, pairs, quads, real, reals, table
+from solvers.memory import align_fields
 from solvers.ring import exact
 from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.layout import GHOSTS, particle_layout
@@ -52,7 +53,7 @@ class Arrays:
     direction: np.ndarray  # e_R at the material position (P, 2)
     radius: np.ndarray  # index of the material radius (P,)
     edges: np.ndarray  # r1, r2 of the domain at the start (P, 4), for CPDI
-    weights: np.ndarray  # GIMP: outer weights and gradients in x and y; CPDI: corners' places in their cells (P, 8)
+    weights: np.ndarray  # GIMP: outer weights and slopes, each in x and y; CPDI: x, then y of corners in cells (P, 8)
     first_node: np.ndarray  # GIMP: first node of the 3 x 3 stencil (P,)
     corner_nodes: np.ndarray  # CPDI: first node of each corner's cell (P, 4)
     acceleration: np.ndarray  # a at the particle in the last step (P, 2), with the effect
@@ -62,17 +63,20 @@ class Arrays:
     shape_slope: np.ndarray  # w' (K,)
     shape_curvature: np.ndarray  # w'' (K,)
     radial_force: np.ndarray  # body force per mass in this step (K,)
-    node_sums: np.ndarray  # momentum and force of each slab (T*N, 4)
-    node_mass: np.ndarray  # (T*N,)
+    node_sums: np.ndarray  # momentum, force, mass of each slab and three zeros: a whole vector register (T*N, 8)
+    node_mass: np.ndarray  # mass of all slabs in the last step (N,)
     node_motion: np.ndarray  # v after the step and a (N, 4)
     estimate: np.ndarray  # estimated error of x and v, vectors (E*P, 4)
     estimate_acceleration: np.ndarray  # estimated error of a (E*P, 2)
-    estimate_stress: np.ndarray  # estimated error of sigma, as xx, xy, yy (E*P, 3)
+    estimate_stress: np.ndarray  # estimated error of sigma, as xx, xy, yy and nothing (E*P, 4)
     estimate_intervals: np.ndarray  # steps between two steps of each estimator (E,)
     totals: np.ndarray  # grid crossings and work of the body force so far, a slab at a time (2 T,)
     samples: np.ndarray  # one row a sample (ROWS, columns)
     verdict: np.ndarray  # 0 or the kind of failure, its step, its particle (3,)
     memory: dict  # what the estimators keep: numbers and arrays by name (see ``solvers.estimators.interface``)
+
+    def __post_init__(self) -> None:
+        align_fields(self)
 
     def members(self) -> dict:
         """Every array, and the estimators' numbers, by name."""
@@ -101,9 +105,9 @@ def allocate(scene: RingScene, slabs: int) -> Arrays:
         acceleration=zeros(P, 2, on.acceleration), last_crossing=zeros(P, when=on.crossings, kind=np.int32),
         radii=layout.radii, shape=w, shape_slope=slope, shape_curvature=curvature,
         radial_force=zeros(len(layout.radii)),
-        node_sums=zeros(slabs * N, 4), node_mass=zeros(slabs * N), node_motion=zeros(N, 4),
+        node_sums=zeros(slabs * N, 8), node_mass=zeros(N), node_motion=zeros(N, 4),
         estimate=zeros(E * P, 4, E > 0), estimate_acceleration=zeros(E * P, 2, E > 0),
-        estimate_stress=zeros(E * P, 3, E > 0), estimate_intervals=intervals(ESTIMATORS, scene),
+        estimate_stress=zeros(E * P, 4, E > 0), estimate_intervals=intervals(ESTIMATORS, scene),
         totals=zeros(2 * slabs), samples=zeros(ROWS, column_count(on.estimators)), verdict=np.zeros(3, np.int32),
         memory=allocate_memory(ESTIMATORS, scene))
     arrays.last_crossing[:] = -1
@@ -118,8 +122,8 @@ RingState = ti.types.argpack(
     material_position=pairs, motion=quads, deformation_gradient=quads, mass=reals, direction=pairs, radius=integers,
     edges=quads, weights=octets, first_node=integers, corner_nodes=integer_quads, acceleration=pairs,
     last_crossing=integers, radii=reals, shape=reals, shape_slope=reals, shape_curvature=reals, radial_force=reals,
-    node_sums=quads, node_mass=reals, node_motion=quads, estimate=quads, estimate_acceleration=pairs,
-    estimate_stress=triples, estimate_intervals=integers, totals=reals, samples=table, verdict=integers,
+    node_sums=octets, node_mass=reals, node_motion=quads, estimate=quads, estimate_acceleration=pairs,
+    estimate_stress=quads, estimate_intervals=integers, totals=reals, samples=table, verdict=integers,
     **memory_types(ESTIMATORS))
 
 
@@ -137,6 +141,6 @@ def pack(scene: RingScene, arrays: Arrays, slabs: int):
         active=min(row, int(farthest(scene) / scene.spacing) + GHOSTS + 3), slabs=slabs,
         radius_count=len(arrays.radii), sample_interval=scene.sample_interval,
         spacing=scene.spacing, cells_per_length=1 / scene.spacing, dt=scene.time_step,
-        shear_modulus=0.5 * scene.modulus, density=scene.density, half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene),
-        amplitude=scene.amplitude, angular_frequency=scene.angular_frequency,
+        shear_modulus=0.5 * scene.modulus, density=scene.density, half_width=0.5 / scene.particles_per_cell,
+        farthest=farthest(scene),         amplitude=scene.amplitude, angular_frequency=scene.angular_frequency,
         **arrays.members())

@@ -1,160 +1,30 @@
-"""One step of the ring: as the bar's (symplectic Euler, stress last), in two dimensions, between symmetry planes.
+"""Steps of the ring by two plans that run the same phases.
 
-Two plans run the same functions. :func:`advance` puts any number of steps into one kernel on one thread.
-:func:`step_in_slabs` does one step on several: particles are cut into slabs, each adds to a grid of its own, and the
-grids are summed, so that no two threads ever write to one place and no atomic operation is needed.
+:func:`advance` puts any number of steps into one kernel on one thread. :func:`step_in_slabs` does one step on several.
 """
 
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.ring import cpdi, gimp
 from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
+from solvers.ring.phases import (
+    fold,
+    mirror,
+    nodes_to_particles,
+    particles_to_nodes,
+    slab_range,
+    sum_slabs,
+    update_nodes,
+)
 from solvers.ring.samples import sample
 from solvers.ring.state import RingState
 from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
 
 FLATTEST = 1e-3  # det F below which a particle counts as crushed
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
-EMPTY = 1e-12  # share of a particle's mass below which a node carries nothing
 TASK = 512  # indices that a parallel loop never splits between threads
-
-
-# ---- particles ------------------------------------------------------------------------------------------------
-
-
-@ti.func
-def particles_to_nodes(ring: ti.template(), slab, on: ti.template()):
-    """Clear the slab's grid, find its particles' weights, and add mass, momentum and force to the grid."""
-    start, end = slab_range(ring.particles, slab, ring.slabs)
-    grid = slab * ring.nodes
-    for j in range(ring.active):
-        for node in range(grid + j * ring.row, grid + j * ring.row + ring.active):
-            ring.node_sums[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            ring.node_mass[node] = 0.0
-    if ti.static(on.method == "cpdi"):
-        cpdi.find_weights(ring, start, end)
-        cpdi.particles_to_nodes(ring, start, end, grid, on)
-    else:
-        gimp.find_weights(ring, start, end, on)
-        gimp.particles_to_nodes(ring, start, end, grid, on)
-
-
-@ti.func
-def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
-    """v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F with L = sum v_i grad S."""
-    start, end = slab_range(ring.particles, slab, ring.slabs)
-    dt, jumps, work = ring.dt, 0.0, 0.0
-    for p in range(start, end):
-        here, by_x, by_y = gather(ring, p, on)
-        q, F = ring.motion[p], ring.deformation_gradient[p]
-        v_x, v_y = q[2] + dt * here[2], q[3] + dt * here[3]
-        x, y = q[0] + dt * here[0], q[1] + dt * here[1]
-        if ti.static(on.velocity == "particle"):
-            x, y = q[0] + dt * v_x, q[1] + dt * v_y
-        if ti.static(on.crossings):
-            per = ring.cells_per_length
-            jump = abs(ti.floor(x * per) - ti.floor(q[0] * per)) + abs(ti.floor(y * per) - ti.floor(q[1] * per))
-            jumps += jump
-            ring.last_crossing[p] = ti.select(jump > 0, step, ring.last_crossing[p])
-        if ti.static(on.acceleration):
-            ring.acceleration[p] = ti.Vector([here[2], here[3]])
-        if ti.static(on.energy and on.body_force):  # the force's power with the velocity in the middle of the step
-            push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
-            work += dt * (push[0] * (here[0] - 0.5 * dt * here[2]) + push[1] * (here[1] - 0.5 * dt * here[3]))
-        ring.motion[p] = ti.Vector([x, y, v_x, v_y])
-        ring.deformation_gradient[p] = ti.Vector([F[0] + dt * (by_x[0] * F[0] + by_y[0] * F[2]),
-                                                  F[1] + dt * (by_x[0] * F[1] + by_y[0] * F[3]),
-                                                  F[2] + dt * (by_x[1] * F[0] + by_y[1] * F[2]),
-                                                  F[3] + dt * (by_x[1] * F[1] + by_y[1] * F[3])])
-    ring.totals[2 * slab] = ring.totals[2 * slab] + jumps
-    ring.totals[2 * slab + 1] = ring.totals[2 * slab + 1] + work
-
-
-@ti.func
-def gather(ring: ti.template(), p, on: ti.template()):
-    """Grid motion (v, a) at the particle and its derivatives in x and y, with the method's weights."""
-    here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    if ti.static(on.method == "cpdi"):
-        here, by_x, by_y = cpdi.gather(ring, p)
-    else:
-        here, by_x, by_y = gimp.gather(ring, p)
-    return here, by_x, by_y
-
-
-@ti.func
-def slab_range(count, slab, slabs):
-    """The part of ``count`` things that is the slab's."""
-    return slab * (count // slabs) + ti.min(slab, count % slabs), \
-        (slab + 1) * (count // slabs) + ti.min(slab + 1, count % slabs)
-
-
-# ---- nodes ----------------------------------------------------------------------------------------------------
-
-
-@ti.func
-def sum_slabs(ring: ti.template(), j):
-    """Add the slabs' grids in row j to the first one's."""
-    for node in range(j * ring.row, j * ring.row + ring.active):
-        for slab in range(1, ring.slabs):
-            ring.node_sums[node] = ring.node_sums[node] + ring.node_sums[slab * ring.nodes + node]
-            ring.node_mass[node] = ring.node_mass[node] + ring.node_mass[slab * ring.nodes + node]
-
-
-@ti.func
-def fold(ring: ti.template()):
-    """Add what fell beyond a symmetry plane to its mirror image, the component across the plane with odd sign.
-
-    Setting it to zero instead costs up to a factor 2.5 in accuracy.
-    """
-    for j in range(ring.active):
-        for i in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, ti.Vector([-1.0, 1.0, -1.0, 1.0]))
-    for i in range(ring.active):
-        for j in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, ti.Vector([1.0, -1.0, 1.0, -1.0]))
-
-
-@ti.func
-def fold_pair(ring: ti.template(), ghost, mirror, sign):
-    ring.node_sums[mirror] = ring.node_sums[mirror] + sign * ring.node_sums[ghost]
-    ring.node_mass[mirror] = ring.node_mass[mirror] + ring.node_mass[ghost]
-
-
-@ti.func
-def update_nodes(ring: ti.template(), j):
-    """a_i = f_i/m_i and v_i += dt a_i in row j; nothing moves across a symmetry plane."""
-    least = EMPTY * ring.density * ring.spacing * ring.spacing
-    for i in range(GHOSTS, ring.active):
-        node = j * ring.row + i
-        mass = ring.node_mass[node]
-        motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
-        if mass > least:
-            q = ring.node_sums[node] / mass
-            motion = ti.Vector([q[0] + ring.dt * q[2], q[1] + ring.dt * q[3], q[2], q[3]])
-            if i == GHOSTS:
-                motion[0], motion[2] = 0.0, 0.0
-            if j == GHOSTS:
-                motion[1], motion[3] = 0.0, 0.0
-        ring.node_motion[node] = motion
-
-
-@ti.func
-def mirror(ring: ti.template()):
-    """Copy the motion of nodes to their images beyond the symmetry planes."""
-    for j in range(GHOSTS, ring.active):
-        for i in ti.static(range(GHOSTS)):
-            image = ring.node_motion[j * ring.row + 2 * GHOSTS - i]
-            ring.node_motion[j * ring.row + i] = ti.Vector([-image[0], image[1], -image[2], image[3]])
-    for i in range(ring.active):
-        for j in ti.static(range(GHOSTS)):
-            image = ring.node_motion[(2 * GHOSTS - j) * ring.row + i]
-            ring.node_motion[j * ring.row + i] = ti.Vector([image[0], -image[1], image[2], -image[3]])
-
-
-# ---- steps ----------------------------------------------------------------------------------------------------
 
 
 @ti.func
