@@ -182,7 +182,7 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
     ring.estimate[base + p] = error
     ring.estimate_stress[base + p] = ti.Vector([sigma[0] - per * (xx * xx + xy * xy - 1),
                                                 sigma[1] - per * (xx * yx + xy * yy),
-                                                sigma[2] - per * (yx * yx + yy * yy - 1)])
+                                                sigma[2] - per * (yx * yx + yy * yy - 1), 0.0])
     a = ti.Vector([ti.math.nan, ti.math.nan])
     if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
         a = ring.acceleration[p] - ti.Vector([f[4], f[5]]) if step > 0 else ti.Vector([0.0, 0.0])
