@@ -184,20 +184,23 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         true, estimated = error_of(row, quantity), row["estimate"].get(estimator, {}).get(quantity, {}).get("max")
         if true and estimated:
             points.append((true, estimated, row["scene"]["method"], row["status"] == UNSTABLE))
-    stood = [value for true, estimated, _, unstable in points if not unstable for value in (true, estimated)]
-    values = stood or [value for point in points for value in point[:2]]
-    if not values:
+    if not points:
         axes.set_xticks([])
         axes.set_yticks([])
         silent = any(row["estimate"].get(estimator) for row in rows)
         axes.text(0.5, 0.5, "not estimated" if silent else "not valid here", transform=axes.transAxes, ha="center",
                   fontsize=9, color="0.3")
         return
-    low, high = min(values) / 2, max(values) * (10 if len(stood) < 2 * len(points) else 2)
+    low, high = _common_range(points)
+    edge, far = (high / low) ** 0.025, 0
     for true, estimated, method, unstable in points:
         look = UNSTABLE_LOOK if unstable else {"marker": METHOD_MARKS[method], "linestyle": "none", "markersize": 6}
-        axes.plot([np.clip(true, low, high / 1.1)], [np.clip(estimated, low, high / 1.1)],
-                  color=METHOD_COLOURS[method], zorder=3, alpha=0.9, **look)
+        x, y = np.clip([true, estimated], edge * low, high / edge)
+        far += (x, y) != (true, estimated)
+        axes.plot([x], [y], color=METHOD_COLOURS[method], zorder=3, alpha=0.9, **look)
+    if far:
+        axes.text(0.97, 0.03, f"{far} beyond the scale, drawn at its edge", transform=axes.transAxes, ha="right",
+                  fontsize=8, color="0.3")
     ends = np.array([low, high])
     axes.plot(ends, ends, color=TRUTH, linewidth=1.4, zorder=2)
     for factor in (0.5, 2):
@@ -205,6 +208,18 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     axes.set_xlim(low, high)
     axes.set_ylim(low, high)
     logarithmic(axes)
+
+
+def _common_range(points: Sequence[tuple[float, float, str, bool]]) -> tuple[float, float]:
+    """One range for both axes: the true errors of stable runs, and estimates if they are not off by powers of ten."""
+    stood = [point for point in points if not point[3]] or list(points)
+    true = [point[0] for point in stood]
+    least, most = min(true) / MOST_OFF, max(true) * MOST_OFF
+    values = true + [float(np.clip(point[1], least, most)) for point in stood]
+    return min(values) / 2, max(values) * 2
+
+
+MOST_OFF = 100.0
 
 
 #: The pictures of a study by the names of their files.
