@@ -68,9 +68,11 @@ def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
 
 def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
     """A task for every combination, each scene once. ``options`` are the other fields of :class:`Task`."""
-    tasks = (Task(problem, {name: _plain(value) for name, value in inputs.items()}, **options)
-             for inputs in combinations(axes))
-    return list({task.key: task for task in reversed(list(tasks))}.values())[::-1]
+    tasks: dict[str, Task] = {}
+    for inputs in combinations(axes):
+        task = Task(problem, {name: _plain(value) for name, value in inputs.items()}, **options)
+        tasks.setdefault(task.key, task)
+    return list(tasks.values())
 
 
 def _plain(value: object) -> object:
