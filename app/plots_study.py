@@ -77,7 +77,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
         spacings = sorted({row["h"] for row in measured(rows)})
         _fits(panel, lines, quantity)
         if len(spacings) > 1:
-            _triangles(panel, [(row["h"], error_of(row, quantity)) for row in measured(rows) if row["status"] == OK])
+            _triangles(panel, [(row["h"], error_of(row, quantity)) for row in measured(rows)])
             panel.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.25)
         else:
             panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, fontsize=9, color="0.3")
@@ -160,11 +160,11 @@ def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> No
 
 def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
     """Slopes 1 and 2 in the corner of small h and large errors; the axis is stretched if points are there."""
-    spacings = [h for h, _ in points] or [1.0]
+    spacings = [h for h, _ in points]
     left, ratio = min(spacings), (max(spacings) / min(spacings)) ** 0.3
     right = left * ratio
     bottom, top = axes.get_ylim()
-    below = max((error for h, error in points if error and h < 1.3 * right), default=bottom)
+    below = min(top, max((error for h, error in points if error and h < 1.3 * right), default=bottom))
     top = max(top, 1.6 * below * ratio**2)
     axes.set_ylim(bottom, top * (top / bottom) ** 0.06)
     start = top / ratio**2

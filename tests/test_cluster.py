@@ -22,7 +22,7 @@ from solvers.study.places import Here
 pytest.importorskip("distributed")
 
 ROOT = Path(__file__).resolve().parent.parent
-AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16, 24], "periods": [1.0]}
+AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16], "periods": [1.0]}
 
 
 def start(module: str, *arguments: str) -> subprocess.Popen:
@@ -62,7 +62,7 @@ def test_a_killed_worker_costs_no_row(workers):
 
     def keep(found: dict) -> None:
         rows.append(found)
-        if len(rows) == 2:
+        if len(rows) == 1:
             os.kill(processes[0].pid, signal.SIGKILL)
 
     tasks = plan("bar", AXES, repeats=1)

@@ -53,27 +53,39 @@ class RowProcess:
             except OSError:
                 line = ""
             if not line.endswith("\n"):
-                process.kill()
-                raise ProcessDied(_how(process.wait()))
+                raise ProcessDied(_how(_end(process)))
             return json.loads(line)
 
     def close(self) -> None:
         """End the process, whatever it does. From any thread, also while a row is measured."""
         self._closed = True
-        if self._process:
-            self._process.kill()
-            self._process.wait()
+        process = self._process
+        if process:
+            process.kill()  # whoever waits for a row learns it now, and lets go of the lock
+            with self._lock:
+                _end(process)
 
     def _ready(self) -> subprocess.Popen:
         if self._closed:
             raise ProcessDied("was closed")
         if self._process is None or self._process.poll() is not None:
+            if self._process:
+                _end(self._process)
             paths = json.dumps([path or os.getcwd() for path in sys.path])
             self._process = subprocess.Popen([sys.executable, "-c", START, paths], stdin=subprocess.PIPE,
                                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
             if self._closed:  # meanwhile
                 self._process.kill()
         return self._process
+
+
+def _end(process: subprocess.Popen) -> int:
+    """Make sure that a process has ended and left nothing behind; its status."""
+    process.kill()
+    for pipe in (process.stdin, process.stdout):
+        with contextlib.suppress(OSError):  # what was not written yet
+            pipe.close()
+    return process.wait()
 
 
 def _how(status: int) -> str:
