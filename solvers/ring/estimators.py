@@ -4,5 +4,6 @@ from __future__ import annotations
 
 from solvers.estimators.interface import Estimator
 from solvers.estimators.transport_ring import TRANSPORT
+from solvers.estimators.two_grid_ring import TWO_GRID
 
-ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT}
+ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT, "two-grid": TWO_GRID}
