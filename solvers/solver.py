@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from solvers.estimators.interface import NEVER, Estimator
+from solvers.estimators.interface import NEVER, Estimator, memory_parts
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene
@@ -78,7 +78,8 @@ class Solver(ABC):
 
     def not_valid(self) -> dict[str, str]:
         """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
-        found = {name: self.ESTIMATORS[name].verdict(self.scene, self._arrays.memory)
+        memory = memory_parts(self.ESTIMATORS, self._arrays.memory)
+        found = {name: self.ESTIMATORS[name].verdict(self.scene, memory)
                  for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 
