@@ -51,7 +51,7 @@ def _ring(X: np.ndarray) -> Regions:
     third = np.clip((share * len(THIRDS)).astype(int), 0, len(THIRDS) - 1)
     angle = np.clip((np.arctan2(X[:, 1], X[:, 0]) / (0.5 * np.pi) * ANGLES).astype(int), 0, ANGLES - 1)
     step = 90 // ANGLES
-    names = tuple(f"{third} third, {k * step}°–{(k + 1) * step}°"
+    names = tuple(f"{third} third, {k * step}–{(k + 1) * step}°"
                   for third in THIRDS for k in range(ANGLES))
     return Regions(names, third * ANGLES + angle)
 

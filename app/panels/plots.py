@@ -74,9 +74,10 @@ class Plots:
         perfect = {"label": "perfect", "stroke": PERFECT, "width": 1, "points": {"show": False}}
         crossings = {"label": "crossings", "stroke": CROSSINGS, "width": 1.5, "points": {"show": False}}
         with self._tab:
-            made = [(self._gui.add_html(_heading(title)), self._plot(series, height, **axis)) for title, series, axis in [
-                ("error norm", (*lines, true), {}), ("error index", (*lines, perfect), _RATIOS),
-                ("grid crossings per second", (crossings,), {"x_label": "t / s"})]]
+            made = [(self._gui.add_html(_heading(title)), self._plot(tuple(drawn), height, **axes))
+                    for title, drawn, axes in (("error norm", [*lines, true], {}),
+                                               ("error index", [*lines, perfect], _RATIOS),
+                                               ("grid crossings per second", [crossings], {"x_label": "t / s"}))]
         self._headings, self._plots = [heading for heading, _ in made], [plot for _, plot in made]
 
     def _show_crossings(self, history: History) -> None:

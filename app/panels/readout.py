@@ -83,7 +83,7 @@ def _worst(places: WorstPlaces, drawn: str | None, quantity: str) -> str:
     unit = QUANTITIES[quantity][1]
     by = [(drawn, places.by_estimate)] if drawn else []
     rows = [_row("head", "worst region, by", "", "estimated", "true"),
-            *(_row("", _named(name), *_place(place, unit)) for name, place in (*by, (TRUE, places.by_truth)))]
+            *(_row("", html.escape(name), *_place(place, unit)) for name, place in (*by, (TRUE, places.by_truth)))]
     return _table("".join(rows), "lab-numbers lab-worst")
 
 
