@@ -53,7 +53,8 @@ div:has(> .lab-paired) + div + div + div + div {{ display: inline-block; width: 
 .lab-numbers {{ margin-top: 5px; border-top: 1px solid #dfe3e8; font-size: 11.5px; }}
 .lab-numbers tr td:first-child {{ color: #222831; }}
 .lab-numbers td:not(:first-child) {{ text-align: right; padding-left: 5px; white-space: nowrap; }}
-.lab-worst {{ font-size: 11px; }} .lab-worst td, .lab-worst td:first-child {{ padding-right: 0; }}
+.lab-worst {{ font-size: 10.5px; }} .lab-readout .lab-worst td {{ padding-right: 0; padding-left: 3px; }}
+.lab-readout .lab-worst td:first-child {{ padding-left: 0; }}
 .lab-numbers .lab-head td, .lab-numbers .lab-head td:first-child {{ color: #6b7480; }}
 .lab-numbers .lab-silence {{ text-align: left !important; white-space: normal !important; color: #7a4a00;
   line-height: 1.3; }}

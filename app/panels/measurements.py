@@ -13,8 +13,8 @@ from app.regions import WorstPlaces
 from app.session import Session
 from app.view import why_no_truth
 
-READOUT_HEIGHT = 446  # pixels of the window that are not plot: heading, numbers, titles and axes, with one estimator
-LEAST_HEIGHT, MOST_HEIGHT = 84, 240  # of a plot
+READOUT_HEIGHT = 434  # pixels of the window that are not plot: heading, numbers, titles and axes, with one estimator
+LEAST_HEIGHT, MOST_HEIGHT = 76, 240  # of a plot
 
 
 class Measurements:

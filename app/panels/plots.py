@@ -1,7 +1,7 @@
 """The three plots over time of the left panel: error norms, error indices and grid crossings.
 
-The truth and every estimator has a line of its own, so the plots are made anew when the run's estimators change: a
-chart that is given other series forgets its range.
+The truth and every estimator has a line of its own, the truth's broad and beneath. So the plots are made anew when the
+run's estimators change: a chart that is given other series forgets its range.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from app.panels.choices import SYMBOLS
 from app.scale import BEYOND, largest, power_of_ten, power_text
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
-CROSSINGS, PERFECT = "#cc0078", "#6b7480"
+CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
 _FROM_ZERO = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0}, "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
 _RATIOS = {"y_scale": {"distr": 3, "range": list(INDEX_RANGE)},
@@ -53,11 +53,11 @@ class Plots:
                      for name in self._estimators]
         power = power_of_ten(max(largest(values) for values in (*estimated, true)))
         _set(self._headings[0], _heading(f"error norm of {SYMBOLS[quantity]} / {power_text(power)}{unit}"))
-        self._plots[0].data = _finite(time, *(values / 10.0**power for values in (*estimated, true)))
+        self._plots[0].data = _finite(time, *(values / 10.0**power for values in (true, *estimated)))
         _set(self._headings[1], _heading(f"error index of {SYMBOLS[quantity]}: estimated / true", no_index))
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        self._plots[1].data = _finite(time, *indices, np.ones(len(time)))
+        self._plots[1].data = _finite(time, np.ones(len(time)), *indices)
         self._show_crossings(history)
 
     def clear(self) -> None:
@@ -70,13 +70,13 @@ class Plots:
             element.remove()
         lines = [{"label": name, "stroke": colour, "width": 2, "dash": list(dash), "points": {"show": False}}
                  for name in self._estimators for colour, dash in (ESTIMATOR_LINES[name],)]
-        true = {"label": "true", "stroke": TRUTH, "width": 2, "points": {"show": False}}
-        perfect = {"label": "perfect", "stroke": PERFECT, "width": 1, "points": {"show": False}}
+        true = {"label": "true", "stroke": TRUTH, "width": 3.5, "points": {"show": False}}
+        perfect = {"label": "perfect", "stroke": PERFECT, "width": 2.5, "points": {"show": False}}
         crossings = {"label": "crossings", "stroke": CROSSINGS, "width": 1.5, "points": {"show": False}}
         with self._tab:
             made = [(self._gui.add_html(_heading(title)), self._plot(tuple(drawn), height, **axes))
-                    for title, drawn, axes in (("error norm", [*lines, true], {}),
-                                               ("error index", [*lines, perfect], _RATIOS),
+                    for title, drawn, axes in (("error norm", [true, *lines], {}),
+                                               ("error index", [perfect, *lines], _RATIOS),
                                                ("grid crossings per second", [crossings], {"x_label": "t / s"}))]
         self._headings, self._plots = [heading for heading, _ in made], [plot for _, plot in made]
 

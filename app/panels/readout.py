@@ -46,7 +46,7 @@ def _run(session: Session, series: dict[str, np.ndarray], probed: str | None) ->
     drift = _energy_drift(series)
     if drift is not None:
         rows.append(("energy", f"out of balance by {drift:+.2%}"))
-    rows.append(("region", html.escape(probed) if probed else "drag a rectangle on the stage to read errors in it"))
+    rows.append(("region", html.escape(probed) if probed else "drag a rectangle on the stage"))
     return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 
 
@@ -121,7 +121,9 @@ def _norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
 
 def _ratio(series: dict[str, np.ndarray], name: str) -> str:
     values = series.get(name, np.zeros(0))
-    return f"{values[-1]:.2f}" if len(values) and np.isfinite(values[-1]) else "–"
+    if not len(values) or not np.isfinite(values[-1]):
+        return "–"
+    return f"{values[-1]:.2f}" if values[-1] > 0.095 else f"{values[-1]:.1g}"
 
 
 def _energy_drift(s: dict[str, np.ndarray]) -> float | None:
