@@ -7,14 +7,14 @@ import viser
 from app.panels.choices import QUANTITIES
 from app.panels.controls import Controls
 from app.panels.furniture import MEASUREMENTS_WIDTH
-from app.panels.plots import Plots
+from app.panels.plots import LEAST_HEIGHT, Plots
 from app.panels.readout import LINE, extra_lines, readout
 from app.regions import WorstPlaces
 from app.session import Session
 from app.view import why_no_truth
 
 READOUT_HEIGHT = 434  # pixels of the window that are not plot: heading, numbers, titles and axes, with one estimator
-LEAST_HEIGHT, MOST_HEIGHT = 76, 240  # of a plot
+MOST_HEIGHT = 240  # of a plot
 
 
 class Measurements:

@@ -1,7 +1,8 @@
 """The three plots over time of the left panel: error norms, error indices and grid crossings.
 
-The truth and every estimator has a line of its own, the truth's broad and beneath. So the plots are made anew when the
-run's estimators change: a chart that is given other series forgets its range.
+The truth and every estimator has a line of its own, the truth's broad and beneath. A chart that is given other series
+forgets its range, and one that is removed may still be sent data: so each set of estimators has plots of its own, made
+when it is first used and hidden while another set runs.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from app.scale import BEYOND, largest, power_of_ten, power_text
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
+LEAST_HEIGHT, LABEL_HEIGHT = 76, 15  # pixels, of a plot and of the label below the last
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
 _FROM_ZERO = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0}, "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
 _RATIOS = {"y_scale": {"distr": 3, "range": list(INDEX_RANGE)},
@@ -29,17 +31,21 @@ class Plots:
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle):
         self._gui, self._tab = client.gui, tab
-        self._plots: list[viser.GuiUplotHandle] = []
-        self._headings: list[viser.GuiHtmlHandle] = []
-        self._estimators: tuple[str, ...] | None = None
-        self.have((), 96)
+        self._sets: dict[tuple[str, ...], list[tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]]] = {}
+        self._estimators: tuple[str, ...] = ()
+        self.have((), LEAST_HEIGHT)
 
     def have(self, estimators: tuple[str, ...], height: int) -> None:
         """Have a line for each of these estimators, in plots of this height in pixels."""
-        if estimators != self._estimators:
-            self._estimators = estimators
-            self._build(height)
-        for plot, with_label in zip(self._plots, (0, 0, 15), strict=True):
+        if estimators not in self._sets:
+            self._sets[estimators] = self._build(estimators, height)
+        for names, pairs in self._sets.items():
+            for element in (element for pair in pairs for element in pair):
+                if element.visible != (names == estimators):
+                    element.visible = names == estimators
+        self._estimators = estimators
+        self._headings, self._plots = zip(*self._sets[estimators], strict=True)
+        for plot, with_label in zip(self._plots, (0, 0, LABEL_HEIGHT), strict=True):
             if plot.height != height + with_label:
                 plot.height = height + with_label
 
@@ -65,20 +71,19 @@ class Plots:
         for plot in self._plots:
             plot.data = tuple(_EMPTY for _ in plot.data)
 
-    def _build(self, height: int) -> None:
-        for element in (*self._headings, *self._plots):
-            element.remove()
+    def _build(self, estimators: tuple[str, ...],
+               height: int) -> list[tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]]:
+        """Each plot below its heading."""
         lines = [{"label": name, "stroke": colour, "width": 2, "dash": list(dash), "points": {"show": False}}
-                 for name in self._estimators for colour, dash in (ESTIMATOR_LINES[name],)]
+                 for name in estimators for colour, dash in (ESTIMATOR_LINES[name],)]
         true = {"label": "true", "stroke": TRUTH, "width": 3.5, "points": {"show": False}}
         perfect = {"label": "perfect", "stroke": PERFECT, "width": 2.5, "points": {"show": False}}
         crossings = {"label": "crossings", "stroke": CROSSINGS, "width": 1.5, "points": {"show": False}}
         with self._tab:
-            made = [(self._gui.add_html(_heading(title)), self._plot(tuple(drawn), height, **axes))
+            return [(self._gui.add_html(_heading(title)), self._plot(tuple(drawn), height, **axes))
                     for title, drawn, axes in (("error norm", [true, *lines], {}),
                                                ("error index", [perfect, *lines], _RATIOS),
                                                ("grid crossings per second", [crossings], {"x_label": "t / s"}))]
-        self._headings, self._plots = [heading for heading, _ in made], [plot for _, plot in made]
 
     def _show_crossings(self, history: History) -> None:
         time, rate = history.crossings_per_second()
@@ -91,13 +96,13 @@ class Plots:
     def _plot(self, series: tuple[dict, ...], height: int, y_scale: dict | None = None,
               y_axis: dict | None = None, x_label: str = "") -> viser.GuiUplotHandle:
         start = np.array([0.0, 1e-3])
-        label = {"label": x_label, "labelSize": 15, "labelFont": _LABEL_FONT} if x_label else {}
+        label = {"label": x_label, "labelSize": LABEL_HEIGHT, "labelFont": _LABEL_FONT} if x_label else {}
         axes = ({"size": 24, "font": _FONT, "grid": _GRID, "ticks": {"stroke": "#c6ccd4", "width": 1, "size": 4},
                  **label},
                 {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}, **(y_axis or {})})
         return self._gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series),
                                    axes=axes, scales={"x": {"time": False}, "y": y_scale or _FROM_ZERO},
-                                   height=height + 15 * bool(x_label), padding=(8, 20, 0, 0), legend={"show": False})
+                                   height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0), legend={"show": False})
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
