@@ -102,7 +102,8 @@ class Plots:
                 {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}, **(y_axis or {})})
         return self._gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series),
                                    axes=axes, scales={"x": {"time": False}, "y": y_scale or _FROM_ZERO},
-                                   height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0), legend={"show": False})
+                                   height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0),
+                                   legend={"show": False})
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
