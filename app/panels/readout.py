@@ -15,7 +15,7 @@ from app.session import Session
 from app.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 
 LINE = 18  # pixels that a line of the readout is high
-SILENCE_LINE = 30  # characters of a reason that go on a line
+SILENCE_LINE = 26  # characters of a reason that go on a line
 TRUE = "true"
 
 

@@ -14,7 +14,7 @@ SUMMARIES = {
     "transport": "the paper's: sends the error of the gradient mapping through the method's own equations",
     "recovered": "makes the particles' own motion smooth and holds it against the equation of motion",
     "companion": "a hidden solve of the same problem, of higher order, that the particles are measured against",
-    "two-grid": "the same run on cells twice as wide, and Richardson's extrapolation"}
+    "two-grid": "the same run on cells twice as wide beside it, and Richardson's extrapolation"}
 
 
 def explanation(estimator: str) -> str:
