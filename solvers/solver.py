@@ -138,8 +138,8 @@ class Solver(ABC):
                 f"(X = {place}) {what}; {advice}")
 
     @abstractmethod
-    def snapshot(self) -> Snapshot:
-        """The particles as they are now, with their true and estimated errors."""
+    def snapshot(self, differences: bool = False) -> Snapshot:
+        """The particles as they are now, with their true and estimated errors, and on request how far these differ."""
 
     @abstractmethod
     def _run(self, steps: int) -> None:
