@@ -29,8 +29,10 @@ def _row(number: str, row: Row, results: Results) -> dict:
     run = results["errors"]
     ours = {"1": _bar_numbers, "2": _ring_errors, "3": _ring_index}[number](results)
     paper = {key: row.paper.get(key) for key in ours}
+    longer = {"t_end_crossings": results["crossings"]["t"]} if "crossings" in results else {}
+    inputs = {**run["scene"], **longer}
     gone_bad = next((result["reason"] for result in results.values() if result["status"] != "ok"), None)
-    return {"name": row.name, "part": row.part, "inputs": run["scene"], "particles": run["particles"],
+    return {"name": row.name, "part": row.part, "inputs": inputs, "particles": run["particles"],
             "h": row.scenes["errors"].spacing, "unstable": gone_bad, "paper": paper, "ours": ours,
             "ratio": {key: _ratio(ours[key], paper[key]) for key in ours},
             "estimators": {name: _estimator(name, results) for name in run["scene"]["estimator"]}}
@@ -42,7 +44,8 @@ def _bar_numbers(results: Results) -> dict:
     errors = {q: run["error"][q]["max"] for q in ("x", "v", "sigma_log")}
     crossings = {"grid_crossings": results["crossings"]["grid_crossings"],
                  "grid_crossings_short": run["grid_crossings"]}
-    return {**errors, **crossings, **{f"index_{q}": _of(run, "index", PAPERS_ESTIMATOR, q) for q in ("x", "v", "sigma")}}
+    indices = {f"index_{q}": _of(run, "index", PAPERS_ESTIMATOR, q) for q in ("x", "v", "sigma")}
+    return {**errors, **crossings, **indices}
 
 
 def _ring_errors(results: Results) -> dict:

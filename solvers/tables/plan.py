@@ -14,6 +14,7 @@ from solvers.bar.scene import BarScene
 from solvers.ring.scene import RingScene
 from solvers.scene import Scene
 from solvers.tables import paper
+from solvers.tables.digits import short
 
 NUMBERS = ("1", "2", "3")
 COST_PART = 0.1  # of the run's length: shares of the time do not depend on it
@@ -49,10 +50,10 @@ RING_SETUP = (
     "Left open there, chosen here: density 1000 kg/m³, a quarter ring with folded symmetry planes, polar lattice of "
     "particles, and two set-ups: A = 0.1 m, E = 1e7 Pa, 2 × 2 particles per cell (our choice), and A = 0.03 m, "
     "E = 4e7 Pa, 4 × 4, which of those tried fits the paper's digits best. Errors are RMS over particles.")
-ERROR_NOTE = ("Errors are those at the end; `Err A` is the RMS error of the acceleration over the nodes that carry mass. "
-              "Indices of the same runs are in Table 3.")
-RING_INDEX_NOTE = ("The printed index of the displacement error stands beside that of `transport`, which is the paper's "
-                   "estimator and says nothing about the stress.")
+ERROR_NOTE = ("Errors are those at the end; `Err A` is the RMS error of the acceleration over the nodes that carry "
+              "mass. Indices of the same runs are in Table 3.")
+RING_INDEX_NOTE = ("The printed index of the displacement error stands beside that of `transport`, which is the "
+                   "paper's estimator and says nothing about the stress.")
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def _bar_row(case: str, force: str, cells: int, estimators: tuple[str, ...], end
     scene = BarScene(method="ugimp", linearity_preserving=True, cells=cells, particles_per_cell=4, modulus=modulus,
                      amplitude=amplitude, dt=2.5e-5, t_end=end, body_force=force, estimators=estimators)
     crossings = replace(scene, t_end=long, estimators=(), effects=("crossings",))
-    return Row(f"bar-{case}-{force}-{cells}", f"E = {modulus:g} Pa, A = {amplitude:g} m, {BAR_FORCES[force]}",
+    return Row(f"bar-{case}-{force}-{cells}", f"E = {modulus:g} Pa, A = {short(amplitude)} m, {BAR_FORCES[force]}",
                {**_errors_and_cost(scene), "crossings": crossings}, paper.bar(modulus, cells))
 
 
@@ -129,7 +130,7 @@ def _ring_row(name: str, method: str, cells: int, estimators: tuple[str, ...], e
     amplitude, modulus, ppc, what = RING_SETUPS[name]
     scene = RingScene(method=method, cells=cells, particles_per_cell=ppc, amplitude=amplitude, modulus=modulus,
                       dt=2e-5, t_end=end, estimators=estimators)
-    part = f"A = {amplitude:g} m, E = {modulus:.0e} Pa, {ppc} × {ppc} particles per cell ({what})".replace("e+0", "e")
+    part = f"A = {amplitude:g} m, E = {short(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
     return Row(f"ring-{name}-{method}-{cells}", part, _errors_and_cost(scene), printed)
 
 
