@@ -34,7 +34,7 @@ class Tables:
 
     table: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="{1,2,3,all}")] = "all"
     """Table of the paper."""
-    out: Annotated[PathFlag, tyro.conf.arg(metavar="DIR"), default_hint("must be given")] = ""
+    out: Annotated[PathFlag, tyro.conf.arg(metavar="DIR", help_behavior_hint="(required)")] = ""
     """Directory for table1.md, table1.json, table1.png and so on; it is made if it is not there."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar and no remarks on standard error."""

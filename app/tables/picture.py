@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE, TRUTH
 from app.plots_parts import ESTIMATOR_STYLES
@@ -31,7 +31,7 @@ def figure(table: dict) -> Figure:
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
     whole = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(whole)
-    whole.suptitle(table["title"], fontsize=14)
+    whole.suptitle(f"{table['title']}\n{table['caption']}", fontsize=13)
     if table["table"] == "1":
         above, below = whole.subfigures(2, 1, height_ratios=(1, 1.75), hspace=0.03)
         _bar_errors(above, table)
@@ -102,12 +102,12 @@ def _ring_indices(figure: SubFigure, table: dict) -> None:
 
 def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     """Errors against h on two logarithmic axes: ours, the paper's, and the slopes of first and second order."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
     for style, (label, rows) in zip(OURS, series.items(), strict=False):
         axes.plot(*_points(rows, "ours", key), label=label, **style)
     rows = next(iter(series.values()))
     axes.plot(*_points(rows, "paper", key), **PAPER)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
     spacings = sorted({row["h"] for row in rows})
     _ticks(axes, spacings, [f"{h:.4g}" for h in spacings])
     axes.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.45)
@@ -134,6 +134,7 @@ def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
     """Each quantity's index against the cells, on a logarithmic axis with the band that may be trusted."""
     cells = [row["inputs"]["cells"] for row in rows]
     for axes, quantity in zip(panels, QUANTITIES, strict=True):
+        axes.set_xscale("log")
         axes.axhspan(*BAND, color=TRUTH, alpha=0.13, linewidth=0, label="0.8 to 1.25")
         axes.axhline(1.0, color=TRUTH, linewidth=1.2, label="1, perfect")
         silent = []
@@ -146,7 +147,6 @@ def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
         printed = [(row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows]
         printed = [point for point in printed if point[1]]
         axes.plot([n for n, _ in printed], [value for _, value in printed], **PAPER)
-        axes.set_xscale("log")
         _ticks(axes, cells, [str(n) for n in cells])
         axes.set_xlim(cells[0] / 1.25, cells[-1] * 1.25)
         axes.grid(alpha=0.3)
@@ -160,8 +160,9 @@ def _finish_indices(axes) -> None:
     for across, name in zip(axes, QUANTITIES.values(), strict=True):
         values = [value for panel in across for line in panel.get_lines() for value in line.get_ydata()]
         across[0].set_yscale("log")
-        across[0].set_ylim(max(MOST_SPAN[0], min(LEAST_SPAN[0], min(values) / 1.4)),
-                           min(MOST_SPAN[1], max(LEAST_SPAN[1], max(values) * 1.4)))
+        low = max(MOST_SPAN[0], min(LEAST_SPAN[0], min(values) / 1.4))
+        high = min(MOST_SPAN[1], max(LEAST_SPAN[1], max(values) * 1.4))
+        across[0].set_ylim(low * (low / high) ** 0.08, high)  # room for words at the bottom
         across[0].set_ylabel(f"index of {name}")
         _number(across[0])
     for panel in axes[-1]:
@@ -180,8 +181,7 @@ def _ticks(axes: Axes, places: list[float], labels: list[str]) -> None:
     """Ticks of the horizontal axis where there are rows and nowhere else."""
     axes.xaxis.set_major_locator(FixedLocator(places))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xticks(places, labels)
+    axes.xaxis.set_major_formatter(FixedFormatter(labels))
 
 
 def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:

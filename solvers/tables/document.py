@@ -19,7 +19,8 @@ Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each ru
 def document(table: Table, results: Mapping[str, Results]) -> dict:
     """The object of a table; ``results`` holds each row's under its name."""
     names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
-    return {"schema": SCHEMA, "table": table.number, "title": table.title, "setup": list(table.setup),
+    return {"schema": SCHEMA, "table": table.number, "title": table.title, "caption": table.caption,
+            "setup": list(table.setup),
             "estimators": list(names), "rows": [_row(table.number, row, results[row.name]) for row in table.rows],
             "seconds": {part: sum(result["seconds"][part] for row in table.rows
                                   for result in results[row.name].values()) for part in ("setup", "compile", "run")}}
