@@ -14,6 +14,7 @@ import tyro
 
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Progress, Target, json_text, noted_interrupts, say, stdout_to_stderr
+from solvers.scene import ESTIMATORS
 from solvers.tables import plan
 from solvers.tables.document import Results, document
 
@@ -79,10 +80,11 @@ def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Targ
 
 
 def _estimators() -> dict[str, tuple[str, ...]]:
-    """The estimators of each problem."""
+    """The estimators of each problem, in the order of the scenes."""
     warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
     from solvers.run import SOLVERS  # here: bad input and --help must not wait for Taichi
-    return {problem: tuple(solver.ESTIMATORS) for problem, solver in SOLVERS.items()}
+    return {problem: tuple(name for name in ESTIMATORS if name in solver.ESTIMATORS)
+            for problem, solver in SOLVERS.items()}
 
 
 def _run_rows(tables: Iterable[plan.Table], store: Store, quiet: bool, check_interrupts) -> dict[str, Results]:
