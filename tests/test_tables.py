@@ -51,6 +51,12 @@ def counted(results, monkeypatch) -> list[str]:
 
 
 @pytest.fixture
+def unwritten(monkeypatch) -> None:
+    """Only rows are written: drawing takes its time."""
+    monkeypatch.setattr(command, "_write", lambda *_: None)
+
+
+@pytest.fixture
 def made(results) -> dict[str, dict]:
     """The three tables' objects, as they read in their files."""
     return {number: json.loads(json.dumps(document(table, results), allow_nan=False)) for number, table in CUT.items()}
@@ -217,14 +223,14 @@ def test_a_finished_table_is_not_run_again(tmp_path, counted, capsys):
     lambda path: path.write_text("{}"),
     lambda path: path.write_text(path.read_text().replace('"cells": 12', '"cells": 13')),
     lambda path: path.write_text(path.read_text().replace('"cost"', '"price"')), lambda path: path.unlink()])
-def test_a_row_that_is_not_whole_is_made_again(spoil, tmp_path, counted):
+def test_a_row_that_is_not_whole_is_made_again(spoil, tmp_path, counted, unwritten):
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
     spoil(tmp_path / "rows" / "ring-ours-cpdi-12.json")
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
     assert [name for name in counted if counted.count(name) > 1] == ["ring-ours-cpdi-12"] * 2
 
 
-def test_a_changed_setup_or_solver_is_not_a_finished_row(tmp_path, counted, monkeypatch):
+def test_a_changed_setup_or_solver_is_not_a_finished_row(tmp_path, counted, unwritten, monkeypatch):
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
     monkeypatch.setitem(CUT, "2", plan.table_2(ONE, cells=(12,), methods=("cpdi",), end=0.01))
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0

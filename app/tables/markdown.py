@@ -147,7 +147,9 @@ def _factor(value: float | None) -> str:
     """A ratio or an index: two digits at least, hundredths where they mean something."""
     if value is None:
         return DASH
-    return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.2g}" if value < 0.1 else f"{value:.3g}"
+    if value >= 1000 or value == 0:
+        return f"{value:,.0f}"
+    return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.3g}" if value > 1 else digits(value, 2)
 
 
 def _percent(value: float | None) -> str:
