@@ -17,6 +17,7 @@ from solvers.scene import Scene
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 SAFE_CFL = 0.4  # up to which the length of the step is hardly to blame
 TIMED_SECONDS = 0.004  # that one timed stretch takes at least: many times the cost of a launch
+MOST_TIMED_SECONDS = 0.04
 TIMED_TURNS = 5
 PROCESSORS = ("x64", "arm64")  # as Taichi calls them; others work while this thread waits
 
@@ -105,8 +106,13 @@ class Solver(ABC):
         return {name: max(0.0, 1 - float(best[e] / best[-1])) for e, name in enumerate(names)}
 
     def _timed_steps(self, whole: int, kept: dict[str, np.ndarray]) -> int:
-        """Steps, a multiple of ``whole``, that take about ``TIMED_SECONDS``."""
+        """Steps, a multiple of ``whole``, that take about ``TIMED_SECONDS``: whole turns of the samples too, whose
+        reports may be most of an estimator's price, unless these take long."""
         step, steps = self.step, whole
+        sampled = int(np.lcm(whole, self.scene.sample_interval, dtype=np.int64))
+        if self._timed(whole) * sampled / whole < MOST_TIMED_SECONDS:
+            steps = sampled
+        self._put_back(step, kept)
         while self._timed(steps) < TIMED_SECONDS and 2 * steps <= self.longest_advance:
             self._put_back(step, kept)
             steps *= 2
