@@ -9,6 +9,7 @@ from app.commands.run_ring import RunRing
 from app.commands.serve import Serve
 from app.commands.sweep_bar import SweepBar
 from app.commands.sweep_ring import SweepRing
+from app.commands.tables import Tables
 
 COMMANDS: dict[tuple[str, ...], type] = {
     ("serve",): Serve,
@@ -16,6 +17,7 @@ COMMANDS: dict[tuple[str, ...], type] = {
     ("run", "ring"): RunRing,
     ("sweep", "bar"): SweepBar,
     ("sweep", "ring"): SweepRing,
+    ("tables",): Tables,
 }
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)
