@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from solvers.estimators.companion_bar import COMPANION
 from solvers.estimators.interface import Estimator
 from solvers.estimators.transport_bar import TRANSPORT
 
-ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT}
+ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT, "companion": COMPANION}

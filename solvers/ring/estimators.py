@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from solvers.estimators.companion_ring import COMPANION
 from solvers.estimators.interface import Estimator
 from solvers.estimators.transport_ring import TRANSPORT
 
-ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT}
+ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT, "companion": COMPANION}
