@@ -9,8 +9,6 @@ grad u = u_R e_R + u_theta/R e_theta, F = I + grad u and P = mu (F - F^-T),
 which leaves both rims free of traction; u_y = 0 on theta = 0 and u_x = 0 on theta = pi/2.
 """
 
-import functools
-
 import numpy as np
 import taichi as ti
 
@@ -27,18 +25,15 @@ from solvers.estimators.companion import (
     STIFFEST,
     WORK,
     doubt,
-    highest_frequency,
     initial_nodes,
     interval,
     read_nodes,
     step_ahead,
 )
+from solvers.estimators.companion_ring_mesh import directions, free, masses, mesh, read_particles, unit_frequency
 from solvers.estimators.interface import Estimator
-from solvers.estimators.spectral import Elements
 from solvers.kinds import integer_quads, integers, pairs, quads, reals, table
 from solvers.ring import exact
-from solvers.ring.exact import INNER, OUTER
-from solvers.ring.layout import particle_layout
 from solvers.ring.material import kirchhoff_stress, radial_force_at
 
 # ---- the solve ------------------------------------------------------------------------------------------------
@@ -187,7 +182,7 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
     ring.estimate[base + p] = error
     ring.estimate_stress[base + p] = ti.Vector([sigma[0] - per * (xx * xx + xy * xy - 1),
                                                 sigma[1] - per * (xx * yx + xy * yy),
-                                                sigma[2] - per * (yx * yx + yy * yy - 1)])
+                                                sigma[2] - per * (yx * yx + yy * yy - 1), 0.0])
     a = ti.Vector([ti.math.nan, ti.math.nan])
     if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
         a = ring.acceleration[p] - ti.Vector([f[4], f[5]]) if step > 0 else ti.Vector([0.0, 0.0])
@@ -196,12 +191,6 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
 
 
 # ---- the set-up -----------------------------------------------------------------------------------------------
-
-
-def mesh(cells: int) -> tuple[Elements, Elements]:
-    """Elements across the ring and around it: few, for the solve must cost little beside the smallest meshes."""
-    order = 4 if cells <= 40 else 5 if cells <= 128 else 6
-    return Elements(INNER, OUTER, 1, order), Elements(0.0, 0.5 * np.pi, 2, order)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
@@ -223,68 +212,6 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_radii": np.stack([R, *exact.shape(R)], axis=1), "companion_directions": e,
         "companion_matrices": matrices.reshape(-1, 4), "companion_stresses": np.zeros((n * n, 4)),
         "companion_basis": basis, "companion_places": places}
-
-
-def read_particles(scene, radial: Elements, angular: Elements) -> tuple[np.ndarray, np.ndarray]:
-    """``companion_basis`` and ``companion_places``: how to read the companion at the particles.
-
-    The basis is values and derivatives of the p + 1 polynomials at every material radius, then at every angle. The
-    places begin with a line for each radius and one more, (where its particles begin, first node of its element, 0, 0),
-    and then have the particles, radius by radius: (particle, first node of its element on an arc, its basis, 0).
-    """
-    layout = particle_layout(scene)
-    angles, angle = np.unique(np.arctan2(layout.position[:, 1], layout.position[:, 0]).round(12), return_inverse=True)
-    (outward, *at_radius), (around, *at_angle) = radial.locate(layout.radii), angular.locate(angles)
-    K, order = len(layout.radii), np.argsort(layout.radius, kind="stable")
-    places = np.zeros((K + 1 + len(order), 4), np.int32)
-    places[:K + 1, 0] = K + 1 + np.searchsorted(layout.radius[order], np.arange(K + 1))
-    places[:K, 1] = outward * radial.order * len(angular.nodes)
-    places[K + 1:, 0] = order
-    places[K + 1:, 1] = LAYERS * len(radial.nodes) * len(angular.nodes) + around[angle[order]] * angular.order
-    places[K + 1:, 2] = (K + angle[order]) * (angular.order + 1)
-    return np.concatenate([np.stack(at, axis=2).reshape(-1, 2) for at in (at_radius, at_angle)]), places
-
-
-def directions(angular: Elements) -> np.ndarray:
-    """e_R at the angles of the nodes (row, 2), exact on the symmetry planes."""
-    e = np.stack([np.cos(angular.nodes), np.sin(angular.nodes)], axis=1)
-    e[0], e[-1] = (1, 0), (0, 1)
-    return e
-
-
-def masses(radial: Elements, angular: Elements) -> np.ndarray:
-    """w_i R_i of the nodes (radii, row): their masses, for a density of 1."""
-    return np.outer(radial.assembled_weights * radial.nodes, angular.assembled_weights)
-
-
-def free(radial: Elements, angular: Elements) -> np.ndarray:
-    """1 where a component of a node can move and 0 where a symmetry plane holds it (radii, row, 2)."""
-    moves = np.ones((len(radial.nodes), len(angular.nodes), 2))
-    moves[:, 0, 1] = moves[:, -1, 0] = 0
-    return moves
-
-
-@functools.cache
-def unit_frequency(radial: Elements, angular: Elements) -> float:
-    """The highest frequency of the ring at rest for a wave speed of 1 m/s, in 1/s: P = (grad u + grad u^T)/2."""
-    node = np.broadcast_arrays(radial.of_node[:, None, :, None], angular.of_node[None, :, None, :])
-    R, e = radial.nodes[node[0]][..., None], directions(angular)[node[1]]
-    t = np.stack([-e[..., 1], e[..., 0]], axis=-1)
-    weight = np.outer(radial.weights, angular.weights)[..., None] * R
-    inverse_mass = free(radial, angular) / masses(radial, angular)[..., None]
-
-    def accelerations(u: np.ndarray) -> np.ndarray:
-        out = np.einsum("ik,abkjc->abijc", radial.derivative, u[tuple(node)])
-        along = np.einsum("jk,abikc->abijc", angular.derivative, u[tuple(node)]) / R
-        gradient = out[..., :, None] * e[..., None, :] + along[..., :, None] * t[..., None, :]
-        P = 0.5 * weight[..., None] * (gradient + np.swapaxes(gradient, -1, -2))
-        pull = np.einsum("ki,abkjd,abkjcd->abijc", radial.derivative, e, P) \
-            + np.einsum("kj,abikd,abikcd->abijc", angular.derivative, t / R, P)
-        total = np.zeros_like(u)
-        np.add.at(total, tuple(node), pull)
-        return inverse_mass * total
-
-    return highest_frequency(accelerations, inverse_mass)
 
 
 def verdict(scene, memory) -> str | None:
