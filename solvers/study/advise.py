@@ -17,7 +17,7 @@ from solvers.study.family import Family
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
-CLOSE_ENOUGH = 1.15  # a measured candidate is taken when no other is expected to be cheaper than by this factor
+CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is expected to be better by this factor
 MOST_LOOKS = 60
 
 
@@ -103,7 +103,7 @@ def advise(choices: list[Family], goal: Goal,
     predicted: dict[tuple[int, int], float] = {}
     while True:
         ranking, met = _ranking(choices, goal)
-        best = _settled(ranking) if met else ranking[0]
+        best = _settled(ranking, "seconds" if met else "error")
         if best.measured or looks >= MOST_LOOKS + 2 * len(choices):
             break
         predicted[(id(best.family), best.cells)] = best.error
@@ -113,10 +113,11 @@ def advise(choices: list[Family], goal: Goal,
                   runner_up, why, looks)
 
 
-def _settled(ranking: list[Candidate]) -> Candidate:
-    """The cheapest candidate that has been run, unless one that has not promises to be clearly cheaper."""
+def _settled(ranking: list[Candidate], price: str) -> Candidate:
+    """The best candidate that has been run, unless one that has not promises to be clearly better."""
     measured = next((c for c in ranking if c.measured), None)
-    return measured if measured and measured.seconds <= CLOSE_ENOUGH * ranking[0].seconds else ranking[0]
+    near = measured and getattr(measured, price) <= CLOSE_ENOUGH * getattr(ranking[0], price)
+    return measured if near else ranking[0]
 
 
 def _next_cells(candidate: Candidate) -> int:
