@@ -18,7 +18,8 @@ from solvers.study.family import Family
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
 CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is expected to be better by this factor
-MOST_LOOKS = 60
+MOST_LOOKS = 200  # beside those on coarse grids
+COARSE = {1: (10, 20, 40), 2: (12, 24, 36)}  # cells, by dimension, on which every family is measured
 
 
 @dataclass(frozen=True)
@@ -96,20 +97,21 @@ def advise(choices: list[Family], goal: Goal,
         on_look(looks, family.member(cells))
         family.measure(cells)
 
-    coarsest = 12 if choices[0].scene.DIMENSIONS == 2 else 10
     for family in choices:
-        for cells in (coarsest, 2 * coarsest):
+        for cells in COARSE[family.scene.DIMENSIONS]:
             look(family, cells)
+    coarse = looks
     predicted: dict[tuple[int, int], float] = {}
     while True:
         ranking, met = _ranking(choices, goal)
         best = _settled(ranking, "seconds" if met else "error")
-        if best.measured or looks >= MOST_LOOKS + 2 * len(choices):
+        if best.measured or looks >= coarse + MOST_LOOKS:
             break
         predicted[(id(best.family), best.cells)] = best.error
         look(best.family, _next_cells(best))
+    met = best.measured and best.error <= goal.tolerance
     runner_up, why = _runner_up(choices, best, goal, met)
-    return Advice(goal, met and best.measured, best, predicted.get((id(best.family), best.cells), best.error),
+    return Advice(goal, met, best, predicted.get((id(best.family), best.cells), best.error),
                   runner_up, why, looks)
 
 
