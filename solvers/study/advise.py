@@ -9,6 +9,7 @@ worse, until the cheapest candidate is one that has been run and whose own estim
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
@@ -18,6 +19,7 @@ from solvers.study.family import Family
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
 CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is expected to be better by this factor
+PATIENCE = 3.0  # seconds of search that no run is too short for
 MOST_LOOKS = 200  # beside those on coarse grids
 COARSE = {1: (10, 20, 40), 2: (12, 24, 36)}  # cells, by dimension, on which every family is measured
 
@@ -100,11 +102,11 @@ def advise(choices: list[Family], goal: Goal,
     for family in choices:
         for cells in COARSE[family.scene.DIMENSIONS]:
             look(family, cells)
-    coarse = looks
+    coarse, begun = looks, time.monotonic()
     predicted: dict[tuple[int, int], float] = {}
     while True:
         ranking, met = _ranking(choices, goal)
-        best = _settled(ranking, "seconds" if met else "error")
+        best = _settled(ranking, met, time.monotonic() - begun, goal)
         if best.measured or looks >= coarse + MOST_LOOKS:
             break
         predicted[(id(best.family), best.cells)] = best.error
@@ -115,11 +117,19 @@ def advise(choices: list[Family], goal: Goal,
                   runner_up, why, looks)
 
 
-def _settled(ranking: list[Candidate], price: str) -> Candidate:
-    """The best candidate that has been run, unless one that has not promises to be clearly better."""
+def _settled(ranking: list[Candidate], met: bool, spent: float, goal: Goal) -> Candidate:
+    """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try.
+
+    Worth it while the search has taken less than the run that it may make unnecessary, or than the budget while
+    nothing is known to meet the goal.
+    """
     measured = next((c for c in ranking if c.measured), None)
-    near = measured and getattr(measured, price) <= CLOSE_ENOUGH * getattr(ranking[0], price)
-    return measured if near else ranking[0]
+    if measured is None:
+        return ranking[0]
+    price = "seconds" if met else "error"
+    near = getattr(measured, price) <= CLOSE_ENOUGH * getattr(ranking[0], price)
+    patience = PATIENCE + (measured.seconds if met else goal.budget)
+    return measured if near or spent > patience else ranking[0]
 
 
 def _next_cells(candidate: Candidate) -> int:

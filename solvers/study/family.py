@@ -19,7 +19,6 @@ from solvers.scene import MOST_PARTICLES, Scene
 ESTIMATOR = "companion"
 HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
 LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
-OPTIMISM = 0.1  # added to the order: a family that is looked at in vain costs less than one that is never looked at
 GENTLE_CFL = 0.1
 TIMED_SECONDS = 0.005
 TIMED_TURNS = 4
@@ -87,7 +86,7 @@ class Family:
         if not (math.isfinite(coarse.error) and math.isfinite(fine.error)) or fine.error <= 0:
             return 0.0
         order = math.log(coarse.error / fine.error) / math.log(fine.cells / coarse.cells)
-        return 0.0 if order < LEAST_ORDER else min(order + OPTIMISM, HIGHEST_ORDER)
+        return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
 
     def cells_for(self, tolerance: float) -> int | None:
         """The fewest cells expected to meet a tolerance, or None if none are."""
