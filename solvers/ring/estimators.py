@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from solvers.estimators.interface import Estimator
+from solvers.estimators.recovered_ring import RECOVERED
 from solvers.estimators.transport_ring import TRANSPORT
 
-ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT}
+ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT, "recovered": RECOVERED}
