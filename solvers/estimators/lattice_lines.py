@@ -16,8 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-GAUSS = 0.5 / np.sqrt(3)  # distance of a domain's two integration points from its middle, in domains
-
 
 @dataclass(frozen=True)
 class Rows:
@@ -71,9 +69,15 @@ class Line:
     def per_element(self) -> float:
         return self.elements / self.length
 
-    def quadrature(self) -> np.ndarray:
-        """Two Gauss points a particle domain (2 points,), in particle spacings; each weighs half a spacing."""
-        return (np.arange(self.points)[:, None] + 0.5 + np.array([-GAUSS, GAUSS])).ravel()
+    def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
+        """Gauss points, in particle spacings, and weights in metres: two a particle or more, the same in each element.
+
+        They belong to elements and not to particles, whose domains may end anywhere: an integral of N' that is not
+        exact leaves a force in a constant stress, at every mesh.
+        """
+        points, weights = np.polynomial.legendre.leggauss(max(3, 2 * -(-self.points // self.elements)))
+        at = (np.arange(self.elements)[:, None] + 0.5 + 0.5 * points) * (self.points / self.elements)
+        return at.ravel(), np.tile(0.5 * weights / self.per_element, self.elements)
 
     def particles(self) -> np.ndarray:
         return np.arange(self.points) + 0.5
@@ -99,12 +103,11 @@ class Line:
     def gather(self, width: int, degree: int, measure: np.ndarray | None = None) -> Rows:
         """Integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
 
-        f is recovered from particles; ``measure`` (2 points,) weighs the integration points, as R does on a radius.
+        f is recovered from particles; ``measure`` weighs the integration points, as R does on a radius.
         Weights (nodes, k, components, 3). f in the second belongs to a derivative along the line, which is odd where
         the component is even.
         """
-        q = self.quadrature()
-        weight = np.full(len(q), 0.5 / self.per_point)
+        q, weight = self.quadrature()
         measured = weight if measure is None else weight * measure
         node, N, dN = self._splines(q)
         particle, value, _ = self._recovery(q, width, degree)
@@ -125,8 +128,8 @@ class Line:
 
     def mass(self, measure: np.ndarray | None = None) -> np.ndarray:
         """The integral of N (nodes,), images beyond a mirror included."""
-        q = self.quadrature()
-        weight = np.full(len(q), 0.5 / self.per_point) * (1 if measure is None else measure)
+        q, weight = self.quadrature()
+        weight = weight if measure is None else weight * measure
         node, N, _ = self._splines(q)
         total = np.zeros(self.nodes)
         np.add.at(total, self._fold_nodes(node)[0], N * weight[:, None])
@@ -137,8 +140,8 @@ class Line:
 
         Weights (nodes, k, components, 2), the second of each pair zero, as for maps that have a slope.
         """
-        q = self.quadrature()
-        weight = np.full(len(q), 0.5 / self.per_point) * (1 if measure is None else measure)
+        q, weight = self.quadrature()
+        weight = weight if measure is None else weight * measure
         node, N, _ = self._splines(q)
         node, sign = self._fold_nodes(node)
         values = (sign * (N * weight[:, None])[..., None])[:, :, None] * (sign * N[..., None])[:, None]

@@ -70,7 +70,7 @@ def block(bar: ti.template(), kind: ti.template(), i):
 def gather(bar: ti.template(), i):
     """M of the fields kept at particles, at node i, and D of them."""
     value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    p, begin, end = row_of(bar.recovered_index, GATHER, i)
+    p, begin, end = row_of(bar.recovered_index, GATHER, i, 0)
     for k in range(begin, end):
         value += bar.recovered_weights[k][0] * bar.recovered_field[p]
         slope += bar.recovered_weights[k][1] * bar.recovered_field[p]
@@ -82,7 +82,7 @@ def gather(bar: ti.template(), i):
 def smooth(bar: ti.template(), i):
     """C of the gathered nodal values at node i."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    j, begin, end = row_of(bar.recovered_index, SMOOTHING, i)
+    j, begin, end = row_of(bar.recovered_index, SMOOTHING, i, 0)
     for k in range(begin, end):
         total += bar.recovered_weights[k][0] * bar.recovered_nodes[block(bar, GATHERED, j)]
         j = ti.select(j + 1 < bar.cells, j + 1, 0)
@@ -90,10 +90,10 @@ def smooth(bar: ti.template(), i):
 
 
 @ti.func
-def spread(bar: ti.template(), p):
-    """The nodal errors interpolated to particle p, and their slopes."""
+def spread(bar: ti.template(), p, q):
+    """The nodal errors interpolated to particle p, the q-th of its cell, and their slopes."""
     value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    i, begin, _ = row_of(bar.recovered_index, SPREAD, p)
+    i, begin, _ = row_of(bar.recovered_index, SPREAD, p, q)
     for k in ti.static(range(3)):
         weight, error = bar.recovered_weights[begin + k], bar.recovered_nodes[block(bar, ERRORS, i)]
         value += weight[0] * error
@@ -106,7 +106,7 @@ def spread(bar: ti.template(), p):
 def fit(bar: ti.template(), p):
     """The fields recovered at particle p, and their slopes."""
     value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    other, begin, end = row_of(bar.recovered_index, FIT, p)
+    other, begin, end = row_of(bar.recovered_index, FIT, p, 0)
     for k in range(begin, end):
         weight, field = bar.recovered_weights[k], bar.recovered_field[other]
         value += weight[0] * field
@@ -119,7 +119,7 @@ def fit(bar: ti.template(), p):
 def fit_slope(bar: ti.template(), p):
     """The slope alone, of the displacement alone."""
     slope = 0.0
-    other, begin, end = row_of(bar.recovered_index, FIT, p)
+    other, begin, end = row_of(bar.recovered_index, FIT, p, 0)
     for k in range(begin, end):
         slope += bar.recovered_weights[k][1] * bar.recovered_field[other][0]
         other = ti.select(other + 1 < bar.particles, other + 1, 0)
@@ -145,11 +145,14 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     for i in range(bar.cells):
         e = bar.recovered_nodes[block(bar, GATHERED, i)]
         bar.recovered_nodes[block(bar, ERRORS, i)] = ti.Vector([e[0] + e[1] - smooth(bar, i)[1], 0.0, 0.0, 0.0])
-    for p in range(bar.particles):
-        _, error_slope = spread(bar, p)
-        field = bar.recovered_field[p]
-        field[3] = bar.modulus * (fit_slope(bar, p) - error_slope[0])
-        bar.recovered_field[p] = field
+    per_cell = bar.particles // bar.cells
+    for i in range(bar.cells):
+        for q in range(per_cell):
+            p = i * per_cell + q
+            _, error_slope = spread(bar, p, q)
+            field = bar.recovered_field[p]
+            field[3] = bar.modulus * (fit_slope(bar, p) - error_slope[0])
+            bar.recovered_field[p] = field
     size = tones(bar, step * bar.dt, on)
     first = step * bar.dt < 1.5 * bar.recovered_dt
     for i in range(bar.cells):
@@ -184,7 +187,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
     for p in range(bar.particles):
         field = bar.recovered_field[p]
         fitted, slope = fit(bar, p)
-        error, error_slope = spread(bar, p)
+        error, error_slope = spread(bar, p, p % (bar.particles // bar.cells))
         E = error + field - fitted
         E[1] += bar.velocity[p] - field[1]
         if ti.static(not on.acceleration):
@@ -206,7 +209,7 @@ def allocate(scene):
     cells, per_cell = scene.cells, scene.particles_per_cell
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    tables = [line.fit(fit_width(scene), 3).repeated(cells, per_cell, per_cell),
+    tables = [line.fit(fit_width(scene), 3).repeated(cells * per_cell, 1, 1),
               line.spread().repeated(cells, per_cell, 1),
               line.gather(4, 2).repeated(cells, 1, per_cell),
               line.smoothing().repeated(cells, 1, 1)]

@@ -32,6 +32,7 @@ from solvers.estimators.recovered_ring_operators import (
     STRESS,
     angular_fit,
     angular_gather,
+    angular_gather_stress,
     angular_smoothing,
     angular_spread,
     gather_force,
@@ -59,7 +60,7 @@ from solvers.ring import cpdi, exact, gimp
 from solvers.ring.material import kirchhoff_stress
 from solvers.ring.scene import polar_counts
 
-WAVE_CFL = 0.65  # H c over the shortest side of an element; stable to 0.9 while little is compressed
+WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed
 
 
 # ---- a step of the reference --------------------------------------------------------------------------------------
@@ -72,24 +73,33 @@ def after_step(ring: ti.template(), base, step, on: ti.template()):
         q, X = ring.motion[p], ring.material_position[p]
         ring.recovered_particles[particle_at(ring, FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
     radial_gather(ring)
-    for i in range(ring.recovered_nodes_count):
-        r = ring.recovered_nodes[node_at(ring, MOTION, i)]
-        r += ring.recovered_dt * ti.Vector([r[2], r[3], 0.0, 0.0])
-        ring.recovered_nodes[node_at(ring, MOTION, i)] = r
-        mean, _ = angular_gather(ring, i)
-        e = mean - r
-        ring.recovered_nodes[node_at(ring, GATHERED, i)] = ti.Vector(
-            [e[0], e[1], e[0] + ring.recovered_damping * e[2], e[1] + ring.recovered_damping * e[3]])
-    radial_smoothing(ring)
-    for i in range(ring.recovered_nodes_count):
-        e, smoothed = ring.recovered_nodes[node_at(ring, GATHERED, i)], angular_smoothing(ring, i)
-        ring.recovered_nodes[node_at(ring, ERRORS, i)] = ti.Vector(
-            [e[0] + e[2] - smoothed[2], e[1] + e[3] - smoothed[3], 0.0, 0.0])
+    damped_errors(ring)
     angular_spread(ring)
     find_stress(ring)
     gather_force(ring, step * ring.dt, on)
     radial_gather_stress(ring)
     move_reference(ring, step * ring.dt < 1.5 * ring.recovered_dt)
+
+
+@ti.func
+def damped_errors(ring: ti.template()):
+    """U += H w at the nodes, and e* = e + (1 - C)(e + tau e')."""
+    B = ring.recovered_across
+    for a in range(ring.recovered_nodes_count // B):
+        for b in range(B):
+            i = a * B + b
+            r = ring.recovered_nodes[node_at(ring, MOTION, i)]
+            r += ring.recovered_dt * ti.Vector([r[2], r[3], 0.0, 0.0])
+            ring.recovered_nodes[node_at(ring, MOTION, i)] = r
+            e = angular_gather(ring, a, b) - r
+            ring.recovered_nodes[node_at(ring, GATHERED, i)] = ti.Vector(
+                [e[0], e[1], e[0] + ring.recovered_damping * e[2], e[1] + ring.recovered_damping * e[3]])
+    radial_smoothing(ring)
+    for a in range(ring.recovered_nodes_count // B):
+        for b in range(B):
+            e, smoothed = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)], angular_smoothing(ring, a, b)
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = ti.Vector(
+                [e[0] + e[2] - smoothed[2], e[1] + e[3] - smoothed[3], 0.0, 0.0])
 
 
 @ti.func
@@ -116,18 +126,20 @@ def polar_gradient(ring: ti.template(), p, along, around):
 @ti.func
 def move_reference(ring: ti.template(), first):
     """The acceleration of every node, and the rate that follows."""
-    H = ring.recovered_dt
-    for i in range(ring.recovered_nodes_count):
-        radial, angular = angular_gather(ring, i)  # of P e_R with N_a, of P e_angle with N_a'
-        b = ring.recovered_nodes[node_at(ring, FORCE, i % ring.recovered_across)][0]
-        e = ring.recovered_nodes[node_at(ring, DIRECTION, i // ring.recovered_across)]
-        a_x = b * e[0] - (radial[0] + angular[2]) / ring.density
-        a_y = b * e[1] - (radial[1] + angular[3]) / ring.density
-        r, before = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
-        x = next_reference(ti.Vector([r[0], r[2], before[0], before[2]]), a_x, H, first)
-        y = next_reference(ti.Vector([r[1], r[3], before[1], before[3]]), a_y, H, first)
-        ring.recovered_nodes[node_at(ring, MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
-        ring.recovered_nodes[node_at(ring, RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
+    H, B = ring.recovered_dt, ring.recovered_across
+    for a in range(ring.recovered_nodes_count // B):
+        e = ring.recovered_nodes[node_at(ring, DIRECTION, a)]
+        for b in range(B):
+            i = a * B + b
+            push = ring.recovered_nodes[node_at(ring, FORCE, b)][0]
+            divergence = angular_gather_stress(ring, a, b)
+            r, before = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
+            x = next_reference(ti.Vector([r[0], r[2], before[0], before[2]]),
+                               push * e[0] - divergence[0] / ring.density, H, first)
+            y = next_reference(ti.Vector([r[1], r[3], before[1], before[3]]),
+                               push * e[1] - divergence[1] / ring.density, H, first)
+            ring.recovered_nodes[node_at(ring, MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
+            ring.recovered_nodes[node_at(ring, RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
 
 
 # ---- the report ---------------------------------------------------------------------------------------------------
@@ -187,20 +199,22 @@ def grid_velocity(ring: ti.template(), p, on: ti.template()):
 def find_errors(ring: ti.template(), step, of_acceleration: ti.template()):
     """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted along each radius."""
     radial_gather(ring)
-    H, since = ring.recovered_dt, time_since(step, ring.dt, ring.recovered_dt)
-    for i in range(ring.recovered_nodes_count):
-        r, rate = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
-        U_x, V_x, A_x = reference_at(ti.Vector([r[0], r[2], rate[0], rate[2]]), H, since, ring.dt)
-        U_y, V_y, A_y = reference_at(ti.Vector([r[1], r[3], rate[1], rate[3]]), H, since, ring.dt)
-        true_mean = ti.Vector([U_x, U_y, V_x, V_y])
-        if ti.static(of_acceleration):
-            true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
-        mean, _ = angular_gather(ring, i)
-        ring.recovered_nodes[node_at(ring, GATHERED, i)] = mean - true_mean
+    H, since, B = ring.recovered_dt, time_since(step, ring.dt, ring.recovered_dt), ring.recovered_across
+    for a in range(ring.recovered_nodes_count // B):
+        for b in range(B):
+            i = a * B + b
+            r, rate = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
+            U_x, V_x, A_x = reference_at(ti.Vector([r[0], r[2], rate[0], rate[2]]), H, since, ring.dt)
+            U_y, V_y, A_y = reference_at(ti.Vector([r[1], r[3], rate[1], rate[3]]), H, since, ring.dt)
+            true_mean = ti.Vector([U_x, U_y, V_x, V_y])
+            if ti.static(of_acceleration):
+                true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
+            ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - true_mean
     radial_smoothing(ring)
-    for i in range(ring.recovered_nodes_count):
-        e, smoothed = ring.recovered_nodes[node_at(ring, GATHERED, i)], angular_smoothing(ring, i)
-        ring.recovered_nodes[node_at(ring, ERRORS, i)] = 2 * e - smoothed
+    for a in range(ring.recovered_nodes_count // B):
+        for b in range(B):
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = \
+                2 * ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
     angular_spread(ring)
     radial_fit(ring)
 
@@ -220,10 +234,11 @@ def stress_error(ring: ti.template(), p, along, around):
 
 
 def lines(scene):
-    """The lattice's lines, around the quarter and across the ring, with elements about a cell wide."""
+    """The lattice's lines, around the quarter and across the ring, with elements a cell wide at the inner radius."""
     around, across = polar_counts(scene.cells, scene.particles_per_cell)
-    return (Line(around, max(3, round(around / scene.particles_per_cell)), 0.5 * np.pi, "mirror"),
-            Line(across, max(1, round(across / scene.particles_per_cell)), exact.OUTER - exact.INNER, "free"))
+    elements = round(0.5 * np.pi * exact.INNER / scene.spacing), round((exact.OUTER - exact.INNER) / scene.spacing)
+    return (Line(around, max(3, elements[0]), 0.5 * np.pi, "mirror"),
+            Line(across, max(1, elements[1]), exact.OUTER - exact.INNER, "free"))
 
 
 def interval(scene):
@@ -234,7 +249,7 @@ def interval(scene):
 def allocate(scene):
     """Operators along both lines, and the reference in the initial configuration."""
     angle, radius = lines(scene)
-    width, R = fit_width(scene), exact.INNER + radius.quadrature() / radius.per_point
+    width, R = fit_width(scene), exact.INNER + radius.quadrature()[0] / radius.per_point
     angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
     radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
     index, weights = pack_tables([across_planes(rows) for rows in angular] + [of_four(rows) for rows in radial])

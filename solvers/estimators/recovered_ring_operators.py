@@ -60,7 +60,7 @@ def radial_gather(ring: ti.template()):
     for line in range(ring.particles // K):
         for b in range(ring.recovered_across):
             total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b)
+            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
             p = particle_at(ring, FIELD, line * K + j)
             for k in range(begin, end):
                 total += ring.recovered_weights[k][0] * ring.recovered_particles[p]
@@ -75,7 +75,7 @@ def radial_gather_stress(ring: ti.template()):
     for line in range(ring.particles // K):
         for b in range(ring.recovered_across):
             total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b)
+            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
             p = particle_at(ring, STRESS, line * K + j)
             for k in range(begin, end):
                 w = ring.recovered_weights[k]
@@ -85,17 +85,27 @@ def radial_gather_stress(ring: ti.template()):
 
 
 @ti.func
-def angular_gather(ring: ti.template(), i):
-    """M f at node i, and M with the slope along the angle in the place of the value, from what the radii gathered."""
-    a, b = i // ring.recovered_across, i % ring.recovered_across
-    value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a)
+def angular_gather(ring: ti.template(), a, b):
+    """M f at node (a, b), from what the radii gathered."""
+    value = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
+    entry = line_at(ring, VALUES, line, b)
     for k in range(begin, end):
-        w, gathered = ring.recovered_weights[k], ring.recovered_lines[line_at(ring, VALUES, line, b)]
-        value += values_of(w) * gathered
-        slope += slopes_of(w) * gathered
-        line += 1
-    return value, slope
+        value += values_of(ring.recovered_weights[k]) * ring.recovered_lines[entry]
+        entry += ring.recovered_across
+    return value
+
+
+@ti.func
+def angular_gather_stress(ring: ti.template(), a, b):
+    """D P at node (a, b): the first vector of what the radii gathered with N_a, the second with N_a'."""
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
+    entry = line_at(ring, VALUES, line, b)
+    for k in range(begin, end):
+        total += ring.recovered_weights[k] * ring.recovered_lines[entry]
+        entry += ring.recovered_across
+    return ti.Vector([total[0] + total[2], total[1] + total[3]])
 
 
 @ti.func
@@ -108,7 +118,7 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
             ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)] = ti.Vector([b_j, b_j, b_j, b_j])
         for b in range(ring.recovered_across):
             total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b)
+            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
             for k in range(begin, end):
                 total += ring.recovered_weights[k][0] * ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)]
                 j += 1
@@ -121,23 +131,23 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
 @ti.func
 def radial_smoothing(ring: ti.template()):
     """The radial half of C."""
-    for i in range(ring.recovered_nodes_count):
-        b = i % ring.recovered_across
-        total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-        other, begin, end = row_of(ring.recovered_index, RADIAL_SMOOTHING, b)
-        node = node_at(ring, GATHERED, i - b + other)
-        for k in range(begin, end):
-            total += ring.recovered_weights[k][0] * ring.recovered_nodes[node]
-            node += 1
-        ring.recovered_nodes[node_at(ring, HALF_SMOOTHED, i)] = total
+    B = ring.recovered_across
+    for a in range(ring.recovered_nodes_count // B):
+        for b in range(B):
+            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            other, begin, end = row_of(ring.recovered_index, RADIAL_SMOOTHING, b, b)
+            node = node_at(ring, GATHERED, a * B + other)
+            for k in range(begin, end):
+                total += ring.recovered_weights[k][0] * ring.recovered_nodes[node]
+                node += 1
+            ring.recovered_nodes[node_at(ring, HALF_SMOOTHED, a * B + b)] = total
 
 
 @ti.func
-def angular_smoothing(ring: ti.template(), i):
-    """C of the gathered nodal values at node i, from the radial half."""
-    a, b = i // ring.recovered_across, i % ring.recovered_across
+def angular_smoothing(ring: ti.template(), a, b):
+    """C of the gathered nodal values at node (a, b), from the radial half."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    other, begin, end = row_of(ring.recovered_index, ANGULAR_SMOOTHING, a)
+    other, begin, end = row_of(ring.recovered_index, ANGULAR_SMOOTHING, a, a)
     node = node_at(ring, HALF_SMOOTHED, other * ring.recovered_across + b)
     for k in range(begin, end):
         total += values_of(ring.recovered_weights[k]) * ring.recovered_nodes[node]
@@ -152,7 +162,7 @@ def angular_smoothing(ring: ti.template(), i):
 def angular_spread(ring: ti.template()):
     """The nodal errors interpolated along the angle, and their slopes: the angular half of sum N_i e_i."""
     for line in range(ring.particles // ring.radius_count):
-        a, begin, _ = row_of(ring.recovered_index, ANGULAR_SPREAD, line)
+        a, begin, _ = row_of(ring.recovered_index, ANGULAR_SPREAD, line, line)
         for b in range(ring.recovered_across):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
             for k in ti.static(range(3)):
@@ -169,7 +179,7 @@ def radial_spread(ring: ti.template(), i, j):
     """The errors at particle (i, j) with their slopes along the radius and the angle, from the angular half."""
     value, along = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
     around = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    b, begin, _ = row_of(ring.recovered_index, RADIAL_SPREAD, j)
+    b, begin, _ = row_of(ring.recovered_index, RADIAL_SPREAD, j, j)
     for k in ti.static(range(3)):
         w, e = ring.recovered_weights[begin + k], ring.recovered_lines[line_at(ring, VALUES, i, b + k)]
         value += w[0] * e
@@ -186,12 +196,12 @@ def line_slopes(ring: ti.template(), i, j):
     """Slopes of the fields along the radius and the angle, each recovered on one line through particle (i, j)."""
     K = ring.radius_count
     along, around = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j)
+    other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j, j)
     p = particle_at(ring, FIELD, i * K + other)
     for k in range(begin, end):
         along += ring.recovered_weights[k][1] * ring.recovered_particles[p]
         p += 1
-    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i)
+    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i, i)
     p = particle_at(ring, FIELD, other * K + j)
     for k in range(begin, end):
         around += slopes_of(ring.recovered_weights[k]) * ring.recovered_particles[p]
@@ -206,7 +216,7 @@ def radial_fit(ring: ti.template()):
     for line in range(ring.particles // K):
         for j in range(K):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-            other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j)
+            other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j, j)
             p = particle_at(ring, FIELD, line * K + other)
             for k in range(begin, end):
                 w, field = ring.recovered_weights[k], ring.recovered_particles[p]
@@ -223,7 +233,7 @@ def angular_fit(ring: ti.template(), i, j):
     K = ring.radius_count
     value, along = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
     around = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i)
+    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i, i)
     p = other * K + j
     for k in range(begin, end):
         w, fitted = ring.recovered_weights[k], ring.recovered_particles[particle_at(ring, FITTED, p)]

@@ -52,23 +52,26 @@ def time_since(step, dt, H):
 
 
 @ti.func
-def row_of(index: ti.template(), table: ti.template(), row):
-    """Where row ``row`` of a packed table begins: its first entry, and the first and the end of its weights."""
-    width, alike = index[4 * table + 2], index[4 * table + 3]
-    begin = index[4 * table + 1] + row % alike * width
-    return index[index[4 * table] + row], begin, begin + width
+def row_of(index: ti.template(), table: ti.template(), row, pattern):
+    """Where row ``row`` of a packed table begins: its first entry, and the first and the end of its weights.
+
+    ``pattern`` is the row itself, or the one that it repeats.
+    """
+    width = index[3 * table + 2]
+    begin = index[3 * table + 1] + pattern * width
+    return index[index[3 * table] + row], begin, begin + width
 
 
 def pack_tables(tables):
     """Several :class:`~solvers.estimators.lattice_lines.Rows` in two arrays, for :func:`row_of`; a kernel can take only
     so many arguments.
 
-    The integers begin with four numbers a table: where its firsts begin, where its weights begin, the width, and the
-    number of rows after which weights repeat. Weights (rows, width, n) become vectors of n.
+    The integers begin with three numbers a table: where its firsts begin, where its weights begin, and the width.
+    Weights (rows, width, n) become vectors of n.
     """
     header, firsts, weights = [], [], []
     for rows in tables:
-        header += [4 * len(tables) + sum(map(len, firsts)), sum(map(len, weights)), rows.width, len(rows.weights)]
+        header += [3 * len(tables) + sum(map(len, firsts)), sum(map(len, weights)), rows.width]
         firsts.append(rows.first)
         weights.append(rows.weights.reshape(-1, rows.weights.shape[-1]))
     return np.concatenate([np.array(header), *firsts]).astype(np.int32), np.concatenate(weights)

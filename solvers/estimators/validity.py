@@ -10,8 +10,21 @@ from collections.abc import Callable
 
 from solvers.scene import Scene
 
+FEWEST_ACROSS = 4  # particles, for a cubic
+
+
+def _recovered_ring(scene: Scene) -> str | None:
+    if scene.layout == "cartesian":
+        return ("recovered fits the particles along the lines of a polar lattice, and could not see the error that a "
+                "staircase for a boundary makes; take the polar layout")
+    if round(scene.cells * scene.particles_per_cell / 6) < FEWEST_ACROSS:
+        return ("recovered fits a cubic across the ring, which needs four particles there; take more cells or more "
+                "particles per cell")
+    return None
+
+
 #: (problem, estimator) -> a rule that gives the reason, or nothing.
-RULES: dict[tuple[str, str], Callable[[Scene], str | None]] = {}
+RULES: dict[tuple[str, str], Callable[[Scene], str | None]] = {("ring", "recovered"): _recovered_ring}
 
 
 def not_valid(scene: Scene, estimator: str) -> str | None:
