@@ -1,4 +1,4 @@
-"""The recovered estimator: what it reproduces, how near it comes to the truth, and where it says that it does not hold."""
+"""The recovered estimator: what it reproduces, how near it comes to the truth, where it does not hold."""
 
 from __future__ import annotations
 

@@ -14,16 +14,17 @@ The stress that drives U is not the run's, which is only piecewise smooth, but
 
     P = E (F - 1),    F = 1 + fit' u - sum_i N_i' e*_i,    e* = e + (1 - C)(e + tau e'):
 
-the recovered gradient less that of the error itself. Without this feedback errors of the run's own stress would be taken
-for the truth's and the estimate would grow without bound; tau = 0.4 h/c damps waves as short as the grid. E for v and a
-is formed likewise from v_g (the grid's velocity at the particle, plus v_p - v_g as it is) and the last step's a. The
-error of the stress is E (F_p - 1 - fit' u + sum_i N_i' (2 e - C e)_i).
+the recovered gradient less that of the error itself, so that the error feeds back on itself as it does in the run;
+tau = 0.4 h/c damps waves as short as the grid. The errors of v and a are formed likewise, from v_g, the grid's velocity
+at the particle (v_p - v_g is added as it is), and from the last step's a. The error of the stress is
+E (F_p - 1 - fit' u + sum_i N_i' (2 e - C e)_i).
 
-In time: steps H of about 0.8 h/c by Stoermer's method with Numerov's correction H^2/12 U'''' from past accelerations, so
-that the error in time, of order H^4, stays far below the run's.
+In time: steps H of about 0.8 h/c by Stoermer's method with Numerov's correction H^2/12 U'''' from past accelerations,
+so that the error in time, of order H^4, stays far below the run's.
 
 Assumptions: b(X, t) and v(X, 0) are known, the material is elastic, the particles began on a uniform lattice.
-It fails where the solution varies within the four cells of the fit, which then counts as error.
+It fails where the solution varies within the four cells of the fit: what the fit cannot follow counts as error. With
+one particle per cell the fit has no more than five particles, and x may come out a quarter too large.
 Source: derived for this program.
 """
 

@@ -8,12 +8,14 @@ leaves the free surfaces natural: a traction on them would be seen. Here P = mu 
 = (P e_R) N_b' N_a + (P e_angle) N_b N_a'/R. Every operator is a product of one along the radius and one along the angle
 (``lattice_lines``); symmetry planes are mirrors, with signs of their own for each component.
 
-All else is as on the bar: U = M u_exact is integrated from the initial state, driven by P at the recovered gradient less
-that of the error; E = sum_i N_i (2 e - C e)_i + (u - fit u), e = M u - U; and sigma is compared with the stress at the
-recovered gradient less that of the error.
+All else is as on the bar: U = M u_exact is integrated from the initial state, driven by P at the recovered gradient
+less that of the error; E = sum_i N_i (2 e - C e)_i + (u - fit u), e = M u - U; and sigma is compared with the stress at
+the recovered gradient less that of the error. In a step the gradient is recovered on one line each way; for a report
+over a patch.
 
-Assumptions: as on the bar; the particles began on a polar lattice, of four particles or more across. Spacing of the error
-grid and width of the fit are those of the cells. It fails where the solution varies within a fit.
+Assumptions: as on the bar; the particles began on a polar lattice, of four particles or more across, with lambda = 0.
+It fails where the solution varies within a fit of four cells, and sigma (not x and v) where the particles are so uneven
+that the fit follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
 """
 
 import numpy as np

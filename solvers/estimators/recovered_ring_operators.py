@@ -1,8 +1,8 @@
 """The recovered estimator's operators on the ring: each along the radius first, then along the angle, or back.
 
-Particle (i, j), the j-th along the i-th radius, is number i K + j, K = ``radius_count``; node (a, b) of the error grid is
-number a B + b, B = ``recovered_across``. Fields are two vectors side by side, (x, y, x, y). Weights along the angle come
-for x and y, because a symmetry plane mirrors them differently: (value x, value y, slope x, slope y).
+Particle (i, j), the j-th along the i-th radius, is number i K + j, K = ``radius_count``; node (a, b) of the error grid
+is number a B + b, B = ``recovered_across``. Fields are two vectors side by side, (x, y, x, y). Weights along the angle
+come for x and y, because a symmetry plane mirrors them differently: (value x, value y, slope x, slope y).
 """
 
 import taichi as ti
@@ -14,8 +14,8 @@ from solvers.ring.material import radial_force_at
 ANGULAR_FIT, ANGULAR_SPREAD, ANGULAR_GATHER, ANGULAR_SMOOTHING = 0, 1, 2, 3
 RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = 4, 5, 6, 7
 
-#: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed along
-#: the radius; unsmoothed; M b along the radius, with unit direction; M e_R along the angle.
+#: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
+#: along the radius; unsmoothed; M b along the radius, with unit direction; M e_R along the angle.
 MOTION, RATE, GATHERED, HALF_SMOOTHED, ERRORS, FORCE, DIRECTION = 0, 1, 2, 3, 4, 5, 6
 #: Blocks of the array of radii with nodes on them: values, and slopes around.
 VALUES, SLOPES = 0, 1
