@@ -117,6 +117,26 @@ def test_what_it_was_not_tuned_on(scene, simulate):
     assert 0.7 < index["x"] < 1.3 and 0.7 < index["v"] < 1.3
 
 
+def test_a_solution_that_the_program_does_not_know():
+    """Two tones. The bar is linear in the material frame, so that the second, q sin 4 pi X, is found by hand:
+    q'' + 16 w^2 q = 1.5 w^2 A sin 1.7 wt from rest.
+    """
+    scene = replace(BAR, cells=40, modulus=1000.0, amplitude=0.025, body_force="two-tone", t_end=0.25)
+    assert not scene.solution_known
+    solver, w, A = BarSolver(scene), scene.angular_frequency, scene.amplitude
+    B = 1.5 * A / (16 - 1.7**2)
+    sizes = []
+    for _ in range(20):
+        solver.advance(scene.steps // 20)
+        seen, t = solver.snapshot(), solver.time
+        X, q = seen.material_position, B * (np.sin(1.7 * w * t) - 1.7 / 4 * np.sin(4 * w * t))
+        u = A * np.sin(2 * np.pi * X) * np.sin(w * t) + q * np.sin(4 * np.pi * X)
+        estimate, truth = seen.estimate["recovered"][:, 0], seen.position - X - u
+        sizes.append([np.linalg.norm(f) for f in (estimate, truth, estimate - truth)])
+    estimated, true, apart = np.sum(sizes, axis=0)
+    assert 0.8 < estimated / true < 1.25 and apart / true < 0.3
+
+
 def test_long_runs_stay_in_place(simulate):
     """The large bar to T = 10 s (158 periods), and CPDI for 20: within [0.5, 2]."""
     large = {name: TABLE["large"][name] for name in ("modulus", "amplitude")}

@@ -1,10 +1,11 @@
 """Operators along one line of a material lattice: recovery of smooth fields, B-splines, integrals.
 
-The particles of the bar, and those of the ring's polar lattice along an angle or a radius, begin at j + 1/2, j = 0, 1,
-... in units of their spacing. A field known at particles is *recovered* between them by a weighted least-squares polynomial
-(moving least squares on a line); an *error grid* of quadratic B-splines, one an element, stands on the same line. All
-operators are rows of few weights on consecutive entries: a :class:`Rows` each. Two-dimensional operators are products
-of an angular and a radial one, so that nothing in two dimensions has ever to be stored.
+The particles of the bar, and those of the ring's polar lattice along an angle or a radius, begin at j + 1/2,
+j = 0, 1, ... in units of their spacing. A field known at particles is *recovered* between them by a weighted
+least-squares polynomial (moving least squares on a line); an *error grid* of quadratic B-splines, one an element,
+stands on the same line. All operators are rows of few weights on consecutive entries: a :class:`Rows` each.
+Two-dimensional operators are products of an angular and a radial one, so that nothing in two dimensions has ever to be
+stored.
 
 What lies beyond the ends of a line is said by ``ends``: "periodic", "mirror" (a symmetry plane at each end; the
 component across the plane is odd) or "free" (nothing: recovery becomes one-sided).

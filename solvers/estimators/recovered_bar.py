@@ -12,10 +12,11 @@ whatever the grid. The estimator integrates this for U = M u_exact from the init
 u = x_p - X_p of the run; ``fit`` is a moving least-squares cubic over four cells and 2 - C undoes what M and N smooth.
 The stress that drives U is not the run's, which is only piecewise smooth, but
 
-    P = E (F - 1),    F = 1 + fit' u - sum_i N_i' e*_i,    e* = e + (1 - C)(e + tau e'):
+    P = E (F - 1),    F = 1 + fit' u - sum_i N_i' e*_i,    e* = 2 e - C e + tau (1 - C)^2 e':
 
-the recovered gradient less that of the error itself, so that the error feeds back on itself as it does in the run;
-tau = 0.4 h/c damps waves as short as the grid. The errors of v and a are formed likewise, from v_g, the grid's velocity
+the recovered gradient less that of the error itself, so that the error feeds back on itself as it does in the run. The
+last term, with tau = 0.4 h/c, damps waves as short as the grid; a second factor 1 - C spares the longer ones, which have
+to ring for as long as the run's own error does. The errors of v and a are formed likewise, from v_g, the grid's velocity
 at the particle (v_p - v_g is added as it is), and from the last step's a. The error of the stress is
 E (F_p - 1 - fit' u + sum_i N_i' (2 e - C e)_i).
 
@@ -50,6 +51,7 @@ from solvers.estimators.recovery import (
 from solvers.kinds import integers, pairs, quads, real
 
 WAVE_CFL = 0.8  # H c/h; stable to 1.2
+DEGREE = 3  # of the fits
 PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
 
 FIT, SPREAD, GATHER, SMOOTHING = range(4)  # tables: weights (value, slope)
@@ -141,11 +143,16 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
         bar.recovered_nodes[block(bar, MOTION, i)] = motion
         mean, _ = gather(bar, i)
         e = mean[0] - motion[0]
-        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector(
-            [e, e + bar.recovered_damping * (mean[1] - motion[1]), 0.0, 0.0])
+        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([e, mean[1] - motion[1], 0.0, 0.0])
     for i in range(bar.cells):
         e = bar.recovered_nodes[block(bar, GATHERED, i)]
-        bar.recovered_nodes[block(bar, ERRORS, i)] = ti.Vector([e[0] + e[1] - smooth(bar, i)[1], 0.0, 0.0, 0.0])
+        bar.recovered_nodes[block(bar, ERRORS, i)] = e - smooth(bar, i) + ti.Vector([e[0], 0.0, 0.0, 0.0])
+    for i in range(bar.cells):
+        bar.recovered_nodes[block(bar, GATHERED, i)] = bar.recovered_nodes[block(bar, ERRORS, i)]
+    for i in range(bar.cells):
+        e = bar.recovered_nodes[block(bar, ERRORS, i)]
+        e[0] += bar.recovered_damping * (e[1] - smooth(bar, i)[1])
+        bar.recovered_nodes[block(bar, ERRORS, i)] = e
     per_cell = bar.particles // bar.cells
     for i in range(bar.cells):
         for q in range(per_cell):
@@ -210,7 +217,7 @@ def allocate(scene):
     cells, per_cell = scene.cells, scene.particles_per_cell
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    tables = [line.fit(fit_width(scene), 3).repeated(cells * per_cell, 1, 1),
+    tables = [line.fit(fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1),
               line.spread().repeated(cells, per_cell, 1),
               line.gather(4, 2).repeated(cells, 1, per_cell),
               line.smoothing().repeated(cells, 1, 1)]

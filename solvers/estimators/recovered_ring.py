@@ -85,7 +85,7 @@ def after_step(ring: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def damped_errors(ring: ti.template()):
-    """U += H w at the nodes, and e* = e + (1 - C)(e + tau e')."""
+    """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
     B = ring.recovered_across
     for a in range(ring.recovered_nodes_count // B):
         for b in range(B):
@@ -93,15 +93,21 @@ def damped_errors(ring: ti.template()):
             r = ring.recovered_nodes[node_at(ring, MOTION, i)]
             r += ring.recovered_dt * ti.Vector([r[2], r[3], 0.0, 0.0])
             ring.recovered_nodes[node_at(ring, MOTION, i)] = r
-            e = angular_gather(ring, a, b) - r
-            ring.recovered_nodes[node_at(ring, GATHERED, i)] = ti.Vector(
-                [e[0], e[1], e[0] + ring.recovered_damping * e[2], e[1] + ring.recovered_damping * e[3]])
+            ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - r
     radial_smoothing(ring)
     for a in range(ring.recovered_nodes_count // B):
         for b in range(B):
-            e, smoothed = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)], angular_smoothing(ring, a, b)
+            e = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)]
+            rough = e - angular_smoothing(ring, a, b)
+            ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] = rough
             ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = ti.Vector(
-                [e[0] + e[2] - smoothed[2], e[1] + e[3] - smoothed[3], 0.0, 0.0])
+                [e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
+    radial_smoothing(ring)
+    for a in range(ring.recovered_nodes_count // B):
+        for b in range(B):
+            rough = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] += ring.recovered_damping * ti.Vector(
+                [rough[2], rough[3], 0.0, 0.0])
 
 
 @ti.func

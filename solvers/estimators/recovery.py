@@ -3,7 +3,7 @@
 import numpy as np
 import taichi as ti
 
-DAMPING = 0.4  # tau c/h of waves as short as the error grid
+DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
 WIDEST_FIT = 17  # particles
 MOST_STEPS = 50  # of the run between two of the estimator's
 
