@@ -15,9 +15,9 @@ The stress that drives U is not the run's, which is only piecewise smooth, but
     P = E (F - 1),    F = 1 + fit' u - sum_i N_i' e*_i,    e* = 2 e - C e + tau (1 - C)^2 e':
 
 the recovered gradient less that of the error itself, so that the error feeds back on itself as it does in the run. The
-last term, with tau = 0.4 h/c, damps waves as short as the grid; a second factor 1 - C spares the longer ones, which have
-to ring for as long as the run's own error does. The errors of v and a are formed likewise, from v_g, the grid's velocity
-at the particle (v_p - v_g is added as it is), and from the last step's a. The error of the stress is
+last term, with tau = 0.4 h/c, damps waves as short as the grid; a second factor 1 - C spares the longer ones, which
+have to ring for as long as the run's own error does. The errors of v and a are formed likewise, from v_g, the
+grid's velocity at the particle (v_p - v_g is added as it is), and from the last step's a. The error of the stress is
 E (F_p - 1 - fit' u + sum_i N_i' (2 e - C e)_i).
 
 In time: steps H of about 0.8 h/c by Stoermer's method with Numerov's correction H^2/12 U'''' from past accelerations,
