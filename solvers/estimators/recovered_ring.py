@@ -106,7 +106,8 @@ def damped_errors(ring: ti.template()):
     for a in range(ring.recovered_nodes_count // B):
         for b in range(B):
             rough = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
-            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] += ring.recovered_damping * ti.Vector(
+            e = ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)]  # not +=, which would be an atomic addition
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = e + ring.recovered_damping * ti.Vector(
                 [rough[2], rough[3], 0.0, 0.0])
 
 
