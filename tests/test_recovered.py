@@ -164,6 +164,17 @@ def test_a_report_between_two_of_its_steps_fits_in(scene):
     assert np.array_equal(*same)
 
 
+def test_it_runs_beside_slabs():
+    """The parallel plan calls it between its parallel loops, and gets the same numbers."""
+    one, other = (RingSolver(replace(RING, method="ugimp", plan="parallel", threads=1, estimators=names))
+                  for names in (("recovered",), ("transport", "recovered")))
+    serial = RingSolver(replace(RING, method="ugimp"))
+    for solver in (one, other, serial):
+        solver.advance(50)
+    alone, beside, expected = (s.snapshot().estimate["recovered"] for s in (one, other, serial))
+    assert np.allclose(alone, expected, rtol=1e-6) and np.allclose(beside, expected, rtol=1e-6)
+
+
 def test_it_tells_where_it_does_not_hold():
     staircase, thin = replace(RING, layout="cartesian"), replace(RING, cells=12, particles_per_cell=1)
     for scene in (staircase, thin):

@@ -36,7 +36,7 @@ class RunBar(Run):
     periods: periods_flag(BarScene) = None
     """End of the run in periods of the vibration; instead of --t-end."""
     body_force: choice_flag(BodyForce) = BarScene.body_force
-    """Where the body force is evaluated: at material points, at nodes, or nowhere."""
+    """Body force: at material points, at nodes, none, or two tones that have no built-in solution."""
     linearity_preserving: bool = BarScene.linearity_preserving
     """Make the particle-grid transfers exact for linear fields."""
     velocity: choice_flag(PositionUpdate) = BarScene.velocity

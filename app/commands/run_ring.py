@@ -36,7 +36,7 @@ class RunRing(Run):
     periods: periods_flag(RingScene) = None
     """End of the run in periods of the vibration; instead of --t-end."""
     body_force: choice_flag(BodyForce) = RingScene.body_force
-    """Where the body force is evaluated: at material points, or nowhere."""
+    """Body force: at material points, none, or two tones; only the first has a built-in solution."""
     linearity_preserving: bool = RingScene.linearity_preserving
     """Not offered for the ring: only off is accepted."""
     velocity: choice_flag(PositionUpdate) = RingScene.velocity

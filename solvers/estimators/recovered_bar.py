@@ -38,17 +38,19 @@ from solvers.bar.nodes import stencil_of
 from solvers.estimators.interface import Estimator
 from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import (
-    DAMPING,
+    TAU,
+    H,
     fit_width,
     next_reference,
     not_finite,
+    numbers,
     pack_tables,
     reference_at,
     row_of,
     steps_between,
     time_since,
 )
-from solvers.kinds import integers, pairs, quads, real
+from solvers.kinds import integers, pairs, quads, reals
 
 WAVE_CFL = 0.8  # H c/h; stable to 1.2
 DEGREE = 3  # of the fits
@@ -139,7 +141,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
         bar.recovered_field[p] = ti.Vector([bar.position[p] - bar.material_position[p], bar.velocity[p], 0.0, 0.0])
     for i in range(bar.cells):
         motion = bar.recovered_nodes[block(bar, MOTION, i)]
-        motion[0] += bar.recovered_dt * motion[1]
+        motion[0] += bar.recovered_numbers[H] * motion[1]
         bar.recovered_nodes[block(bar, MOTION, i)] = motion
         mean, _ = gather(bar, i)
         e = mean[0] - motion[0]
@@ -151,7 +153,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
         bar.recovered_nodes[block(bar, GATHERED, i)] = bar.recovered_nodes[block(bar, ERRORS, i)]
     for i in range(bar.cells):
         e = bar.recovered_nodes[block(bar, ERRORS, i)]
-        e[0] += bar.recovered_damping * (e[1] - smooth(bar, i)[1])
+        e[0] += bar.recovered_numbers[TAU] * (e[1] - smooth(bar, i)[1])
         bar.recovered_nodes[block(bar, ERRORS, i)] = e
     per_cell = bar.particles // bar.cells
     for i in range(bar.cells):
@@ -162,13 +164,13 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
             field[3] = bar.modulus * (fit_slope(bar, p) - error_slope[0])
             bar.recovered_field[p] = field
     size = tones(bar, step * bar.dt, on)
-    first = step * bar.dt < 1.5 * bar.recovered_dt
+    first = step * bar.dt < 1.5 * bar.recovered_numbers[H]
     for i in range(bar.cells):
         shape = bar.recovered_nodes[block(bar, FORCE, i)]
         _, divergence = gather(bar, i)
         a = size[0] * shape[0] + size[1] * shape[1] - divergence[3] / bar.density
         bar.recovered_nodes[block(bar, MOTION, i)] = next_reference(
-            bar.recovered_nodes[block(bar, MOTION, i)], a, bar.recovered_dt, first)
+            bar.recovered_nodes[block(bar, MOTION, i)], a, bar.recovered_numbers[H], first)
 
 
 # ---- the report ---------------------------------------------------------------------------------------------------
@@ -185,9 +187,9 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         if ti.static(on.acceleration):
             a = bar.acceleration[p]
         bar.recovered_field[p] = ti.Vector([bar.position[p] - bar.material_position[p], v_g, a, 0.0])
-    since = time_since(step, bar.dt, bar.recovered_dt)
+    since = time_since(step, bar.dt, bar.recovered_numbers[H])
     for i in range(bar.cells):
-        U, V, A = reference_at(bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_dt, since, bar.dt)
+        U, V, A = reference_at(bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_numbers[H], since, bar.dt)
         mean, _ = gather(bar, i)
         bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, 0.0])
     for i in range(bar.cells):
@@ -228,16 +230,14 @@ def allocate(scene):
     for k in (0, 1):
         nodes[FORCE, :, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
     nodes[MOTION, :, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]  # the body force is zero at the start
-    return {"recovered_dt": interval(scene) * scene.time_step,
-            "recovered_damping": DAMPING * scene.spacing / scene.wave_speed,
+    return {"recovered_numbers": numbers(scene, interval(scene)),
             "recovered_index": index, "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles, 4))}
 
 
 RECOVERED = Estimator(
     memory={
-        "recovered_dt": real,  # H
-        "recovered_damping": real,  # tau
+        "recovered_numbers": reals,  # H, tau
         "recovered_index": integers, "recovered_weights": pairs,  # the tables, packed
         "recovered_nodes": quads,  # nodal values, block by block
         "recovered_field": quads,  # u, v, a, P at particles

@@ -30,8 +30,10 @@ from solvers.estimators.recovered_ring_operators import (
     FORCE,
     GATHERED,
     MOTION,
+    PARTICLE_BLOCKS,
     RATE,
     STRESS,
+    across,
     angular_fit,
     angular_gather,
     angular_gather_stress,
@@ -40,6 +42,7 @@ from solvers.estimators.recovered_ring_operators import (
     gather_force,
     line_slopes,
     node_at,
+    node_count,
     particle_at,
     radial_fit,
     radial_gather,
@@ -48,16 +51,18 @@ from solvers.estimators.recovered_ring_operators import (
     radial_spread,
 )
 from solvers.estimators.recovery import (
-    DAMPING,
+    TAU,
+    H,
     fit_width,
     next_reference,
     not_finite,
+    numbers,
     pack_tables,
     reference_at,
     steps_between,
     time_since,
 )
-from solvers.kinds import integers, quads, real
+from solvers.kinds import integers, quads, reals
 from solvers.ring import cpdi, exact, gimp
 from solvers.ring.material import kirchhoff_stress
 from solvers.ring.scene import polar_counts
@@ -80,22 +85,22 @@ def after_step(ring: ti.template(), base, step, on: ti.template()):
     find_stress(ring)
     gather_force(ring, step * ring.dt, on)
     radial_gather_stress(ring)
-    move_reference(ring, step * ring.dt < 1.5 * ring.recovered_dt)
+    move_reference(ring, step * ring.dt < 1.5 * ring.recovered_numbers[H])
 
 
 @ti.func
 def damped_errors(ring: ti.template()):
     """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
-    B = ring.recovered_across
-    for a in range(ring.recovered_nodes_count // B):
+    B = across(ring)
+    for a in range(node_count(ring) // B):
         for b in range(B):
             i = a * B + b
             r = ring.recovered_nodes[node_at(ring, MOTION, i)]
-            r += ring.recovered_dt * ti.Vector([r[2], r[3], 0.0, 0.0])
+            r += ring.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
             ring.recovered_nodes[node_at(ring, MOTION, i)] = r
             ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - r
     radial_smoothing(ring)
-    for a in range(ring.recovered_nodes_count // B):
+    for a in range(node_count(ring) // B):
         for b in range(B):
             e = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)]
             rough = e - angular_smoothing(ring, a, b)
@@ -103,11 +108,11 @@ def damped_errors(ring: ti.template()):
             ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = ti.Vector(
                 [e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
     radial_smoothing(ring)
-    for a in range(ring.recovered_nodes_count // B):
+    for a in range(node_count(ring) // B):
         for b in range(B):
             rough = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
             e = ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)]  # not +=, which would be an atomic addition
-            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = e + ring.recovered_damping * ti.Vector(
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = e + ring.recovered_numbers[TAU] * ti.Vector(
                 [rough[2], rough[3], 0.0, 0.0])
 
 
@@ -135,8 +140,8 @@ def polar_gradient(ring: ti.template(), p, along, around):
 @ti.func
 def move_reference(ring: ti.template(), first):
     """The acceleration of every node, and the rate that follows."""
-    H, B = ring.recovered_dt, ring.recovered_across
-    for a in range(ring.recovered_nodes_count // B):
+    B = across(ring)
+    for a in range(node_count(ring) // B):
         e = ring.recovered_nodes[node_at(ring, DIRECTION, a)]
         for b in range(B):
             i = a * B + b
@@ -144,9 +149,9 @@ def move_reference(ring: ti.template(), first):
             divergence = angular_gather_stress(ring, a, b)
             r, before = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
             x = next_reference(ti.Vector([r[0], r[2], before[0], before[2]]),
-                               push * e[0] - divergence[0] / ring.density, H, first)
+                               push * e[0] - divergence[0] / ring.density, ring.recovered_numbers[H], first)
             y = next_reference(ti.Vector([r[1], r[3], before[1], before[3]]),
-                               push * e[1] - divergence[1] / ring.density, H, first)
+                               push * e[1] - divergence[1] / ring.density, ring.recovered_numbers[H], first)
             ring.recovered_nodes[node_at(ring, MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
             ring.recovered_nodes[node_at(ring, RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
 
@@ -208,19 +213,21 @@ def grid_velocity(ring: ti.template(), p, on: ti.template()):
 def find_errors(ring: ti.template(), step, of_acceleration: ti.template()):
     """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted along each radius."""
     radial_gather(ring)
-    H, since, B = ring.recovered_dt, time_since(step, ring.dt, ring.recovered_dt), ring.recovered_across
-    for a in range(ring.recovered_nodes_count // B):
+    since, B = time_since(step, ring.dt, ring.recovered_numbers[H]), across(ring)
+    for a in range(node_count(ring) // B):
         for b in range(B):
             i = a * B + b
             r, rate = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
-            U_x, V_x, A_x = reference_at(ti.Vector([r[0], r[2], rate[0], rate[2]]), H, since, ring.dt)
-            U_y, V_y, A_y = reference_at(ti.Vector([r[1], r[3], rate[1], rate[3]]), H, since, ring.dt)
+            U_x, V_x, A_x = reference_at(ti.Vector([r[0], r[2], rate[0], rate[2]]),
+                                         ring.recovered_numbers[H], since, ring.dt)
+            U_y, V_y, A_y = reference_at(ti.Vector([r[1], r[3], rate[1], rate[3]]),
+                                         ring.recovered_numbers[H], since, ring.dt)
             true_mean = ti.Vector([U_x, U_y, V_x, V_y])
             if ti.static(of_acceleration):
                 true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
             ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - true_mean
     radial_smoothing(ring)
-    for a in range(ring.recovered_nodes_count // B):
+    for a in range(node_count(ring) // B):
         for b in range(B):
             ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = \
                 2 * ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
@@ -261,7 +268,8 @@ def allocate(scene):
     width, R = fit_width(scene), exact.INNER + radius.quadrature()[0] / radius.per_point
     angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
     radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
-    index, weights = pack_tables([across_planes(rows) for rows in angular] + [of_four(rows) for rows in radial])
+    index, weights = pack_tables([across_planes(rows) for rows in angular] + [of_four(rows) for rows in radial],
+                                 (angle.nodes * radius.nodes, radius.nodes))
     theta = angle.particles() / angle.per_point
     direction = np.stack([angular[2](wave)[:, c, 0] for c, wave in enumerate((np.cos(theta), np.sin(theta)))], axis=1)
     # The initial velocity is radial, and the body force is zero at the start.
@@ -269,12 +277,10 @@ def allocate(scene):
     nodes = np.zeros((7, angle.nodes * radius.nodes, 4))
     nodes[MOTION, :, 2:] = (direction[:, None] * radial[2](v0)[:, 0, 0, None]).reshape(-1, 2)
     nodes[DIRECTION, :angle.nodes, :2] = direction
-    return {"recovered_dt": interval(scene) * scene.time_step,
-            "recovered_damping": DAMPING * scene.spacing / scene.wave_speed,
-            "recovered_nodes_count": angle.nodes * radius.nodes, "recovered_across": radius.nodes,
-            "recovered_index": index, "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
-            "recovered_lines": np.zeros((2 * angle.points * radius.nodes, 4)),
-            "recovered_particles": np.zeros((3 * angle.points * radius.points, 4))}
+    return {"recovered_numbers": numbers(scene, interval(scene)), "recovered_index": index,
+            "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_particles": np.zeros((PARTICLE_BLOCKS * angle.points * radius.points
+                                             + 2 * angle.points * radius.nodes, 4))}
 
 
 def across_planes(rows):
@@ -290,12 +296,9 @@ def of_four(rows):
 
 RECOVERED = Estimator(
     memory={
-        "recovered_dt": real,  # H
-        "recovered_damping": real,  # tau
-        "recovered_nodes_count": ti.i32, "recovered_across": ti.i32,  # nodes of the error grid; those on a radius
+        "recovered_numbers": reals,  # H, tau
         "recovered_index": integers, "recovered_weights": quads,  # the tables, packed
         "recovered_nodes": quads,  # nodal values, block by block
-        "recovered_lines": quads,  # half-way values, on radii with nodes on them
-        "recovered_particles": quads,  # fields at particles
+        "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
     },
     allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=not_finite)

@@ -17,21 +17,35 @@ RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = 4, 5, 6, 7
 #: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
 #: along the radius; unsmoothed; M b along the radius, with unit direction; M e_R along the angle.
 MOTION, RATE, GATHERED, HALF_SMOOTHED, ERRORS, FORCE, DIRECTION = 0, 1, 2, 3, 4, 5, 6
-#: Blocks of the array of radii with nodes on them: values, and slopes around.
-VALUES, SLOPES = 0, 1
 #: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and its slope.
 FIELD, FITTED, FITTED_SLOPE = 0, 1, 2
+PARTICLE_BLOCKS = 3
+VALUES, SLOPES = 0, 1  # blocks behind these, of radii with nodes on them: values, and slopes around
 STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for reports
+
+
+COUNT, ACROSS = 24, 25  # after the tables' headers: nodes of the error grid, and those on a radius
+
+
+@ti.func
+def node_count(ring: ti.template()):
+    return ring.recovered_index[COUNT]
+
+
+@ti.func
+def across(ring: ti.template()):
+    return ring.recovered_index[ACROSS]
 
 
 @ti.func
 def node_at(ring: ti.template(), block: ti.template(), i):
-    return block * ring.recovered_nodes_count + i
+    return block * node_count(ring) + i
 
 
 @ti.func
 def line_at(ring: ti.template(), block: ti.template(), line, b):
-    return (block * (ring.particles // ring.radius_count) + line) * ring.recovered_across + b
+    radii = ring.particles // ring.radius_count
+    return PARTICLE_BLOCKS * ring.particles + (block * radii + line) * across(ring) + b
 
 
 @ti.func
@@ -58,14 +72,14 @@ def radial_gather(ring: ti.template()):
     """Integrals of N_b f R along each radius, over that of N_b R."""
     K = ring.radius_count
     for line in range(ring.particles // K):
-        for b in range(ring.recovered_across):
+        for b in range(across(ring)):
             total = ti.Vector([0.0, 0.0, 0.0, 0.0])
             j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
             p = particle_at(ring, FIELD, line * K + j)
             for k in range(begin, end):
                 total += ring.recovered_weights[k][0] * ring.recovered_particles[p]
                 p += 1
-            ring.recovered_lines[line_at(ring, VALUES, line, b)] = total
+            ring.recovered_particles[line_at(ring, VALUES, line, b)] = total
 
 
 @ti.func
@@ -73,7 +87,7 @@ def radial_gather_stress(ring: ti.template()):
     """Integrals along each radius of N_b' R P e_R and of N_b P e_angle, side by side, over that of N_b R."""
     K = ring.radius_count
     for line in range(ring.particles // K):
-        for b in range(ring.recovered_across):
+        for b in range(across(ring)):
             total = ti.Vector([0.0, 0.0, 0.0, 0.0])
             j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
             p = particle_at(ring, STRESS, line * K + j)
@@ -81,7 +95,7 @@ def radial_gather_stress(ring: ti.template()):
                 w = ring.recovered_weights[k]
                 total += ti.Vector([w[1], w[1], w[2], w[2]]) * ring.recovered_particles[p]
                 p += 1
-            ring.recovered_lines[line_at(ring, VALUES, line, b)] = total
+            ring.recovered_particles[line_at(ring, VALUES, line, b)] = total
 
 
 @ti.func
@@ -91,8 +105,8 @@ def angular_gather(ring: ti.template(), a, b):
     line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
     entry = line_at(ring, VALUES, line, b)
     for k in range(begin, end):
-        value += values_of(ring.recovered_weights[k]) * ring.recovered_lines[entry]
-        entry += ring.recovered_across
+        value += values_of(ring.recovered_weights[k]) * ring.recovered_particles[entry]
+        entry += across(ring)
     return value
 
 
@@ -103,8 +117,8 @@ def angular_gather_stress(ring: ti.template(), a, b):
     line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
     entry = line_at(ring, VALUES, line, b)
     for k in range(begin, end):
-        total += ring.recovered_weights[k] * ring.recovered_lines[entry]
-        entry += ring.recovered_across
+        total += ring.recovered_weights[k] * ring.recovered_particles[entry]
+        entry += across(ring)
     return ti.Vector([total[0] + total[2], total[1] + total[3]])
 
 
@@ -116,7 +130,7 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
             shape = ti.Vector([ring.shape[j], ring.shape_slope[j], ring.shape_curvature[j]])
             b_j = radial_force_at(ring, ring.radii[j], shape, t, on)
             ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)] = ti.Vector([b_j, b_j, b_j, b_j])
-        for b in range(ring.recovered_across):
+        for b in range(across(ring)):
             total = ti.Vector([0.0, 0.0, 0.0, 0.0])
             j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
             for k in range(begin, end):
@@ -131,8 +145,8 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
 @ti.func
 def radial_smoothing(ring: ti.template()):
     """The radial half of C."""
-    B = ring.recovered_across
-    for a in range(ring.recovered_nodes_count // B):
+    B = across(ring)
+    for a in range(node_count(ring) // B):
         for b in range(B):
             total = ti.Vector([0.0, 0.0, 0.0, 0.0])
             other, begin, end = row_of(ring.recovered_index, RADIAL_SMOOTHING, b, b)
@@ -148,10 +162,10 @@ def angular_smoothing(ring: ti.template(), a, b):
     """C of the gathered nodal values at node (a, b), from the radial half."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     other, begin, end = row_of(ring.recovered_index, ANGULAR_SMOOTHING, a, a)
-    node = node_at(ring, HALF_SMOOTHED, other * ring.recovered_across + b)
+    node = node_at(ring, HALF_SMOOTHED, other * across(ring) + b)
     for k in range(begin, end):
         total += values_of(ring.recovered_weights[k]) * ring.recovered_nodes[node]
-        node += ring.recovered_across
+        node += across(ring)
     return total
 
 
@@ -163,15 +177,15 @@ def angular_spread(ring: ti.template()):
     """The nodal errors interpolated along the angle, and their slopes: the angular half of sum N_i e_i."""
     for line in range(ring.particles // ring.radius_count):
         a, begin, _ = row_of(ring.recovered_index, ANGULAR_SPREAD, line, line)
-        for b in range(ring.recovered_across):
+        for b in range(across(ring)):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
             for k in ti.static(range(3)):
                 w = ring.recovered_weights[begin + k]
-                e = ring.recovered_nodes[node_at(ring, ERRORS, (a + k) * ring.recovered_across + b)]
+                e = ring.recovered_nodes[node_at(ring, ERRORS, (a + k) * across(ring) + b)]
                 value += values_of(w) * e
                 slope += slopes_of(w) * e
-            ring.recovered_lines[line_at(ring, VALUES, line, b)] = value
-            ring.recovered_lines[line_at(ring, SLOPES, line, b)] = slope
+            ring.recovered_particles[line_at(ring, VALUES, line, b)] = value
+            ring.recovered_particles[line_at(ring, SLOPES, line, b)] = slope
 
 
 @ti.func
@@ -181,10 +195,10 @@ def radial_spread(ring: ti.template(), i, j):
     around = ti.Vector([0.0, 0.0, 0.0, 0.0])
     b, begin, _ = row_of(ring.recovered_index, RADIAL_SPREAD, j, j)
     for k in ti.static(range(3)):
-        w, e = ring.recovered_weights[begin + k], ring.recovered_lines[line_at(ring, VALUES, i, b + k)]
+        w, e = ring.recovered_weights[begin + k], ring.recovered_particles[line_at(ring, VALUES, i, b + k)]
         value += w[0] * e
         along += w[1] * e
-        around += w[0] * ring.recovered_lines[line_at(ring, SLOPES, i, b + k)]
+        around += w[0] * ring.recovered_particles[line_at(ring, SLOPES, i, b + k)]
     return value, along, around
 
 

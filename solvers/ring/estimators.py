@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from solvers.estimators.companion_ring import COMPANION
 from solvers.estimators.interface import Estimator
 from solvers.estimators.recovered_ring import RECOVERED
 from solvers.estimators.transport_ring import TRANSPORT
 
-ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT, "recovered": RECOVERED}
+ESTIMATORS: dict[str, Estimator] = {"transport": TRANSPORT, "recovered": RECOVERED, "companion": COMPANION}

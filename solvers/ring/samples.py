@@ -22,7 +22,7 @@ def phase(ring: ti.template(), step):
     """T and T' of the exact solution at the step, and T at the step before, whose acceleration was used."""
     angle = ring.angular_frequency * ring.dt * step
     return (ring.amplitude * ti.sin(angle), ring.amplitude * ring.angular_frequency * ti.cos(angle),
-            ring.amplitude * ti.sin(angle - ring.angular_frequency * ring.dt))
+            ring.amplitude * ti.sin(ti.max(0.0, angle - ring.angular_frequency * ring.dt)))  # at the start both a are 0
 
 
 @ti.func

@@ -1,0 +1,177 @@
+"""The companion: a hidden, higher-order solve of the same problem, which the particles are measured against.
+
+An embedded pair, as in the step control of ordinary differential equations: the difference of two methods of very
+different order is the error of the poorer one. The companion is a total-Lagrangian spectral-element solve of order
+p = 4 to 6 (``companion_bar``, ``companion_ring``, ``spectral``) on a mesh of its own. It takes nothing from the
+particles: body force b(X, t) and initial velocity are the problem's, the rest is Newton's law. It reports
+
+    e_x = x_p - X_p - u(X_p, t), e_v = v_p - v(X_p, t), e_sigma = sigma_p - sigma(X_p, t), e_a = a_p - a(X_p, t - dt),
+
+the last a step earlier, because a_p is the acceleration that the last step used. So it sees every error of the
+particles: of mappings, time, boundaries, geometry, and of a body force put in the wrong place. It needs an elastic
+body that stays smooth, and b and the initial velocity at any material point; it cannot see an error in these or in
+the law of the material, which it shares.
+
+In time it takes Nystrom's method of three stages and fourth order (Hairer, Norsett & Wanner 1993, II.14) with steps
+of k time steps of the particles, always ahead of them, so that any instant lies inside its last step and is found by
+cubic Hermite polynomials: in (u, v) for u, in (v, a) for v, and their derivative for a.
+
+This file is what bar and ring share: nodes with u, v and a of two components, of which the bar uses the first.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators.spectral import unresolved
+
+STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on
+CHOSEN = 2.0  # omega H of the interval at rest: strain may stiffen the body by (2.4/2)^2 before a step is cut in two
+MOST_INTERVAL = 20  # particle steps: beyond, there is nothing left to save
+MOST_SUBSTEPS = 64  # a body strained beyond what these allow is no elastic body any more
+BAD_SHARE = 0.2  # of the estimate that the companion's own error may be
+POWER_TURNS = 200
+
+#: Places in ``companion_counts``: order p, elements (across the ring and around it), nodes (in a row and in all), radii
+#: of nodes, and particle steps to an interval.
+ORDER, ACROSS, AROUND, ROW, NODES, RADII, INTERVAL = range(7)
+#: Places in ``companion_numbers``: the highest frequency of the body at rest, the stiffest tangent over that at rest,
+#: and the mean square of the error of x that was reported last.
+FREQUENCY, STIFFEST, SQUARE = range(3)
+#: Layers of ``companion_nodes``, each with a row of eight for every node. At the start of the interval, at its end and
+#: at the instant of a report: u, v, a; at work: trial u, acceleration, k2, 1/mass (0 where a symmetry plane holds).
+START, END, WORK, NOW = range(4)
+LAYERS = 4
+
+
+@ti.func
+def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.template()):
+    """Carry the companion over its next interval when ``step``, the particles' last, was the first beyond its end.
+
+    The stages of one sub-step of length H from (u, v, a = k1) at t are k2 = f(t + H/2, u + H/2 v + H^2/8 k1) and
+    k3 = f(t + H, u + H v + H^2/2 k2); then u += H v + H^2/6 (k1 + 2 k2), v += H/6 (k1 + 4 k2 + k3), and a third
+    evaluation finds the new a. Before the first interval only that is done: it finds a at the start.
+    ``accelerate(body, t, on)`` puts f(t, trial) where the acceleration belongs.
+    """
+    begun = step - 1
+    if begun % body.companion_counts[INTERVAL] == 0:
+        keep_start(body)
+        length = body.companion_counts[INTERVAL] * body.dt
+        # Strain stiffens: the highest frequency grows with the square root of the stiffest tangent.
+        highest = body.companion_numbers[FREQUENCY] * ti.sqrt(body.companion_numbers[STIFFEST])
+        substeps = ti.cast(ti.min(ti.max(ti.ceil(length * highest / STABLE), 1.0), MOST_SUBSTEPS), ti.i32)
+        H = length / substeps
+        for k in range(-1 if begun == 0 else 0, substeps):
+            for stage in range(2 if k < 0 else 0, 3):
+                find_trial(body, stage, H)
+                accelerate(body, begun * body.dt + (k + (0.5 if stage == 0 else 1.0)) * H, on)
+                finish_stage(body, stage, H)
+            if k < 0:
+                keep_start(body)
+
+
+@ti.func
+def keep_start(body: ti.template()):
+    """The end of one interval is the start of the next."""
+    N = body.companion_counts[NODES]
+    for i in range(N):
+        for c in range(6):
+            body.companion_nodes[START * N + i, c] = body.companion_nodes[END * N + i, c]
+
+
+@ti.func
+def find_trial(body: ti.template(), stage, H):
+    """The displacement at which the stage's acceleration is wanted, and room for that."""
+    N = body.companion_counts[NODES]
+    ahead, curve = 0.0, 0.0  # nothing for the acceleration at the end of the step
+    if stage == 0:
+        ahead, curve = 0.5 * H, 0.125 * H * H
+    if stage == 1:
+        ahead, curve = H, 0.5 * H * H
+    for i in range(N):
+        end, work = END * N + i, WORK * N + i
+        for c in range(2):
+            last = body.companion_nodes[work, 4 + c]
+            body.companion_nodes[work, c] = body.companion_nodes[end, c] + ahead * body.companion_nodes[end, 2 + c] \
+                + curve * last
+            body.companion_nodes[work, 2 + c] = 0.0
+
+
+@ti.func
+def finish_stage(body: ti.template(), stage, H):
+    """Take the sub-step after its second stage; keep the new acceleration for the next stage, the last for good."""
+    N = body.companion_counts[NODES]
+    for i in range(N):
+        end, work = END * N + i, WORK * N + i
+        for c in range(2):
+            k, k2 = body.companion_nodes[work, 2 + c], body.companion_nodes[work, 4 + c]
+            if stage == 1:
+                v, k1 = body.companion_nodes[end, 2 + c], body.companion_nodes[end, 4 + c]
+                body.companion_nodes[end, c] += H * (v + H / 6 * (k1 + 2 * k2))
+                body.companion_nodes[end, 2 + c] = v + H / 6 * (k1 + 4 * k2 + k)
+            if stage == 2:
+                body.companion_nodes[end, 4 + c] = k
+            body.companion_nodes[work, 4 + c] = k
+
+
+@ti.func
+def read_nodes(body: ti.template(), step):
+    """u and v of the nodes at ``step`` and a one step before, within the interval that was taken last."""
+    k, N = body.companion_counts[INTERVAL], body.companion_counts[NODES]
+    H = k * body.dt
+    s = (step - (ti.max(step - 1, 0) // k) * k) / ti.cast(k, ti.f64)
+    left = 1 - s
+    value = ti.Vector([(1 + 2 * s) * left * left, s * left * left * H, s * s * (3 - 2 * s), -s * s * left * H])
+    s = ti.max(s - 1.0 / k, 0.0)
+    slope = ti.Vector([6 * s * (s - 1) / H, 3 * s * s - 4 * s + 1, -6 * s * (s - 1) / H, 3 * s * s - 2 * s])
+    for i in range(N):
+        old, new, now = START * N + i, END * N + i, NOW * N + i
+        for c in range(4):
+            body.companion_nodes[now, c] = value[0] * body.companion_nodes[old, c] \
+                + value[1] * body.companion_nodes[old, 2 + c] + value[2] * body.companion_nodes[new, c] \
+                + value[3] * body.companion_nodes[new, 2 + c]
+        for c in range(2, 4):
+            body.companion_nodes[now, 2 + c] = slope[0] * body.companion_nodes[old, c] \
+                + slope[1] * body.companion_nodes[old, 2 + c] + slope[2] * body.companion_nodes[new, c] \
+                + slope[3] * body.companion_nodes[new, 2 + c]
+
+
+def interval(frequency: float, dt: float) -> int:
+    """Particle steps dt to a step of a companion whose highest frequency at rest is ``frequency``."""
+    return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
+
+
+def initial_nodes(velocity: np.ndarray, inverse_mass: np.ndarray, extra: int = 0) -> np.ndarray:
+    """``companion_nodes`` of nodes that start undeformed, with ``extra`` rows; both arguments are (N, 2)."""
+    layers = np.zeros((LAYERS, len(velocity), 8))
+    layers[START, :, 2:4] = layers[END, :, 2:4] = velocity * (inverse_mass > 0)
+    layers[WORK, :, 6:] = inverse_mass
+    return np.concatenate([layers.reshape(-1, 8), np.zeros((extra, 8))])
+
+
+def highest_frequency(accelerations: Callable[[np.ndarray], np.ndarray], inverse_mass: np.ndarray) -> float:
+    """omega of the fastest mode of u_tt = -A u by the power method; ``accelerations(u)`` is A u, u as ``inverse_mass``.
+
+    From below, and within a per cent after so many turns; the stability limit leaves more.
+    """
+    u = np.random.default_rng(0).normal(size=inverse_mass.shape) * (inverse_mass > 0)
+    for _ in range(POWER_TURNS):
+        u /= np.linalg.norm(u)
+        u = accelerations(u)
+    return float(np.sqrt(np.linalg.norm(u)))
+
+
+def doubt(elements: np.ndarray, axes: tuple[int, ...], square: float, known: float = 0.0) -> str | None:
+    """Why the estimate is not to be trusted, as a sentence, or None.
+
+    ``elements`` are the displacements (..., 2) at the elements' points, which ``axes`` count; ``square`` is the mean
+    square of the estimated error of x, in m^2, and ``known`` a part of the companion's own error that is known, in m.
+    """
+    if not np.all(np.isfinite(elements)):
+        return "not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer periods"
+    missed = max(known, *(float(np.sqrt(np.mean(np.sum(unresolved(elements, axis) ** 2, axis=-1)))) for axis in axes))
+    if missed > BAD_SHARE * np.sqrt(square):  # a run gone bad is as wrong as can be: then nothing is missed
+        return (f"not valid here: the companion solve itself may be {missed:.1g} m off, against an estimated error of "
+                f"{np.sqrt(square):.1g} m")
+    return None

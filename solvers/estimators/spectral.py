@@ -1,0 +1,104 @@
+"""Spectral elements in one direction: Gauss-Lobatto-Legendre points, their quadrature, derivative and interpolation.
+
+A field on an element is the polynomial of order p through its values at the p + 1 points. With the same points for the
+integrals ("collocation") the mass matrix is diagonal and the error of smooth fields falls like that of the polynomial
+(Patera 1984; Komatitsch & Vilotte 1998). Set-up only: everything here is numpy, once a run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+
+
+@dataclass(frozen=True)
+class Elements:
+    """``count`` equal elements of order ``order`` between ``start`` and ``end``; neighbours share their end points."""
+
+    start: float
+    end: float
+    count: int
+    order: int
+
+    @property
+    def length(self) -> float:
+        """Length of one element."""
+        return (self.end - self.start) / self.count
+
+    @property
+    def points(self) -> np.ndarray:
+        """The reference points in [-1, 1] (p+1,)."""
+        return lobatto(self.order)[0]
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Quadrature weights of one element's points (p+1,): they sum to its length."""
+        return 0.5 * self.length * lobatto(self.order)[1]
+
+    @property
+    def derivative(self) -> np.ndarray:
+        """D (p+1, p+1): values at an element's points to the derivative there, per unit of the coordinate."""
+        return differentiation(self.points) * (2 / self.length)
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Coordinates of all nodes (count*p + 1,), in order."""
+        inner = self.start + self.length * (np.arange(self.count)[:, None] + 0.5 * (self.points[:-1] + 1))
+        return np.append(inner.ravel(), self.end)
+
+    @property
+    def of_node(self) -> np.ndarray:
+        """The node of each element's point (count, p+1)."""
+        return np.arange(self.count)[:, None] * self.order + np.arange(self.order + 1)
+
+    @property
+    def assembled_weights(self) -> np.ndarray:
+        """Quadrature weights of all nodes: the sums over the elements that share them."""
+        return np.bincount(self.of_node.ravel(), np.tile(self.weights, self.count))
+
+    def locate(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Element of each place x (K,), and there the values and the derivatives of its p + 1 polynomials (K, p+1).
+
+        A place outside the elements is extrapolated to from the nearest.
+        """
+        s = (x - self.start) / self.length
+        element = np.clip(np.floor(s), 0, self.count - 1).astype(np.int32)
+        to_modes = np.linalg.inv(legendre.legvander(self.points, self.order))
+        values = legendre.legvander(2 * (s - element) - 1, self.order) @ to_modes
+        return element, values, values @ self.derivative
+
+
+def lobatto(order: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Lobatto-Legendre points in [-1, 1] and weights: +-1 and the roots of P_p', w = 2/(p (p+1) P_p^2)."""
+    highest = np.append(np.zeros(order), 1.0)
+    inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
+    points = np.concatenate([[-1.0], inner, [1.0]])
+    return points, 2 / (order * (order + 1) * legendre.legval(points, highest) ** 2)
+
+
+def differentiation(points: np.ndarray) -> np.ndarray:
+    """D with (D f)_i the derivative at point i of the polynomial through f, by barycentric weights."""
+    apart = points[:, None] - points
+    np.fill_diagonal(apart, 1.0)
+    scale = apart.prod(axis=1)
+    D = scale[:, None] / scale / apart
+    np.fill_diagonal(D, 0.0)
+    np.fill_diagonal(D, -D.sum(axis=1))
+    return D
+
+
+def unresolved(values: np.ndarray, axis: int) -> np.ndarray:
+    """Size of what the elements' polynomials leave out along ``axis``, from the decay of the Legendre modes.
+
+    The highest mode is the last that was kept; carried on at the rate of decay it tells the first that was not:
+    c_p min(1, c_p/c_(p-1)), where c_(p-1) is at least sqrt(c_p c_(p-2)), for a field may be even or odd in an element.
+    The result has the shape of ``values`` without ``axis``.
+    """
+    order = values.shape[axis] - 1
+    to_modes = np.linalg.inv(legendre.legvander(lobatto(order)[0], order))
+    modes = np.abs(np.moveaxis(values, axis, -1) @ to_modes.T)
+    last = modes[..., -1]
+    before = np.maximum(modes[..., -2], np.sqrt(last * modes[..., -3]))
+    return last * np.minimum(1.0, last / np.maximum(before, np.finfo(float).tiny))
