@@ -177,7 +177,7 @@ def test_it_runs_beside_slabs():
 
 def test_it_tells_where_it_does_not_hold():
     staircase, thin = replace(RING, layout="cartesian"), replace(RING, cells=12, particles_per_cell=1)
-    for scene in (staircase, thin):
+    for scene in (staircase, thin, replace(RING, amplitude=0.25)):
         assert scene.not_valid["recovered"].startswith("not valid here: ") and scene.active_estimators == ()
     solver = RingSolver(RING)
     assert solver.not_valid() == {}
