@@ -7,12 +7,16 @@ the work and returns the exit status. To add one, write the dataclass and list i
 from app.commands.run_bar import RunBar
 from app.commands.run_ring import RunRing
 from app.commands.serve import Serve
+from app.commands.sweep_bar import SweepBar
+from app.commands.sweep_ring import SweepRing
 from app.commands.tables import Tables
 
 COMMANDS: dict[tuple[str, ...], type] = {
     ("serve",): Serve,
     ("run", "bar"): RunBar,
     ("run", "ring"): RunRing,
+    ("sweep", "bar"): SweepBar,
+    ("sweep", "ring"): SweepRing,
     ("tables",): Tables,
 }
 #: What ``mpm-lab`` does when no command is given.
