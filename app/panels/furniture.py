@@ -49,6 +49,7 @@ div:has(> .lab-paired) + div + div + div + div {{ display: inline-block; width: 
   font-variant-numeric: tabular-nums; }}
 .lab-readout table {{ width: 100%; border-collapse: collapse; }}
 .lab-readout td:first-child {{ color: #6b7480; padding-right: 8px; white-space: nowrap; vertical-align: top; }}
+.lab-readout table:first-child td:first-child {{ width: 1%; }}
 .lab-readout td {{ vertical-align: top; padding-top: 0; padding-bottom: 0; }}
 .lab-numbers {{ margin-top: 5px; border-top: 1px solid #dfe3e8; font-size: 11.5px; }}
 .lab-numbers tr td:first-child {{ color: #222831; }}

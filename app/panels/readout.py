@@ -16,7 +16,7 @@ from app.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 
 LINE = 18  # pixels that a line of the readout is high
 SHORT = 30  # characters of a reason that fit beside a name
-SILENCE_LINE = 44  # and of one that begins with it, on a line
+SILENCE_LINE = 40  # and of one that begins with it, on a line
 TRUE = "true"
 
 
