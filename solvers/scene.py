@@ -110,6 +110,8 @@ class Scene(ABC):
 
     def warnings(self) -> list[str]:
         """Sentences about what is allowed but will surprise."""
+        if "truth" in self.effects and not self.solution_known:
+            return [f"body force {self.body_force}: no exact solution is built in, so the true error is unknown"]
         return []
 
     # ---- derived quantities -------------------------------------------------------------------------------

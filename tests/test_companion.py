@@ -109,7 +109,7 @@ def test_nystroms_method_is_stable_up_to_its_limit():
     assert all(largest(s) < 1 for s in np.linspace(0.05, companion.STABLE, 100)) and largest(2.6) > 1
 
 
-@pytest.mark.parametrize("cells", [12, 24, 48, 192])
+@pytest.mark.parametrize("cells", [12, 48])
 def test_the_highest_frequency_of_the_ring_is_found(cells, monkeypatch):
     """The power method, against numpy's eigenvalues of the assembled operator: from below, within 2 per cent."""
     radial, angular = companion_ring_mesh.mesh(cells)
@@ -230,21 +230,28 @@ def radial_solution(scene: RingScene, steps: int, t: float, order: int = 16) -> 
     return tuple(np.linalg.solve(V, row) for row in y)
 
 
-@pytest.mark.parametrize("force", ["none", "two-tone"])
-def test_a_ring_without_a_built_in_solution(force):
-    """Against a radial solve of its own order and kind of equation, to the particle."""
-    scene = replace(RING, body_force=force, cells=24, amplitude=0.05, effects=("estimate",))
-    solver = build(scene)
+@pytest.mark.parametrize(("cells", "force"), [(24, "none"), (24, "two-tone"), (48, "none"), (96, "none")])
+def test_a_ring_without_a_built_in_solution(cells, force):
+    """Against a radial solve of its own order and kind of equation, to the particle (measured: up to 0.012)."""
+    scene = replace(RING, body_force=force, cells=cells, amplitude=0.05, effects=("estimate",))
+    solver, mu = build(scene), 0.5 * scene.modulus
     solver.advance(600)
     solver.snapshot()
     a = solver._arrays
     R = np.linalg.norm(a.material_position, axis=1)
-    u, v = (legendre.legval(10 * (R - 0.5), c)[:, None] * a.direction
-            for c in radial_solution(scene, 3000, solver.time))
-    truth = np.concatenate([a.motion[:, :2] - a.material_position - u, a.motion[:, 2:] - v], axis=1)
-    for part in (slice(0, 2), slice(2, 4)):
-        apart = np.linalg.norm(a.estimate[:, part] - truth[:, part]) / np.linalg.norm(truth[:, part])
-        assert apart < 0.03
+    motion = radial_solution(scene, 3000, solver.time)
+    u, v = (legendre.legval(10 * (R - 0.5), c)[:, None] * a.direction for c in motion)
+    F_r = 1 + 10 * legendre.legval(10 * (R - 0.5), legendre.legder(motion[0]))
+    F_t = 1 + legendre.legval(10 * (R - 0.5), motion[0]) / R
+    along, across = (mu / (F_r * F_t) * (s * s - 1) for s in (F_r, F_t))
+    c, s = a.direction.T
+    F = a.deformation_gradient.reshape(-1, 2, 2)
+    sigma = mu * (F @ F.transpose(0, 2, 1) - np.eye(2)) / np.linalg.det(F)[:, None, None]
+    off = np.stack([sigma[:, 0, 0] - along * c * c - across * s * s, sigma[:, 0, 1] - (along - across) * c * s,
+                    sigma[:, 1, 1] - along * s * s - across * c * c], axis=1)
+    for estimate, truth in ((a.estimate[:, :2], a.motion[:, :2] - a.material_position - u),
+                            (a.estimate[:, 2:], a.motion[:, 2:] - v), (a.estimate_stress[:, :3], off)):
+        assert np.linalg.norm(estimate - truth) / np.linalg.norm(truth) < 0.03
     assert not solver.not_valid()
 
 

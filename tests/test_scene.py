@@ -11,6 +11,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from solvers.bar.scene import BAR_AMPLITUDE_LIMIT, BarScene
+from solvers.ring.scene import RingScene
 from solvers.scene import EFFECTS, FLAGS, MOST_PARTICLES, MOST_STEPS, SceneError
 
 NUMBERS = [f.name for f in fields(BarScene) if f.type.split(" ")[0] in ("int", "float")]
@@ -199,3 +200,16 @@ def test_any_numbers_make_a_usable_scene_or_a_scene_error(numbers):
     assert scene.time_step > 0 and scene.end_time > 0
     for count in (scene.steps, scene.sample_interval, scene.estimate_interval, scene.particles):
         assert 1 <= count < 2**31
+
+
+@pytest.mark.parametrize("scene", [BarScene(body_force="two-tone"), RingScene(body_force="two-tone"),
+                                   RingScene(body_force="none")], ids=lambda s: f"{s.problem}-{s.body_force}")
+def test_without_a_built_in_solution_there_is_no_truth(scene):
+    """A force or a free motion that nobody has solved: the truth is off and said to be, the estimates go on."""
+    assert not scene.has("truth") and scene.has("acceleration") and scene.has("estimate")
+    assert scene.warnings() == [f"body force {scene.body_force}: no exact solution is built in, so the true error is "
+                                "unknown"]
+
+
+def test_the_free_bar_has_a_solution_of_its_own():
+    assert BarScene(body_force="none").has("truth") and not BarScene(body_force="none").warnings()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
 
 from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choice_flag, default_hint, list_flag
 from app.commands.output import Target, json_text, noted_interrupts, say, stdout_to_stderr
-from app.commands.run import periods_flag
+from app.commands.scene_flags import periods_flag
 from solvers.bar import scene as bar
 from solvers.ring import scene as ring
 from solvers.samples import QUANTITIES

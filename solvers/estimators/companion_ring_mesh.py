@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 
 import numpy as np
 
@@ -12,11 +13,17 @@ from solvers.ring.exact import INNER, OUTER
 from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
+#: Up to so many cells: elements across, elements around, order p.
+MESHES = ((40, (1, 2, 4)), (72, (2, 3, 4)), (128, (2, 3, 5)), (math.inf, (3, 4, 6)))
 
 def mesh(cells: int) -> tuple[Elements, Elements]:
-    """Elements across the ring and around it: few, for the solve must cost little beside the smallest meshes."""
-    order = 4 if cells <= 40 else 5 if cells <= 128 else 6
-    return Elements(INNER, OUTER, 1, order), Elements(0.0, 0.5 * np.pi, 2, order)
+    """Elements across the ring and around it: few, for the solve must cost little beside the particles.
+
+    Chosen on the free ring, which unlike the manufactured one is no polynomial in R: the velocity's pointwise distance
+    from an independent solution stays below 0.01 with CPDI at 24 to 96 cells.
+    """
+    across, around, order = next(sizes for most, sizes in MESHES if cells <= most)
+    return Elements(INNER, OUTER, across, order), Elements(0.0, 0.5 * np.pi, around, order)
 
 
 def read_particles(scene: RingScene, radial: Elements, angular: Elements) -> tuple[np.ndarray, np.ndarray]:

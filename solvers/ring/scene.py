@@ -50,6 +50,11 @@ class RingScene(Scene):
     SAMPLES_A_PERIOD: ClassVar[int] = 50  # a sample of a ring costs more than a step
 
     @property
+    def solution_known(self) -> bool:
+        """The manufactured solution needs its own force: without it the ring swings freely, nobody knows how."""
+        return self.body_force == "material"
+
+    @property
     def spacing(self) -> float:
         """Cell size h."""
         return 1.2 / self.cells
@@ -60,10 +65,12 @@ class RingScene(Scene):
         return math.prod(polar_counts(self.cells, self.particles_per_cell))
 
     def warnings(self) -> list[str]:
+        sentences = super().warnings()
         if self.amplitude > WRINKLING:
-            return [f"amplitude {self.amplitude:g}: above {WRINKLING} the surface of a real ring wrinkles; what the "
-                    "particles do then is physics, not error, and the exact solution no longer describes it"]
-        return []
+            sentences.append(
+                f"amplitude {self.amplitude:g}: above {WRINKLING} the surface of a real ring wrinkles; what the "
+                "particles do then is physics, not error, and the exact solution no longer describes it")
+        return sentences
 
     def _check_amplitude(self) -> None:
         allowed = f"give a number above 1e-12 and below {INVERSION}"
