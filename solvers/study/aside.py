@@ -17,10 +17,10 @@ import math
 import os
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
-from solvers.scene import Scene
+from solvers.scene import EFFECTS, Scene
 from solvers.study.apart import end_process, how_it_ended, pipes, start_process
 from solvers.study.grid import Task, task_of
 
@@ -76,9 +76,15 @@ JOBS = {job.__name__: job for job in (SweepJob, SearchJob)}
 
 
 def _advice(advice: Advice) -> dict:
-    """What a visitor wants to know of it, in plain values; the error is None where it is not finite."""
+    """What a visitor wants to know of it, in plain values; the error is None where it is not finite.
+
+    The scene has every effect, and the estimator that it was found by.
+    """
+    from solvers.study.family import ESTIMATOR
+
     chosen = advice.chosen
-    return {"met": advice.met, "task": task_of(chosen.scene).to_dict(), "measured": chosen.measured,
+    scene = replace(chosen.scene, estimators=(ESTIMATOR,), effects=EFFECTS)
+    return {"met": advice.met, "task": task_of(scene).to_dict(), "measured": chosen.measured,
             "error": chosen.error if math.isfinite(chosen.error) else None,
             "seconds": chosen.seconds, "why": advice.why, "looks": advice.looks}
 
