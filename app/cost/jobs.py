@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from app import __version__
 from app.commands.advise import AdviseBar, AdviseRing
-from app.cost.runs import SWEEP, Runs
+from app.cost.runs import LIVE, SWEEP, Run, Runs
 from solvers.scene import Scene, SceneError
 from solvers.study.aside import Aside, SearchJob, SweepJob
 from solvers.study.grid import Task, task_of
@@ -37,6 +38,12 @@ def small_sweep(scene: Scene) -> list[Task]:
                 continue
             tasks.append(task_of(other, repeats=REPEATS, version=__version__))
     return tasks
+
+
+def timings(runs: Sequence[Run]) -> list[Task]:
+    """The scenes of those runs that were timed on the stage only: there they go in small pieces, with every effect."""
+    return [Task(run.row["problem"], run.row["asked"], repeats=REPEATS, version=__version__)
+            for run in runs if run.source == LIVE]
 
 
 def search(scene: Scene, tolerance: float, budget: float) -> SearchJob:

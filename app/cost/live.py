@@ -7,6 +7,7 @@ import numpy as np
 from app import __version__
 from app.history import History
 from solvers.engine.messages import FrameReport
+from solvers.norms import summary
 from solvers.samples import QUANTITIES
 from solvers.study.grid import task_of
 from solvers.study.row import BLANK, OK, SCHEMA, UNSTABLE
@@ -48,18 +49,12 @@ def live_row(report: FrameReport, history: History) -> dict:
         "scene": scene.to_dict(), "h": scene.spacing, "status": UNSTABLE if unstable else OK,
         "reason": report.reason if unstable else None, "t": steps * scene.time_step, "steps": steps,
         "particles": report.particles, "particle_steps": steps * report.particles,
-        "error": {q: _norms(series[f"error_{q}"][within]) for q in QUANTITIES},
-        "estimate": {name: {q: _norms(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},
+        "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
+        "estimate": {name: {q: summary(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},
         "index": {name: {q: _last(series[f"{name}/index_{q}"][within]) for q in QUANTITIES} for name in valid},
         "distance": {name: {q: _last(series[f"{name}/apart_{q}"][within]) for q in QUANTITIES} for name in valid},
         "not_valid": dict(report.not_valid), "effects": list(scene.effects),
         "seconds": {"full": seconds}, "rate": report.rate or None, "arch": report.arch, "version": __version__}
-
-
-def _norms(values: np.ndarray) -> dict | None:
-    """Of the sampled norms the last, the largest and the mean, or None where nothing was measured."""
-    known = values[np.isfinite(values)]
-    return {"final": float(known[-1]), "max": float(known.max()), "mean": float(known.mean())} if len(known) else None
 
 
 def _last(values: np.ndarray) -> float | None:

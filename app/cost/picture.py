@@ -113,7 +113,7 @@ def _legend(dots: Sequence[Run]) -> str:
     entries = [(SHAPES[METHOD_MARKS[name]], METHOD_COLOURS[name], METHOD_COLOURS[name], METHOD_NAMES[name])
                for name in methods]
     if any(run.source == LIVE for run in dots):
-        entries.append((SHAPES["o"], "#fff", "#6b7480", "on the stage, with effects"))
+        entries.append((SHAPES["o"], "#fff", "#6b7480", "as timed on the stage"))
     if any(run.status == UNSTABLE for run in dots):
         entries.append((CROSS, "none", "#6b7480", "unstable"))
     return "<div class='lab-legend'>" + "".join(
@@ -126,6 +126,6 @@ def _colour(run: Run) -> str:
 
 
 def _label(factor: int, power: int) -> str:
-    if -2 <= power <= 3:
+    if -3 <= power <= 3:
         return f"{factor * 10.0**power:g}"
     return f"{factor}·" * (factor > 1) + power_text(power).strip()

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import viser
 
 from app.cost import words
-from app.cost.jobs import Jobs, Progress, search, small_sweep
+from app.cost.jobs import Jobs, Progress, search, small_sweep, timings
 from app.cost.live import LiveRows
 from app.cost.picture import picture
 from app.cost.runs import LIVE, Runs, csv_bytes
@@ -77,6 +77,10 @@ class CostTab:
         self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
                                      "grids with each of its methods, timed in the background")
         self._sweep.on_click(lambda _: self._start_sweep())
+        self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="hollow dots "
+                                    "are timed on the stage, in small pieces and with every effect; this runs them "
+                                    "bare and in one go, in the background")
+        self._time.on_click(lambda _: self._start_timing())
         self._tolerance = gui.add_text("Tolerance / A", "1e-3", hint="largest RMS error of x that is allowed at any "
                                        "time of one period, as a part of the amplitude A")
         self._budget = gui.add_text("Longest run, s", "10", hint="longest bare run that may be recommended")
@@ -101,15 +105,16 @@ class CostTab:
         self._picture.content = _clickable(drawing + (f"<p>{hidden}</p>" if hidden else ""))
         self._table.content = _clickable(words.table(of_problem))
         self._download.disabled = not runs
+        self._time.visible = bool(timings(runs))
 
     def _show_progress(self, going: Progress) -> None:
-        self._sweep.disabled = self._search.disabled = going.running
+        self._sweep.disabled = self._time.disabled = self._search.disabled = going.running
         self._cancel.visible = self._bar.visible = going.running
         if going.running:
             self._bar.value = min(100.0, 100.0 * going.done / going.total) if going.total else 0.0
         self._take.visible = bool(going.advice) and not going.running
-        text = self._remark or words.going(going)
-        self._status.content = f"<div class='lab-cost' role='status'><p>{html.escape(text)}</p></div>" if text else ""
+        texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(going), self._remark) if text]
+        self._status.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     # ---- what the visitor does (from the viewer's threads) ------------------------------------------------
 
@@ -123,6 +128,10 @@ class CostTab:
     def _start_sweep(self) -> None:
         self._remark = ""
         self.jobs.sweep(small_sweep(self._session.scene))
+
+    def _start_timing(self) -> None:
+        self._remark = ""
+        self.jobs.sweep(timings(self.runs.all()))
 
     def _start_search(self) -> None:
         try:

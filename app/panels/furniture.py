@@ -69,7 +69,7 @@ div:has(> .lab-paired) + div + div + div + div {{ display: inline-block; width: 
 .lab-about h3 {{ font-size: 14px; margin: 10px 0 4px; }} .lab-about p {{ margin: 4px 0 8px; }}
 .lab-explanation {{ padding: 0 4px; }} .lab-about math[display=block] {{ margin: 6px 0; font-size: 13.5px; }}
 div:has(> .lab-picked) + div {{ display: none !important; }}
-.lab-cost {{ padding: 2px 8px; font: 12px/1.4 system-ui, sans-serif; color: #222831;
+.lab-cost {{ padding: 2px 12px 4px 8px; font: 12px/1.4 system-ui, sans-serif; color: #222831;
   font-variant-numeric: tabular-nums; }}
 .lab-cost p {{ margin: 4px 2px; }} .lab-cost svg {{ display: block; }}
 .lab-cost svg text {{ font: 10px system-ui, sans-serif; fill: #4a525c; }} .lab-cost .lab-number {{ font-size: 9px; }}
@@ -77,7 +77,7 @@ div:has(> .lab-picked) + div {{ display: none !important; }}
 .lab-line {{ fill: none; stroke-width: 1; opacity: 0.45; }}
 .lab-dot {{ cursor: pointer; outline: none; }}
 .lab-dot:hover circle, .lab-dot:focus-visible circle {{ fill: #0072b233; }}
-.lab-legend {{ display: flex; flex-wrap: wrap; gap: 0 10px; padding: 0 4px; font-size: 11px; }}
+.lab-legend {{ display: flex; flex-wrap: wrap; gap: 0 10px; padding: 0 4px 4px; font-size: 11px; }}
 .lab-legend span {{ display: inline-flex; align-items: center; gap: 3px; }}
 .lab-runs {{ width: 100%; border-collapse: collapse; font-size: 11px; white-space: nowrap; }}
 .lab-runs th {{ font-weight: 400; color: #6b7480; }}
