@@ -11,6 +11,10 @@ import numpy as np
 ESTIMATE = "#D55E00"
 TRUTH = "#0072B2"
 COLOUR_MAP = "viridis"
+#: Each estimator's shade of the estimate's colour and its dashes (pixels drawn, pixels left out; none: unbroken).
+ESTIMATOR_LINES: dict[str, tuple[str, tuple[int, ...]]] = {
+    "transport": (ESTIMATE, ()), "recovered": ("#8A3C00", (9, 4)), "companion": ("#F08A24", (3, 3)),
+    "two-grid": ("#A85A3A", (9, 3, 2, 3))}
 
 
 def colour_table() -> np.ndarray:

@@ -10,17 +10,19 @@ import numpy as np
 import viser
 
 from app.camera import FlatCamera
-from app.panels.about import ABOUT
+from app.panels.about import add_about
 from app.panels.controls import QUANTITIES, Controls
 from app.panels.furniture import add_head, furnish
 from app.panels.lessons import add_lessons
 from app.panels.measurements import Measurements
 from app.probe import Probe
+from app.regions import WorstPlaces
 from app.scale import ColourScale
 from app.session import FIRST_SCENE, Notice, Session
 from app.stage import RECTANGLE, ColourBar
 from app.stage_bar import BarStage
 from app.stage_ring import RingStage
+from app.view import View, look
 from solvers.engine.memory import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool
@@ -37,6 +39,7 @@ class Page:
         self._client = client
         self._last: tuple[FrameReport, FrameArrays] | None = None
         self._controls: Controls | None = None
+        self._view: View | None = None
         self._scale = ColourScale()
         furnish(client.gui)
         add_head(client.gui)
@@ -47,6 +50,7 @@ class Page:
         self._stages["ring"].root.visible = False
         self._camera = FlatCamera(client, RECTANGLE)
         self._probe = Probe(client, self._camera)
+        self._places = WorstPlaces()
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
         self._tabs(client)
@@ -64,7 +68,7 @@ class Page:
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
             add_lessons(client.gui)
         with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
-            client.gui.add_html(ABOUT)
+            add_about(client.gui)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         if report.fresh:
@@ -77,22 +81,24 @@ class Page:
             return
         with self._drawing:
             report, arrays = self._last
-            scene, name = report.scene, self._controls.quantity
-            column = list(QUANTITIES).index(name)
-            true = np.abs(arrays.error[:, column])
-            active = scene.active_estimators
-            estimated = np.abs(arrays.estimate[active[0]][:, column]) if active else None
-            self._scale.follow(estimated, true)
+            scene, controls, choice = report.scene, self._controls, self._controls.estimators
+            name = controls.quantity
+            view = look(report, arrays, name, list(QUANTITIES).index(name), choice.drawn, choice.difference)
+            if choice.difference and scene.has("truth") and scene.active_estimators and not report.differences:
+                return  # the frame is one from before they were asked for; the next is on its way
+            self._scale.follow(view.left.sizes, view.right.sizes)
             stage = self._stages[scene.problem]
-            self._stages["ring"].domains = self._controls.domains
+            self._stages["ring"].domains = controls.domains
             with self._client.atomic():
                 for problem, other in self._stages.items():
                     if other.root.visible != (problem == scene.problem):
                         other.root.visible = problem == scene.problem
-                stage.draw(scene, arrays, estimated, true, report.time, self._session.speed)
-                self._colour_bar.draw(name, QUANTITIES[name][1])
+                stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time, self._session.speed)
+                stage.caption(view.left, view.right)
+                self._colour_bar.draw(view.measures, QUANTITIES[name][1])
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
-            self._probe.look(stage, arrays, estimated, true)
+            self._probe.look(stage, arrays, view.estimated, view.true)
+            self._view = view
 
     def _refresh_loop(self) -> None:
         while not self._closed.wait(REFRESH_SECONDS):
@@ -102,8 +108,9 @@ class Page:
                 logging.getLogger(__name__).exception("the page could not be refreshed")
 
     def _refresh(self) -> None:
-        key, unit = QUANTITIES[self._controls.quantity]
-        self._measurements.refresh(self._session, self._controls.estimator, key, unit, self._probe.text)
+        if self._last is not None and self._view is not None:
+            self._places.look(*self._last, self._view)
+        self._measurements.refresh(self._session, self._controls, self._probe.text, self._places)
         notice = _notice_html(self._session.notice())
         if notice != self._notice.content:
             self._notice.content = notice

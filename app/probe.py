@@ -29,7 +29,8 @@ class Probe:
         # Rectangle selection also takes the left drag, which would otherwise rotate the view.
         client.scene.on_rect_select()(lambda event: self._select(camera, event))
 
-    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray) -> None:
+    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None,
+             true: np.ndarray | None) -> None:
         """Read mean and worst error, estimated and true (P,), of the particles in the region."""
         rectangle = self._rectangle
         if rectangle is None:

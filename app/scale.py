@@ -11,6 +11,7 @@ from app.colours import colour_table
 DECADES = 3  # that a logarithmic scale shows below its top
 FADE = 0.985  # per frame: how slowly the top follows when errors shrink
 SMALLEST = 1e-300
+PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
 BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale
 
 
@@ -23,20 +24,25 @@ class ColourScale:
         self.logarithmic = False
         self.held = False
         self.top = 1.0
+        self.exceeded = False  # whether something is beyond the top, and so looks smaller than it is
 
     def forget(self) -> None:
         """Another quantity or another run: begin anew, unless held."""
         if not self.held:
             self._peak = 0.0
 
-    def follow(self, estimated: np.ndarray | None, true: np.ndarray) -> None:
+    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None) -> None:
         """Take in a frame's errors and move the top, unless held.
 
         Where the truth is known, an estimate far beyond it does not set the scale: it would hide both.
         """
+        truth, top = largest(true), largest(estimated)
+        self._follow(truth, top)
+        self.exceeded = max(truth, top) > self.top
+
+    def _follow(self, truth: float, top: float) -> None:
         if self.held:
             return
-        truth, top = largest(true), largest(estimated)
         if truth > 0:
             top = max(truth, min(top, BEYOND * truth))
         self._peak = max(top, FADE * self._peak)
@@ -57,8 +63,11 @@ class ColourScale:
     def ticks(self) -> list[tuple[float, str]]:
         """Positions 0 to 1 along the scale and the numbers there."""
         if self.logarithmic:
-            return [(k / DECADES, number(self.top * 10 ** (k - DECADES))) for k in range(DECADES + 1)]
-        return [(k / 4, number(self.top * k / 4 / 10.0**self.power)) for k in range(5)]
+            ticks = [(k / DECADES, number(self.top * 10 ** (k - DECADES))) for k in range(DECADES + 1)]
+        else:
+            ticks = [(k / 4, number(self.top * k / 4 / 10.0**self.power)) for k in range(5)]
+        at, text = ticks.pop()
+        return [*ticks, (at, f"≥ {text}" if self.exceeded else text)]
 
     @property
     def power(self) -> int:
@@ -92,3 +101,14 @@ def power_text(power: int) -> str:
 def number(value: float) -> str:
     """Short and exact to three digits: 0, 0.025, 1.5e-05."""
     return f"{value:.3g}"
+
+
+def with_unit(value: float, unit: str, digits: int = 3) -> str:
+    """A size with its unit and the prefix that makes it short: 2.1 mm, 340 kPa; 0 and what is not finite as they are.
+    """
+    if not math.isfinite(value) or value == 0:
+        return f"{value:g} {unit}"
+    power = math.floor(math.log10(float(f"{abs(value):.{digits - 1}e}"))) // 3
+    if power not in PREFIXES:
+        return f"{value:.{digits - 1}e} {unit}"
+    return f"{float(f'{value / 1000.0**power:.{digits}g}'):g} {PREFIXES[power]}{unit}"

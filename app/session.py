@@ -41,6 +41,7 @@ class Session:
         self._trouble: str | None = None
         self._lost = False
         self._restarts = self._single_steps = 0
+        self._differences = False
         self._asked_at = monotonic()
         self._number = 0
         self._wished = _fields(scene)
@@ -97,6 +98,12 @@ class Session:
             self.speed = speed
             self._ask()
 
+    def compare(self, differences: bool) -> None:
+        """Ask that frames bring the size of estimate minus truth, or no longer."""
+        with self._lock:
+            self._differences = differences
+            self._ask()
+
     def close(self) -> None:
         self._link.close()
 
@@ -108,6 +115,12 @@ class Session:
         report = self.report
         return bool(report and report.playing and report.real_speed is not None
                     and report.real_speed < CAPPED_BELOW * self.speed)
+
+    @property
+    def valid_estimators(self) -> tuple[str, ...]:
+        """The estimators of the present run that hold in it, as far as is known by now."""
+        report = self.report
+        return tuple(e for e in report.scene.active_estimators if e not in report.not_valid) if report else ()
 
     def notice(self) -> Notice | None:
         """The one thing that the visitor should read now, if any."""
@@ -121,8 +134,8 @@ class Session:
             if self._refusal:
                 return Notice("refused", f"{self._refusal}. The scene before it runs on.")
             if waiting and monotonic() - self._asked_at > SLOW_ANSWER:
-                return Notice("wait", "Preparing this scene: a combination of method and effects is compiled "
-                                      "the first time it is used.")
+                return Notice("wait", "Preparing this scene: a combination of method, estimators and effects "
+                                      "is compiled the first time it is used, in a second or two.")
             if self.report and self.report.reason and not waiting:
                 return Notice("unstable", f"{self.report.reason}.")
             return None if waiting else self._doubt()
@@ -136,7 +149,7 @@ class Session:
         if lost > LOST:
             return Notice("unstable", f"The particles have lost the solution: their error of x is {lost:.2g} times "
                                       "the amplitude. More cells or a smaller amplitude keep it longer.")
-        for estimator in scene.active_estimators:
+        for estimator in self.valid_estimators:
             index = series[f"{estimator}/index_x"][-1]
             if index > BROKEN:
                 return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
@@ -167,7 +180,7 @@ class Session:
     def _ask(self) -> None:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed, self._restarts,
-                                      self._single_steps)
+                                      self._single_steps, self._differences)
 
 
 def _fields(scene: Scene) -> dict[str, object]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 import viser
 
@@ -30,9 +32,9 @@ class ColourBar:
                        for k in range(5)]
         self._title = label(s, "/colours/title", "", 0.0, COLOUR_BAR + TICK_GAP, "bottom-left")
 
-    def draw(self, name: str, unit: str) -> None:
-        """Show the scale as it is now, for the error of ``name``."""
-        title = f"size of the error of {name} / {power_text(self._scale.power)}{unit}"
+    def draw(self, measures: str, unit: str) -> None:
+        """Show the scale as it is now, with what it measures."""
+        title = f"{measures} / {power_text(self._scale.power)}{unit}"
         if self._title.text != title:
             self._title.text = title
         ticks = self._scale.ticks()
@@ -74,6 +76,13 @@ def lines(s: viser.SceneApi, name: str, colour: tuple[int, int, int], thickness:
 def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: str,
           size: float = 1.0) -> viser.LabelHandle:
     return s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=size)
+
+
+def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:
+    """Put a text into a label, in lines of at most ``width`` characters; send it only when it has changed."""
+    text = "\n".join(textwrap.wrap(text, width))
+    if handle.text != text:
+        handle.text, handle.visible = text, bool(text)  # else its ground would show
 
 
 def in_plane(x: np.ndarray, y: np.ndarray, z: float = 0.0) -> np.ndarray:

@@ -24,7 +24,9 @@ from app.stage import (
     points,
     rgb,
     shades,
+    write,
 )
+from app.view import Half
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
 from solvers.engine.memory import FrameArrays
@@ -33,6 +35,7 @@ ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
 CURVE_MIDDLE, CURVE_HEIGHT = 0.255, 0.23
 LANE_POINTS = 4000  # points that a lane may be made of
+SILENCE_WIDTH = 72  # characters in a line of the reason why a lane is empty
 
 
 class BarStage:
@@ -50,7 +53,8 @@ class BarStage:
         self._flashes = points(s, "/bar/crossings", 0.015)
         self._labels(s)
 
-    def draw(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray,
+    def draw(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
+             true: np.ndarray | None,
              t: float, speed: float) -> None:
         """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); t in s, ``speed`` in simulated s per s."""
         x = np.clip(np.nan_to_num(arrays.position[:, 0], nan=AWAY), -0.5, 1.5)
@@ -63,6 +67,12 @@ class BarStage:
         shown = (arrays.steps_since_crossing >= 0) & (since < FLASH_SECONDS)
         self._flashes.points = in_plane(x, np.where(shown, CROSSINGS_AT, AWAY), 0.02)
         self._flashes.colors = flash_colours(since)
+
+    def caption(self, estimate: Half, truth: Half) -> None:
+        """Title the lanes, and say in an empty one why it is."""
+        for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
+            write(title, half.title)
+            write(silence, half.silence, SILENCE_WIDTH)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
@@ -78,6 +88,9 @@ class BarStage:
         self._lane = _Lane(scene.particles)
         for lane in self._lanes:
             lane.point_size = self._lane.size / 2
+        self._exact.visible = scene.solution_known
+        self._below.text = "displacement u: particles (dots) on the exact curve" if scene.solution_known \
+            else "displacement u of the particles (no exact curve is known)"
         self._largest.text = f"+{scene.motion_amplitude:.3g} m"
         self._smallest.text = f"−{scene.motion_amplitude:.3g} m"
 
@@ -93,8 +106,10 @@ class BarStage:
 
     def _labels(self, s: viser.SceneApi) -> None:
         above = 0.5 * LANE_HEIGHT + 0.03
-        label(s, "/bar/l1", "estimated error", 0.0, ESTIMATE_LANE + above, "bottom-left")
-        label(s, "/bar/l2", "true error", 0.0, TRUTH_LANE - above, "top-left")
+        self._titles = [label(s, "/bar/l1", " ", 0.0, ESTIMATE_LANE + above, "bottom-left"),
+                        label(s, "/bar/l2", " ", 0.0, TRUTH_LANE - above, "top-left")]
+        self._silences = [label(s, f"/bar/silence{lane}", " ", 0.5, lane, "center-center", 0.85)
+                          for lane in (ESTIMATE_LANE, TRUTH_LANE)]
         label(s, "/bar/l3", "between the lanes: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
               "top-right", 0.85)
         reach = 1.1 * CURVE_HEIGHT
@@ -105,7 +120,7 @@ class BarStage:
         self._largest = label(s, "/bar/high", "", -0.01, top, "center-right", 0.85)
         self._smallest = label(s, "/bar/low", "", -0.01, bottom, "center-right", 0.85)
         label(s, "/bar/zero", "0", -0.01, CURVE_MIDDLE, "center-right", 0.85)
-        label(s, "/bar/l4", "displacement u: particles (dots) on the exact curve", 0.5, bottom - 0.035, "top-center")
+        self._below = label(s, "/bar/l4", "", 0.5, bottom - 0.035, "top-center")
         label(s, "/bar/l5", "X = 0", 0.0, bottom - 0.035, "top-center", 0.85)
         label(s, "/bar/l6", "1 m", 1.0, bottom - 0.035, "top-center", 0.85)
 

@@ -19,7 +19,9 @@ from app.stage import (
     lines,
     points,
     shades,
+    write,
 )
+from app.view import Half
 from solvers.engine.memory import FrameArrays
 from solvers.ring.exact import OUTER
 from solvers.ring.layout import particle_layout
@@ -30,6 +32,7 @@ RADIUS = 0.46  # of the outermost the ring should come, on the stage
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
 FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gone bad are drawn at most
+SILENCE_WIDTH = 22  # characters in a line of the reason why a half is empty: it stands in the ring's hole
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
@@ -48,12 +51,15 @@ class RingStage:
         self._outlines = lines(s, "/ring/domains", (120, 125, 132), 0.8)
         self._flashes = points(s, "/ring/crossings", 0.01)
         self._flashes.colors = np.array(FLASH, np.uint8)  # of all: one colour a point would cost a fifth of its bytes
-        label(s, "/ring/l1", "estimated error", 0.06, 0.88, "top-left")
-        label(s, "/ring/l2", "true error", 0.94, 0.88, "top-right")
+        self._titles = [label(s, "/ring/l1", " ", 0.02, 0.89, "top-left"),
+                        label(s, "/ring/l2", " ", 0.98, 0.89, "top-right")]
+        self._silences = [label(s, "/ring/silence1", " ", MIDDLE[0] - 0.015, MIDDLE[1], "center-right", 0.85),
+                          label(s, "/ring/silence2", " ", MIDDLE[0] + 0.015, MIDDLE[1], "center-left", 0.85)]
         self._size_note = label(s, "/ring/l3", "", 0.0, -0.05, "bottom-left", 0.85)
         label(s, "/ring/l4", "magenta dots: crossing a cell boundary", 1.0, -0.05, "bottom-right", 0.85)
 
-    def draw(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray,
+    def draw(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None,
+             true: np.ndarray | None,
              t: float, speed: float) -> None:
         """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); ``speed`` in simulated s per s."""
         self._draw_grid(scene)
@@ -63,6 +69,12 @@ class RingStage:
             half.colors = np.tile(shades(self._scale, sizes, len(x)), (2, 1))
         self._draw_crossings(scene, arrays, x, speed)
         self._draw_domains(scene, arrays, x)
+
+    def caption(self, estimate: Half, truth: Half) -> None:
+        """Title the halves, and say in the hole beside an empty one why it is."""
+        for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
+            write(title, half.title)
+            write(silence, half.silence, SILENCE_WIDTH)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""

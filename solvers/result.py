@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,7 +21,8 @@ class Snapshot:
     Positions are (P,) for the bar and (P, 2) for the ring, F (P,) and (P, 2, 2).
     ``error`` (P, 4) is computed minus exact for the bar, the size of that for the ring, or None
     without the truth; ``estimate`` maps an estimator to
-    (P, 4); ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
+    (P, 4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth
+    is known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
     """
 
     step: int
@@ -33,6 +34,7 @@ class Snapshot:
     error: np.ndarray | None
     estimate: dict[str, np.ndarray]
     last_crossing: np.ndarray | None
+    difference: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from solvers.estimators.interface import NEVER, Estimator
+from solvers.estimators.interface import NEVER, Estimator, memory_parts
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene
@@ -17,7 +17,9 @@ from solvers.scene import Scene
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 SAFE_CFL = 0.4  # up to which the length of the step is hardly to blame
 TIMED_SECONDS = 0.004  # that one timed stretch takes at least: many times the cost of a launch
+MOST_TIMED_SECONDS = 0.04
 TIMED_TURNS = 5
+PROCESSORS = ("x64", "arm64")  # as Taichi calls them; others work while this thread waits
 
 
 class Solver(ABC):
@@ -78,7 +80,8 @@ class Solver(ABC):
 
     def not_valid(self) -> dict[str, str]:
         """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
-        found = {name: self.ESTIMATORS[name].verdict(self.scene, self._arrays.memory)
+        memory = memory_parts(self.ESTIMATORS, self._arrays.memory)
+        found = {name: self.ESTIMATORS[name].verdict(self.scene, memory)
                  for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 
@@ -115,8 +118,13 @@ class Solver(ABC):
         return {name: max(0.0, 1 - float(best[e] / best[-1])) for e, name in enumerate(names)}
 
     def _timed_steps(self, whole: int, kept: dict[str, np.ndarray]) -> int:
-        """Steps, a multiple of ``whole``, that take about ``TIMED_SECONDS``."""
+        """Steps, a multiple of ``whole``, that take about ``TIMED_SECONDS``: whole turns of the samples too, whose
+        reports may be most of an estimator's price, unless these take long."""
         step, steps = self.step, whole
+        sampled = int(np.lcm(whole, self.scene.sample_interval, dtype=np.int64))
+        if self._timed(whole) * sampled / whole < MOST_TIMED_SECONDS:
+            steps = sampled
+        self._put_back(step, kept)
         while self._timed(steps) < TIMED_SECONDS and 2 * steps <= self.longest_advance:
             self._put_back(step, kept)
             steps *= 2
@@ -124,9 +132,13 @@ class Solver(ABC):
         return steps
 
     def _timed(self, steps: int) -> float:
-        begun = time.perf_counter()
+        """Seconds of that many steps: the processor's where one thread does it all, so that what else runs on the
+        machine is not counted."""
+        alone = self.plan == "serial" and self.arch in PROCESSORS
+        clock = time.thread_time if alone else time.perf_counter
+        begun = clock()
         self.advance(min(steps, self.longest_advance))
-        return time.perf_counter() - begun
+        return clock() - begun
 
     def _put_back(self, step: int, kept: dict[str, np.ndarray]) -> None:
         members = self._arrays.members()
@@ -148,8 +160,8 @@ class Solver(ABC):
                 f"(X = {place}) {what}; {advice}")
 
     @abstractmethod
-    def snapshot(self) -> Snapshot:
-        """The particles as they are now, with their true and estimated errors."""
+    def snapshot(self, differences: bool = False) -> Snapshot:
+        """The particles as they are now, with their true and estimated errors, and on request how far these differ."""
 
     @abstractmethod
     def _run(self, steps: int) -> None:

@@ -14,10 +14,16 @@ from time import monotonic, perf_counter
 import numpy as np
 import pytest
 
+from solvers import samples
 from solvers.bar.scene import BarScene
+from solvers.bar.solver import BarSolver
+from solvers.engine import memory
 from solvers.engine.messages import Wish
 from solvers.engine.pool import EnginePool
+from solvers.engine.stepper import Stepper
 from solvers.engine.worker import FAILED
+from solvers.estimators.validity import RULES
+from solvers.ring.scene import RingScene
 from solvers.run import build
 
 SCENE = BarScene(cells=20, periods=1)
@@ -273,3 +279,41 @@ def test_goodbye_overtakes_a_wish_that_waits(pool):
         link.ask(SCENE, True, 1.0, 0, 0)
         link.close()
         assert link.session not in engine._wishes
+
+
+@pytest.mark.parametrize("scene", [SCENE, RingScene(cells=12, periods=1)], ids=["bar", "ring"])
+def test_differences_come_on_request(pool, scene):
+    """A frame holds the size of estimate minus truth only when asked, and it is the distance of the samples."""
+    listener = Listener()
+    link = pool.open(listener)
+    report, arrays = listener.frame(link.ask(scene, False, 1.0, 0, 0))
+    assert arrays.difference == {} and not report.differences
+    steps = 4 * scene.sample_interval
+    report, arrays = listener.frame(link.ask(scene, False, 1.0, 0, steps, True), lambda r: r.step == steps)
+    (sizes,) = arrays.difference.values()
+    assert report.differences and sizes.shape == (scene.particles, 4)
+    series = samples.read(report.rows, ("transport",), scene.particles, scene.time_step)
+    norm = np.sqrt(np.mean(sizes.astype(float) ** 2, axis=0))
+    for column, quantity in enumerate(("x", "v")):
+        assert norm[column] == pytest.approx(series[f"transport/distance_{quantity}"][-1], rel=1e-5)
+    link.close()
+
+
+def test_frames_say_what_is_not_valid(monkeypatch):
+    """Known beforehand or found out in the run: a frame has the sentence, and may lose it again."""
+    found = {"transport": "not valid here: it rains"}
+    doubting = replace(BarSolver.ESTIMATORS["transport"], verdict=lambda scene, memory: found.get("transport"))
+    monkeypatch.setattr(BarSolver, "ESTIMATORS", {"transport": doubting})
+    block = SharedMemory(create=True, size=memory.block_bytes(SCENE))
+    stepper = Stepper(Wish(1, 1, SCENE, False, 1.0, 0, 0, block.name))
+    try:
+        assert stepper.frame().not_valid == found
+        found.clear()
+        assert stepper.frame().not_valid == {}
+        monkeypatch.setitem(RULES, ("bar", "transport"), lambda scene: "it snows")
+        stepper.accept(Wish(1, 2, replace(SCENE, cells=16), False, 1.0, 0, 0, block.name))
+        assert stepper.frame().not_valid == {"transport": "not valid here: it snows"}
+    finally:
+        stepper.close()
+        block.close()
+        block.unlink()

@@ -7,11 +7,13 @@ the work and returns the exit status. To add one, write the dataclass and list i
 from app.commands.run_bar import RunBar
 from app.commands.run_ring import RunRing
 from app.commands.serve import Serve
+from app.commands.tables import Tables
 
 COMMANDS: dict[tuple[str, ...], type] = {
     ("serve",): Serve,
     ("run", "bar"): RunBar,
     ("run", "ring"): RunRing,
+    ("tables",): Tables,
 }
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)

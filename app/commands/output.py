@@ -146,14 +146,15 @@ class Progress:
     """A bar on a terminal for runs that take longer than a second; nothing elsewhere."""
 
     WIDTH = 30
+    WHAT = 24  # characters of what is being done; the whole line fits a terminal of 80
     PATIENCE = 1.0  # seconds
 
     def __init__(self, stream: TextIO, quiet: bool):
         self._stream, self._begun, self._drawn = stream, time.monotonic(), False
         self._on = not quiet and stream.isatty()
 
-    def show(self, part: float) -> None:
-        """Draw the bar at ``part``, 0 to 1."""
+    def show(self, part: float, what: str = "") -> None:
+        """Draw the bar at ``part``, 0 to 1, and what is being done."""
         elapsed = time.monotonic() - self._begun
         if not self._on or elapsed < self.PATIENCE:
             return
@@ -161,11 +162,11 @@ class Progress:
         left = f"{elapsed * (1 - part) / part:.0f} s left" if part > 0 else ""
         full = round(part * self.WIDTH)
         bar = "#" * full + "." * (self.WIDTH - full)
-        self._stream.write(f"\r[{bar}] {100 * part:3.0f} %  {left:<14}")
+        self._stream.write(f"\r[{bar}] {100 * part:3.0f} %  {left:<14}{what:<{self.WHAT}.{self.WHAT}}")
         self._stream.flush()
 
     def close(self) -> None:
         """Wipe the bar off the line."""
         if self._drawn:
-            self._stream.write("\r" + " " * (self.WIDTH + 26) + "\r")
+            self._stream.write("\r" + " " * (self.WIDTH + 24 + self.WHAT) + "\r")
             self._stream.flush()

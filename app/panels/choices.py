@@ -9,7 +9,9 @@ METHODS = {"mpm": "MPM (hat functions)", "ugimp": "uGIMP", "cpgimp": "cpGIMP", "
 #: Label, key in samples, unit. The order is that of the error columns.
 QUANTITIES = {"displacement x": ("x", "m"), "velocity v": ("v", "m/s"), "stress σ": ("sigma", "Pa"),
               "acceleration a": ("a", "m/s²")}
-BODY_FORCES = {"material": "at the particles", "node": "at the nodes", "none": "none"}
+SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
+BODY_FORCES = {"material": "at the particles", "node": "at the nodes", "none": "none",
+               "two-tone": "two-tone: no exact solution known"}
 VELOCITIES = {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"}
 LAYOUTS = {"polar": "polar", "cartesian": "Cartesian"}
 EFFECTS = {"truth": "true error", "estimate": "estimate", "crossings": "grid crossings", "energy": "energy",

@@ -18,11 +18,11 @@ from app.panels.choices import (
     REACH,
     VELOCITIES,
 )
+from app.panels.estimators import EstimatorChoice
 from app.panels.furniture import LOGARITHMIC
 from app.scale import ColourScale
 from app.session import Session
 from solvers.problems import SCENES
-from solvers.scene import ESTIMATORS
 
 RUN_BUTTONS = ("Play", "Pause", "Step", "Reset")
 
@@ -34,6 +34,7 @@ class Controls:
                  on_view: Callable[[], None]):
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
         self.domains = False
+        self.estimators = EstimatorChoice(session, on_view)
         self._problem = gui.add_dropdown("Problem", tuple(PROBLEMS.values()),
                                          initial_value=PROBLEMS[session.scene.problem])
         self._problem.on_update(lambda _: self._choose_problem())
@@ -43,12 +44,6 @@ class Controls:
     def quantity(self) -> str:
         """Label of the quantity whose error is shown."""
         return self._quantity.value
-
-    @property
-    def estimator(self) -> str | None:
-        """The estimator shown, if the scene has one."""
-        active = self._session.scene.active_estimators
-        return active[0] if active else None
 
     def _choose_problem(self) -> None:
         """Another problem has other choices and reaches: its widgets take the place of the present ones."""
@@ -118,9 +113,7 @@ class Controls:
         gui, scale, session = self._gui, self._scale, self._session
         self._quantity = gui.add_dropdown("Error of", tuple(QUANTITIES), initial_value="displacement x",
                                           hint="the quantity whose error gives the colours")
-        estimator = gui.add_dropdown("Estimator", (*ESTIMATORS, "none"), initial_value=session.scene.estimators[0])
-        estimator.on_update(lambda e: session.set(
-            estimators=() if e.target.value == "none" else (e.target.value,)))
+        self.estimators.build(gui)
         kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), hint="of estimate and truth alike",
                                 initial_value="logarithmic" if scale.logarithmic else "linear")
         hold = gui.add_checkbox("Hold colours", scale.held, hint="keep the colour scale while settings change")

@@ -13,6 +13,8 @@ CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316
 
 #: Put before a slider whose number box would show a logarithm: the style hides the box.
 LOGARITHMIC = "<i class='lab-logarithmic'></i>"
+#: Put before four boxes that stand two in a row.
+PAIRED = "<div class='lab-paired'>Estimators, one or several</div>"
 
 _ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
          "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "
@@ -33,6 +35,9 @@ div:has(> .lab-logarithmic) + div .mantine-NumberInput-root {{ display: none; }}
 div:has(> .lab-logarithmic) + div .mantine-Slider-label {{ display: none; }}
 div:has(> .lab-logarithmic) + div .mantine-Slider-root {{ margin: 0 14px 0 10px; }}
 div:has(> .lab-logarithmic) + div {{ min-height: 28px; }}
+div:has(> .lab-paired) + div, div:has(> .lab-paired) + div + div, div:has(> .lab-paired) + div + div + div,
+div:has(> .lab-paired) + div + div + div + div {{ display: inline-block; width: 50%; }}
+.lab-paired {{ padding: 0 10px 4px; font-size: 12.5px; letter-spacing: -0.75px; color: var(--mantine-color-dimmed); }}
 .lab-notice {{ position: fixed; z-index: 5; pointer-events: none; bottom: 10px;
   left: {MEASUREMENTS_WIDTH + 20}px; right: {CONTROLS_WIDTH + 24}px; padding: 7px 12px;
   border-radius: 6px; font: 12.5px/1.4 system-ui, sans-serif;
@@ -43,12 +48,24 @@ div:has(> .lab-logarithmic) + div {{ min-height: 28px; }}
 .lab-readout {{ padding: 6px 12px 2px; font: 12px/1.5 system-ui, sans-serif; color: #222831;
   font-variant-numeric: tabular-nums; }}
 .lab-readout table {{ width: 100%; border-collapse: collapse; }}
-.lab-readout td:first-child {{ color: #6b7480; padding-right: 8px; white-space: nowrap; }}
+.lab-readout td:first-child {{ color: #6b7480; padding-right: 8px; white-space: nowrap; vertical-align: top; }}
+.lab-readout td {{ vertical-align: top; padding-top: 0; padding-bottom: 0; }}
+.lab-numbers {{ margin-top: 5px; border-top: 1px solid #dfe3e8; font-size: 11.5px; }}
+.lab-numbers tr td:first-child {{ color: #222831; }}
+.lab-numbers td:not(:first-child) {{ text-align: right; padding-left: 5px; white-space: nowrap; }}
+.lab-worst {{ font-size: 10.5px; }} .lab-readout .lab-worst td {{ padding-right: 0; padding-left: 3px; }}
+.lab-readout .lab-worst td:first-child {{ padding-left: 0; }}
+.lab-numbers .lab-head td, .lab-numbers .lab-head td:first-child {{ color: #6b7480; }}
+.lab-numbers .lab-silence {{ text-align: left !important; white-space: normal !important; color: #7a4a00;
+  line-height: 1.3; }}
+.lab-worst td:nth-child(2) {{ text-align: left !important; }}
 .lab-capped {{ background: #e69f00; color: #222; border-radius: 3px; padding: 0 4px; font-weight: 600; }}
 .lab-heading {{ margin: 8px 12px -2px; text-align: center;
   font: 600 12px/1.3 system-ui, sans-serif; color: #222831; }}
+.lab-heading span {{ font-weight: 400; color: #7a4a00; }}
 .lab-about {{ padding: 4px 12px; font: 13px/1.5 system-ui, sans-serif; color: #222831; }}
 .lab-about h3 {{ font-size: 14px; margin: 10px 0 4px; }} .lab-about p {{ margin: 4px 0 8px; }}
+.lab-explanation {{ padding: 0 4px; }} .lab-about math[display=block] {{ margin: 6px 0; font-size: 13.5px; }}
 .lab-key {{ font-weight: 600; }}
 </style>"""
 

@@ -15,10 +15,10 @@ import taichi as ti
 
 from solvers.bar import exact
 from solvers.bar.estimators import ESTIMATORS
+from solvers.bar.members import MEMBERS
 from solvers.bar.nodes import GHOSTS
 from solvers.bar.scene import BarScene
 from solvers.estimators.interface import allocate_memory, intervals, memory_types
-from solvers.kinds import integers, pairs, quads, real, reals, table
 from solvers.memory import align_fields
 from solvers.samples import ROWS, column_count
 
@@ -119,15 +119,7 @@ def _zeros(length: int, width: int | None, when: bool, kind: type = np.float64) 
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
-BarState = ti.types.argpack(
-    particles=ti.i32, cells=ti.i32, sample_interval=ti.i32, spacing=real, cells_per_length=real, dt=real,
-    modulus=real, density=real, volume=real, half_width=real, farthest=real, amplitude=real,
-    angular_frequency=real, force_scale=real,
-    material_position=reals, position=reals, velocity=reals, deformation_gradient=reals, sine=reals,
-    cosine=reals, first_node=integers, weights=quads, acceleration=reals, last_crossing=integers,
-    node_sine=reals, node_sums=quads, node_moments=quads, node_volume=reals, node_motion=pairs,
-    estimate=quads, estimate_intervals=integers, totals=reals, samples=table, verdict=integers,
-    **memory_types(ESTIMATORS))
+BarState = ti.types.argpack(**MEMBERS, **memory_types(ESTIMATORS))
 
 
 def farthest(scene: BarScene) -> float:
@@ -135,14 +127,17 @@ def farthest(scene: BarScene) -> float:
     return min(0.5, 20 * scene.motion_amplitude)
 
 
+def numbers(scene: BarScene) -> dict[str, float]:
+    """Every number that kernels need of a scene, by the name of its member."""
+    w = scene.angular_frequency
+    return {
+        "particles": scene.particles, "cells": scene.cells, "sample_interval": scene.sample_interval,
+        "spacing": scene.spacing, "cells_per_length": float(scene.cells), "dt": scene.time_step,
+        "modulus": scene.modulus, "density": scene.density, "volume": scene.spacing / scene.particles_per_cell,
+        "half_width": 0.5 / scene.particles_per_cell, "farthest": farthest(scene),
+        "amplitude": scene.motion_amplitude, "angular_frequency": w, "force_scale": 3 * w * w * scene.amplitude}
+
+
 def pack(scene: BarScene, arrays: Arrays):
     """The kernel's view of a scene and its arrays. The arrays must outlive it."""
-    w = scene.angular_frequency
-    return BarState(
-        particles=scene.particles, cells=scene.cells, sample_interval=scene.sample_interval,
-        spacing=scene.spacing, cells_per_length=float(scene.cells), dt=scene.time_step, modulus=scene.modulus,
-        density=scene.density, volume=scene.spacing / scene.particles_per_cell,
-        half_width=0.5 / scene.particles_per_cell, farthest=farthest(scene), amplitude=scene.motion_amplitude,
-        angular_frequency=w,
-        force_scale=3 * w * w * scene.amplitude,
-        **arrays.members())
+    return BarState(**numbers(scene), **arrays.members())

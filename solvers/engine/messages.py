@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,7 +15,8 @@ class Wish:
 
     ``number`` grows with every wish and comes back in frames, so that an answer can be told from an echo.
     ``restarts`` and ``single_steps`` are counts: an engine acts when they have grown. ``speed`` is simulated
-    seconds a second. ``memory`` names the shared memory block that frames go to.
+    seconds a second. ``memory`` names the shared memory block that frames go to; ``differences`` asks that they hold
+    the sizes of estimate minus truth too.
     """
 
     session: int
@@ -26,6 +27,7 @@ class Wish:
     restarts: int
     single_steps: int
     memory: str
+    differences: bool = False
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,8 @@ class FrameReport:
 
     ``fresh`` marks the first frame after a build, when what was collected before belongs to another run.
     ``rate`` is million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a
-    second, None until it has been measured.
+    second, None until it has been measured. ``not_valid`` has a sentence for each estimator that does not hold here,
+    known beforehand or found out by now; ``differences`` says that the frame holds estimate minus truth.
     """
 
     session: int
@@ -64,6 +67,8 @@ class FrameReport:
     rate: float
     real_speed: float | None
     arch: str
+    not_valid: dict[str, str] = field(default_factory=dict)
+    differences: bool = False
 
 
 @dataclass(frozen=True)

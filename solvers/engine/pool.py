@@ -68,7 +68,8 @@ class SessionLink:
         self._closed = False
         engine.add(self)
 
-    def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int) -> int:
+    def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
+            differences: bool = False) -> int:
         """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
@@ -77,7 +78,7 @@ class SessionLink:
             number = last + 1
             self._fit_block(scene, number)
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._block.name)
+                             self._block.name, differences)
             self._deaths = 0
             self._engine.send(self.wish)
         if self._engine.given_up:
@@ -105,7 +106,7 @@ class SessionLink:
             self._deaths = 0
             arrays = None
             if report.number >= self._block_since:  # else it lies in a block that has been replaced
-                arrays = memory.read(self._block, report.scene, report.particles)
+                arrays = memory.read(self._block, report.scene, report.particles, report.differences)
                 _free(self._outgrown)
                 self._outgrown = []
             self._engine.send(Seen(self.session))

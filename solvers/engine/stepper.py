@@ -88,7 +88,7 @@ class Stepper:
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
         now, solver = perf_counter(), self.solver
-        shot = solver.snapshot()
+        shot = solver.snapshot(self.wish.differences)
         memory.write(self._block, solver.scene, shot)
         self._measure_speed(now)
         report = FrameReport(
@@ -96,7 +96,7 @@ class Stepper:
             playing=self._running, particles=len(shot.position), step=solver.step, time=solver.time,
             rows=np.concatenate(self._rows),
             reason=None if solver.sound else solver.reason(), rate=self._rate, real_speed=self._real_speed,
-            arch=solver.arch)
+            arch=solver.arch, not_valid=solver.not_valid(), differences=bool(shot.difference))
         self._rows = [report.rows[:0]]
         self._fresh, self._frame_wanted, self._unseen = False, False, True
         # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from solvers.estimators.pool import Pool
 from solvers.scene import Scene
 
 NEVER = 2**31 - 1  # an interval that no step is a multiple of: the estimator rests
@@ -32,7 +33,7 @@ class Estimator:
       state after ``step`` steps, whether or not that is a multiple of the interval. The acceleration is the one that
       the last step used, which belongs to the time one step earlier. Called only when somebody looks.
 
-    ``verdict(scene, memory)`` may find, from the memory of a run, that the estimate cannot be trusted: one sentence
+    ``verdict(scene, memory)`` may find, from the arrays of a run, that the estimate cannot be trusted: one sentence
     that begins with "not valid here: ". What is known beforehand is said by ``solvers.estimators.validity``.
     """
 
@@ -45,13 +46,18 @@ class Estimator:
     verdict: Callable[[Scene, Mapping], str | None] = field(default=lambda scene, memory: None)
 
 
-def memory_types(estimators: Mapping[str, Estimator]) -> dict[str, object]:
-    """The types of all estimators' memory, as members of the state."""
+def members(estimators: Mapping[str, Estimator]) -> dict[str, object]:
+    """The memory of all estimators, by name, with types."""
     return {name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()}
 
 
+def memory_types(estimators: Mapping[str, Estimator]) -> dict[str, object]:
+    """The types of the members of the state that hold all estimators' memory (see ``solvers.estimators.pool``)."""
+    return Pool(members(estimators)).types
+
+
 def allocate_memory(estimators: Mapping[str, Estimator], scene: Scene) -> dict:
-    """Values of all estimators' memory: the active ones' own, and for the others the least that a kernel accepts."""
+    """What these hold: the active estimators' own values, and for the others the least that a kernel accepts."""
     values = {}
     for name, estimator in estimators.items():
         blank = {member: _blank(kind) for member, kind in estimator.memory.items()}
@@ -59,7 +65,12 @@ def allocate_memory(estimators: Mapping[str, Estimator], scene: Scene) -> dict:
         if own and own.keys() != blank.keys():
             raise TypeError(f"estimator {name} allocates {sorted(own.keys() ^ blank.keys())} against its own list")
         values.update(own or blank)
-    return values
+    return Pool(members(estimators)).values(values)
+
+
+def memory_parts(estimators: Mapping[str, Estimator], memory: Mapping) -> dict[str, np.ndarray]:
+    """All estimators' arrays by name, out of what holds them."""
+    return Pool(members(estimators)).parts(memory)
 
 
 def intervals(estimators: Mapping[str, Estimator], scene: Scene) -> np.ndarray:

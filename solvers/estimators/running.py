@@ -2,7 +2,16 @@
 
 import taichi as ti
 
-from solvers.estimators.interface import NEVER
+from solvers.estimators.interface import NEVER, members
+from solvers.estimators.pool import look
+
+
+def whole(state, estimators):
+    """The state with the estimators' memory as members; it runs while kernels are compiled."""
+    return look(state, members(estimators))
+
+
+whole._is_taichi_function = False  # see ``solvers.estimators.pool``
 
 
 @ti.func
@@ -11,7 +20,7 @@ def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.templa
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].in_step):
             if step % state.estimate_intervals[e] == 0:
-                estimators[on.estimators[e]].in_step(state, e * state.particles, on)
+                estimators[on.estimators[e]].in_step(whole(state, estimators), e * state.particles, on)
 
 
 @ti.func
@@ -20,7 +29,7 @@ def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.tem
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].after_step):
             if step % state.estimate_intervals[e] == 0:
-                estimators[on.estimators[e]].after_step(state, e * state.particles, step, on)
+                estimators[on.estimators[e]].after_step(whole(state, estimators), e * state.particles, step, on)
 
 
 @ti.func
@@ -29,4 +38,4 @@ def report(state: ti.template(), step, estimators: ti.template(), on: ti.templat
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].report):
             if state.estimate_intervals[e] != NEVER:
-                estimators[on.estimators[e]].report(state, e * state.particles, step, on)
+                estimators[on.estimators[e]].report(whole(state, estimators), e * state.particles, step, on)

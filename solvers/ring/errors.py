@@ -12,32 +12,61 @@ from solvers.ring import exact
 from solvers.ring.scene import RingScene
 from solvers.ring.state import Arrays
 
+#: Components of the errors of x, v, sigma and a: (x, y) of vectors, (xx, xy, yy) of tensors, None where unknown.
+Fields = list[tuple[np.ndarray, ...] | None]
 
-def true_errors(scene: RingScene, a: Arrays, step: int, with_acceleration: bool) -> np.ndarray:
-    """Sizes of the true errors of x, v, sigma and a (P, 4) after ``step`` steps."""
+
+def true_fields(scene: RingScene, a: Arrays, step: int, with_acceleration: bool) -> Fields:
+    """The true errors of x, v, sigma and a after ``step`` steps, in components."""
     time = step * scene.time_step
     shift, speed, _ = exact.time_factors(scene, time)
     w = a.shape[a.radius]
-    out = np.zeros((len(w), 4))
     with np.errstate(all="ignore"):  # a run gone bad holds anything
-        out[:, 0] = _size(a.motion[:, 0] - a.material_position[:, 0], a.motion[:, 1] - a.material_position[:, 1],
-                          shift * w, a.direction)
-        out[:, 1] = _size(a.motion[:, 2], a.motion[:, 3], speed * w, a.direction)
-        out[:, 2] = _stress_error(scene, a, time)
+        position = _beyond(a.motion[:, 0] - a.material_position[:, 0], a.motion[:, 1] - a.material_position[:, 1],
+                           shift * w, a.direction)
+        velocity = _beyond(a.motion[:, 2], a.motion[:, 3], speed * w, a.direction)
+        stress = _stress_error(scene, a, time)
+        acceleration = None
         if with_acceleration and step:  # the one that the last step used
             before = exact.time_factors(scene, time - scene.time_step)[2]
-            out[:, 3] = _size(a.acceleration[:, 0], a.acceleration[:, 1], before * w, a.direction)
+            acceleration = _beyond(a.acceleration[:, 0], a.acceleration[:, 1], before * w, a.direction)
+    return [position, velocity, stress, acceleration]
+
+
+def estimated_fields(a: Arrays, estimator: int) -> Fields:
+    """What the estimator of this number reports of the same errors."""
+    part = slice(estimator * len(a.motion), (estimator + 1) * len(a.motion))
+    motion = a.estimate[part].T
+    return [(motion[0], motion[1]), (motion[2], motion[3]), tuple(a.estimate_stress[part].T[:3]),
+            tuple(a.estimate_acceleration[part].T)]
+
+
+def sizes(errors: Fields) -> np.ndarray:
+    """Lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
+    out = np.zeros((len(errors[0][0]), len(errors)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for column, parts in enumerate(errors):
+            if parts is not None:  # numpy's norm along so short an axis takes four times as long
+                first, last = parts[0], parts[-1]
+                square = first * first + last * last
+                out[:, column] = np.sqrt(square if len(parts) == 2 else square + 2 * parts[1] * parts[1])
     return out
 
 
-def _size(x: np.ndarray, y: np.ndarray, radial: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Lengths (P,) of the vectors (x, y) less the exact ones, of size ``radial`` along e_R."""
-    x, y = x - radial * direction[:, 0], y - radial * direction[:, 1]
-    return np.sqrt(x * x + y * y)
+def difference(one: Fields, other: Fields) -> np.ndarray:
+    """Sizes (P, 4) of ``one`` minus ``other``: how far apart they are, direction and all. What is None counts as 0."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return sizes([mine if theirs is None else tuple(a - b for a, b in zip(mine, theirs, strict=True))
+                      for mine, theirs in zip(one, other, strict=True)])
 
 
-def _stress_error(scene: RingScene, a: Arrays, time: float) -> np.ndarray:
-    """Frobenius norms (P,) of the error of the Cauchy stress."""
+def _beyond(x: np.ndarray, y: np.ndarray, radial: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The vectors (x, y) less the exact ones, of size ``radial`` along e_R."""
+    return x - radial * direction[:, 0], y - radial * direction[:, 1]
+
+
+def _stress_error(scene: RingScene, a: Arrays, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The error (xx, xy, yy) of the Cauchy stress."""
     F, mu = np.ascontiguousarray(a.deformation_gradient.T), 0.5 * scene.modulus
     scale = mu / (F[0] * F[3] - F[1] * F[2])
     along, across = exact.principal_stresses(scene, a.radii, time)
@@ -47,4 +76,4 @@ def _stress_error(scene: RingScene, a: Arrays, time: float) -> np.ndarray:
     xx = scale * (F[0] * F[0] + F[1] * F[1] - 1) - mean - turned
     xy = scale * (F[0] * F[2] + F[1] * F[3]) - 2 * half * c * s
     yy = scale * (F[2] * F[2] + F[3] * F[3] - 1) - mean + turned
-    return np.sqrt(xx * xx + 2 * xy * xy + yy * yy)
+    return xx, xy, yy

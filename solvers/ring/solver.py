@@ -8,7 +8,7 @@ import numpy as np
 
 from solvers import runtime
 from solvers.result import Snapshot
-from solvers.ring.errors import true_errors
+from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
 from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.scene import RingScene
 from solvers.ring.state import allocate, farthest, pack, switches
@@ -36,22 +36,18 @@ class RingSolver(Solver):
         self._pack = pack(scene, self._arrays, self.threads)
         self.setup_seconds = time.perf_counter() - begun
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self, differences: bool = False) -> Snapshot:
         a, on = self._arrays, self._switches
         report(self.step, self._pack, on)
         F = a.deformation_gradient.reshape(-1, 2, 2)
-        P = len(F)
-        error = true_errors(self.scene, a, self.step, on.acceleration) if on.truth else None
-        estimates = {}
-        for k, name in enumerate(on.estimators):
-            part = slice(k * P, (k + 1) * P)
-            x_v, acceleration = a.estimate[part], a.estimate_acceleration[part]
-            estimates[name] = np.stack([_size(x_v[:, :2]), _size(x_v[:, 2:]), _frobenius(a.estimate_stress[part]),
-                                        _size(acceleration)], axis=1)
+        true = true_fields(self.scene, a, self.step, on.acceleration) if on.truth else None
+        estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
+        apart = {name: difference(fields, true) for name, fields in estimates.items()} if true and differences else {}
         return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
                         position=a.motion[:, :2].copy(), velocity=a.motion[:, 2:].copy(),
-                        deformation_gradient=F.copy(), error=error, estimate=estimates,
-                        last_crossing=a.last_crossing.copy() if on.crossings else None)
+                        deformation_gradient=F.copy(), error=sizes(true) if true else None,
+                        estimate={name: sizes(fields) for name, fields in estimates.items()},
+                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=apart)
 
     def compile(self) -> None:
         super().compile()
@@ -84,15 +80,3 @@ class RingSolver(Solver):
             return "choose CPDI, more particles per cell or a smaller amplitude"
         return "choose a smaller amplitude or fewer periods"
 
-
-def _size(vectors: np.ndarray) -> np.ndarray:
-    x, y = vectors.T
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.sqrt(x * x + y * y)  # numpy's norm along so short an axis takes four times as long
-
-
-def _frobenius(tensors: np.ndarray) -> np.ndarray:
-    """Sizes of symmetric tensors given as xx, xy, yy."""
-    xx, xy, yy = tensors.T[:3]
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.sqrt(xx * xx + 2 * xy * xy + yy * yy)

@@ -13,11 +13,11 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.interface import allocate_memory, intervals, memory_types
-from solvers.kinds import integer_quads, integers, octets, pairs, quads, real, reals, table
 from solvers.memory import align_fields
 from solvers.ring import exact
 from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.layout import GHOSTS, particle_layout
+from solvers.ring.members import MEMBERS
 from solvers.ring.scene import RingScene
 from solvers.samples import ROWS, column_count
 
@@ -115,16 +115,7 @@ def allocate(scene: RingScene, slabs: int) -> Arrays:
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
-RingState = ti.types.argpack(
-    particles=ti.i32, nodes=ti.i32, row=ti.i32, active=ti.i32, slabs=ti.i32, radius_count=ti.i32,
-    sample_interval=ti.i32, spacing=real, cells_per_length=real, dt=real, shear_modulus=real, density=real,
-    half_width=real, farthest=real, amplitude=real, angular_frequency=real,
-    material_position=pairs, motion=quads, deformation_gradient=quads, mass=reals, direction=pairs, radius=integers,
-    edges=quads, weights=octets, first_node=integers, corner_nodes=integer_quads, acceleration=pairs,
-    last_crossing=integers, radii=reals, shape=reals, shape_slope=reals, shape_curvature=reals, radial_force=reals,
-    node_sums=octets, node_mass=reals, node_motion=quads, estimate=quads, estimate_acceleration=pairs,
-    estimate_stress=quads, estimate_intervals=integers, totals=reals, samples=table, verdict=integers,
-    **memory_types(ESTIMATORS))
+RingState = ti.types.argpack(**MEMBERS, **memory_types(ESTIMATORS))
 
 
 def farthest(scene: RingScene) -> float:
@@ -132,15 +123,19 @@ def farthest(scene: RingScene) -> float:
     return exact.OUTER + 1.5 * scene.amplitude + scene.spacing
 
 
+def numbers(scene: RingScene, arrays: Arrays, slabs: int) -> dict[str, float]:
+    """Every number that kernels need of a scene, by the name of its member."""
+    row = scene.cells + 1
+    return {
+        "particles": len(arrays.mass), "nodes": row * row, "row": row,
+        # Rows in which a sound run can have mass; the others are neither cleared nor visited.
+        "active": min(row, int(farthest(scene) / scene.spacing) + GHOSTS + 3), "slabs": slabs,
+        "radius_count": len(arrays.radii), "sample_interval": scene.sample_interval,
+        "spacing": scene.spacing, "cells_per_length": 1 / scene.spacing, "dt": scene.time_step,
+        "shear_modulus": 0.5 * scene.modulus, "density": scene.density, "half_width": 0.5 / scene.particles_per_cell,
+        "farthest": farthest(scene), "amplitude": scene.amplitude, "angular_frequency": scene.angular_frequency}
+
+
 def pack(scene: RingScene, arrays: Arrays, slabs: int):
     """The kernel's view of a scene and its arrays. The arrays must outlive it."""
-    row = scene.cells + 1
-    return RingState(
-        particles=len(arrays.mass), nodes=row * row, row=row,
-        # Rows in which a sound run can have mass; the others are neither cleared nor visited.
-        active=min(row, int(farthest(scene) / scene.spacing) + GHOSTS + 3), slabs=slabs,
-        radius_count=len(arrays.radii), sample_interval=scene.sample_interval,
-        spacing=scene.spacing, cells_per_length=1 / scene.spacing, dt=scene.time_step,
-        shear_modulus=0.5 * scene.modulus, density=scene.density, half_width=0.5 / scene.particles_per_cell,
-        farthest=farthest(scene),         amplitude=scene.amplitude, angular_frequency=scene.angular_frequency,
-        **arrays.members())
+    return RingState(**numbers(scene, arrays, slabs), **arrays.members())

@@ -1,0 +1,62 @@
+"""What the two-grid estimators of all problems share: the second run's choices, and what can be said afterwards.
+
+The same scene runs a second time on a grid with half as many cells, and every quantity q is extrapolated from the two
+(Richardson 1911): where the error is C h^2, q* = (r^2 q_h - q_rh)/(r^2 - 1) is free of it, and the error of the run is
+q_h - q*, with r the ratio of the cells, 2 or a little more. The runs are compared as smooth fields (see
+``solvers.estimators.lattice``): at the scale of a cell their errors have patterns of their own (the stress is a
+sawtooth, the null space of the particle-node map holds noise), which nothing relates, so Richardson's argument cannot
+hold there; and none is needed, for what a run has and its smooth field has not is error. So
+
+    e = q_h - I q*,   q* = (r^2 S q_h - S q_rh)/(r^2 - 1),
+
+S a fit of cubics over ``WINDOWS`` cells and I cubic interpolation. The time step is not refined with the grid. It makes
+no first-order error but one: v belongs to a time dt/2 earlier than x (symplectic Euler is the leapfrog scheme started
+at rest of the forces, a(0) = 0), which is known and taken into account for both runs.
+
+Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
+longer than a few cells that do not fall like h^2. Cannot be used where it is known that they do not (see
+``solvers.estimators.validity``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers.scene import Scene
+
+WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
+MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid
+MOST_STEPS = 10  # of the run to one of the coarse run
+CRUSHED = 1e-3  # det F from which on a particle of the coarse run counts as crushed
+
+
+def interval(scene: Scene) -> int:
+    """Steps of the run to one of the coarse run: two at least, for equal Courant numbers.
+
+    More where steps are so short that they could be longer without harm; preferably so many that the coarse run has
+    just arrived whenever a sample is taken.
+    """
+    most = max(2, min(MOST_STEPS, int(MOST_COURANT / scene.courant_number)))
+    return max((k for k in range(2, most + 1) if scene.sample_interval % k == 0), default=most)
+
+
+def gain(scene: Scene) -> float:
+    """1/(r^2 - 1) with r the ratio of the cells."""
+    return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
+
+
+def windows(particles_per_cell: int) -> tuple[int, int]:
+    """Lattice points in the two kinds of fits."""
+    return WINDOWS[0] * particles_per_cell, WINDOWS[1] * particles_per_cell
+
+
+def bare(on: tuple) -> tuple:
+    """The switches of the second run: the method as it is, nothing measured but the acceleration."""
+    return on._replace(truth=False, crossings=False, energy=False, acceleration=True, estimators=())
+
+
+def verdict(determinant: np.ndarray, displacement: np.ndarray, farthest: float) -> str | None:
+    """Whether the coarse run went bad: particles turned inside out, crushed or farther off than can be."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        sound = np.all(determinant > CRUSHED) and np.all(np.abs(displacement) < farthest)  # False for NaN
+    return None if sound else "not valid here: the second run, with half the cells, went unstable"

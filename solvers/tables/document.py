@@ -1,0 +1,79 @@
+"""A finished table as one JSON object: for each row what went in, the paper's numbers, ours, and the estimators'.
+
+Everything that is printed or drawn of a table is made from this object and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from solvers.samples import QUANTITIES
+from solvers.tables.plan import Row, Table
+
+SCHEMA = "mpm-lab/tables/1"
+PAPERS_ESTIMATOR = "transport"
+
+Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
+
+
+def document(table: Table, results: Mapping[str, Results]) -> dict:
+    """The object of a table; ``results`` holds each row's under its name."""
+    names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
+    return {"schema": SCHEMA, "table": table.number, "title": table.title, "caption": table.caption,
+            "setup": list(table.setup),
+            "estimators": list(names), "rows": [_row(table.number, row, results[row.name]) for row in table.rows],
+            "seconds": {part: sum(result["seconds"][part] for row in table.rows
+                                  for result in results[row.name].values()) for part in ("setup", "compile", "run")}}
+
+
+def _row(number: str, row: Row, results: Results) -> dict:
+    run = results["errors"]
+    ours = {"1": _bar_numbers, "2": _ring_errors, "3": _ring_index}[number](results)
+    paper = {key: row.paper.get(key) for key in ours}
+    longer = {"t_end_crossings": results["crossings"]["t"]} if "crossings" in results else {}
+    inputs = {**run["scene"], **longer}
+    gone_bad = next((result["reason"] for result in results.values() if result["status"] != "ok"), None)
+    return {"name": row.name, "part": row.part, "inputs": inputs, "particles": run["particles"],
+            "h": row.scenes["errors"].spacing, "unstable": gone_bad, "paper": paper, "ours": ours,
+            "ratio": {key: _ratio(ours[key], paper[key]) for key in ours},
+            "estimators": {name: _estimator(name, results) for name in run["scene"]["estimator"]}}
+
+
+def _bar_numbers(results: Results) -> dict:
+    """Largest errors, crossings to the end of the long run and of the short one, indices of the paper's estimator."""
+    run = results["errors"]
+    errors = {q: run["error"][q]["max"] for q in ("x", "v", "sigma_log")}
+    crossings = {"grid_crossings": results["crossings"]["grid_crossings"],
+                 "grid_crossings_short": run["grid_crossings"]}
+    indices = {f"index_{q}": _of(run, "index", PAPERS_ESTIMATOR, q) for q in ("x", "v", "sigma")}
+    return {**errors, **crossings, **indices}
+
+
+def _ring_errors(results: Results) -> dict:
+    return {q: results["errors"]["error"][q]["final"] for q in ("x", "v", "a_nodes")}
+
+
+def _ring_index(results: Results) -> dict:
+    return {"index_x": _of(results["errors"], "index", PAPERS_ESTIMATOR, "x")}
+
+
+def _estimator(name: str, results: Results) -> dict:
+    run, cost = results["errors"], results["cost"]
+    seconds = cost["seconds"]["estimators"].get(name)
+    reason = run["not_valid"].get(name) or cost["not_valid"].get(name)
+    return {"index": {q: _of(run, "index", name, q) for q in QUANTITIES},
+            "distance": {q: _of(run, "distance", name, q) for q in QUANTITIES},
+            "cost": None if seconds is None or reason else _ratio(seconds, cost["seconds"]["run"]),
+            "not_valid": reason}
+
+
+def _of(run: dict, kind: str, name: str, quantity: str) -> float | None:
+    """One estimator's index or distance; a run with a single estimator does not key them by its name."""
+    names = run["scene"]["estimator"]
+    if name not in names or name in run["not_valid"]:
+        return None
+    return (run[kind][name] if len(names) > 1 else run[kind])[quantity]
+
+
+def _ratio(above: float | None, below: float | None) -> float | None:
+    return above / below if above is not None and below else None

@@ -1,0 +1,120 @@
+"""Estimators on the page: one, several or none, against the truth or without it, and what they say of themselves."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from solvers.bar.estimators import ESTIMATORS
+from tests.browser.driving import choose, click, coloured, drawn, number, readout, row, stage, time, until
+
+LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
+several = pytest.mark.skipif(len(ESTIMATORS) < 2, reason="only one estimator is built in")
+
+
+def tick(page, estimator):
+    page.get_by_label(estimator, exact=True).click()
+
+
+def halves(page):
+    """How much of the upper and of the lower lane is coloured."""
+    picture = stage(page)
+    return coloured(picture[180:230]), coloured(picture[268:318])
+
+
+def test_table_names_index_distance_and_worst_region(page):
+    """The truth and the estimator have a line each, and the worst region by each of them."""
+    until(lambda: re.search("transport" + LINE, readout(page)), "norm, index and distance")
+    until(lambda: len(re.findall(r"X = 0\.\d\d–\d\.\d\d m", readout(page))) == 2, "two regions")
+    choose(page, "Problem", "expanding ring")
+    until(lambda: len(re.findall(r"(inner|middle|outer) third, \d+–\d+°", readout(page))) == 2, "regions of the ring")
+
+
+def test_difference_takes_the_upper_lane(page):
+    """Compared, the upper lane changes and the lower, the truth, keeps its meaning; paused, it is there at once."""
+    until(lambda: time(page) > 0.3, "a run under way")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused")
+    until(lambda: min(halves(page)) > 0.5, "two coloured lanes")
+    before = stage(page)[180:230]
+    choose(page, "Compare", "estimate − truth | truth")
+    page.mouse.move(640, 600)
+    until(lambda: np.any(np.abs(stage(page)[180:230] - before) > 30, axis=2).mean() > 0.1, "another upper lane")
+    assert min(halves(page)) > 0.5
+
+
+@pytest.mark.parametrize("problem", ["vibrating bar", "expanding ring"])
+def test_without_an_exact_solution(page, problem):
+    """The estimate stands alone: no truth, no index, and in words why."""
+    if problem != "vibrating bar":
+        choose(page, "Problem", problem)
+    page.get_by_text("Method details").click()
+    choose(page, "Body force", "two-tone")
+    until(lambda: "no exact solution is built in" in readout(page), "the truth missing in words")
+    until(lambda: drawn(page)[1:] == [0, 1], "the estimate drawn, the truth not")
+    page.get_by_text("empty: no exact solution is built in").wait_for()
+    assert re.search(r"transport\s+[\d.]+ \S?m\s+–\s+–", readout(page))
+    if problem == "vibrating bar":
+        until(lambda: halves(page)[0] > 0.5 and halves(page)[1] < 0.05, "a grey lane below")
+        choose(page, "Compare", "estimate − truth | truth")
+        until(lambda: max(halves(page)) < 0.05, "no difference either")
+
+
+def test_no_estimator_and_back(page):
+    """With none ticked the page says so; ticked again, the estimate is back."""
+    until(lambda: re.search("transport" + LINE, readout(page)), "an estimate")
+    tick(page, "transport")
+    until(lambda: "no estimator is chosen" in readout(page), "none chosen")
+    assert row(page, "On the stage").get_by_role("combobox").input_value() == "none"
+    tick(page, "transport")
+    until(lambda: re.search("transport" + LINE, readout(page)), "the estimate back")
+
+
+@several
+def test_several_at_once(page):
+    """Every estimator ticked has a line of its own in table and plot, and any of them can be on the stage."""
+    page.get_by_text("Method details").click()
+    page.get_by_label("Linearity preserving").click()  # without it two-grid does not hold at this amplitude
+    others = [name for name in ESTIMATORS if name != "transport"]
+    for name in others:
+        tick(page, name)
+    for name in ESTIMATORS:
+        until(lambda: re.search(name + LINE, readout(page)), f"the line of {name}")  # noqa: B023
+    until(lambda: drawn(page)[1:] == [1] * (len(ESTIMATORS) + 1), "a curve each, and the truth's")
+    for name in others:
+        choose(page, "On the stage", name)
+        until(lambda: re.search(rf"true\s+{name}\s+X = ", readout(page)), f"{name} on the stage")  # noqa: B023
+    tick(page, others[-1])
+    until(lambda: drawn(page)[1:] == [1] * len(ESTIMATORS), "one curve less")
+    assert row(page, "On the stage").get_by_role("combobox").input_value() != others[-1]
+
+
+@several
+def test_not_valid_is_said_instead_of_a_number(page):
+    """An estimator that does not hold has a sentence in the table, no curve and no colours; the truth stays."""
+    choose(page, "Problem", "expanding ring")
+    tick(page, "companion")
+    until(lambda: re.search("companion" + LINE, readout(page)), "the companion running")
+    choose(page, "On the stage", "companion")
+    row(page, "A = ").get_by_role("slider").focus()
+    for _ in range(90):
+        page.keyboard.press("ArrowRight")
+    until(lambda: "not valid here: " in readout(page), "the sentence")
+    assert not re.search("companion" + LINE, readout(page)) and number(page, r"true\s+([\d.]+)") >= 0
+    until(lambda: drawn(page)[1:] == [1, 1], "the truth and the other estimate drawn")
+
+
+def test_explanations_are_set_as_mathematics(page):
+    """Each estimator's explanation opens in the About tab, and its fractions and sums have the height of such."""
+    page.get_by_role("tab", name="About").click()
+    for name in ("transport", "recovered", "companion", "two-grid"):
+        title = page.get_by_text(f"The estimator {name}")
+        title.click()
+        text = page.locator(".lab-explanation").filter(visible=True)
+        text.wait_for()
+        text.get_by_text("Misses").wait_for()
+        assert text.locator("math[display=block]").first.bounding_box()["height"] > 15
+        title.click()
+        text.wait_for(state="hidden")

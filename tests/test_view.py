@@ -1,0 +1,164 @@
+"""What the stage shows of a frame, in words and numbers: halves, silences, regions. No web server, no engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from app.panels.explanations import SUMMARIES, all_explanations
+from app.regions import ANGLES, LENGTHS, Worst, WorstPlaces, divide
+from app.scale import ColourScale, with_unit
+from app.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
+from solvers.bar.scene import BarScene
+from solvers.engine.memory import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.ring.layout import particle_layout
+from solvers.ring.scene import RingScene
+from solvers.scene import ESTIMATORS
+
+BAR = BarScene(cells=10, particles_per_cell=2, estimators=("transport",))
+PLACES = (np.arange(20)[:, None] + 0.5) / 20
+
+
+def report_of(scene, not_valid=None, differences=False):
+    return FrameReport(1, 1, scene, True, True, 20, 0, 0.0, np.zeros((0, 1)), None, 0.0, None, "x64",
+                       not_valid or {}, differences)
+
+
+def arrays_of(estimate, error, differences=True):
+    """A frame with the errors of x given (20,) and nothing else."""
+    def column(values):
+        return np.stack([values, *[np.full(20, np.nan)] * 3], axis=1)
+
+    return FrameArrays(PLACES, np.zeros_like(PLACES), np.ones((20, 1)), np.full(20, -1.0), column(error),
+                       {"transport": column(estimate)},
+                       {"transport": column(np.abs(estimate - error))} if differences else {})
+
+
+SIGNED, TRUE = np.linspace(-1, 1, 20), np.linspace(1, -1, 20)
+
+
+def view_of(scene=BAR, estimator="transport", difference=False, quantity="displacement x", column=0, not_valid=None):
+    return look(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, column, estimator, difference)
+
+
+def test_both_halves_show_sizes():
+    view = view_of()
+    np.testing.assert_allclose(view.left.sizes, np.abs(SIGNED))
+    np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
+    assert view.left.title == "estimated error by transport" and view.right.title == "true error"
+    assert view.left.silence == view.right.silence == ""
+
+
+def test_difference_knows_signs():
+    """Estimate and truth of equal sizes and opposite signs look alike side by side, and apart in the difference."""
+    view = view_of(difference=True)
+    np.testing.assert_allclose(view.left.sizes, 2 * np.abs(TRUE))
+    np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
+    assert view.left.title == "estimate by transport − truth" and "estimate − truth" in view.measures
+    np.testing.assert_allclose(view.estimated, np.abs(SIGNED))  # what is read off stays the estimate
+
+
+@pytest.mark.parametrize(("changes", "left", "right"), [
+    ({"body_force": "two-tone"}, "", UNKNOWN),
+    ({"effects": ("estimate",)}, "", TRUTH_OFF),
+    ({"effects": ("truth",)}, ESTIMATE_OFF, ""),
+])
+def test_an_empty_half_says_why(changes, left, right):
+    view = view_of(replace(BAR, **changes))
+    assert (view.left.silence, view.right.silence) == (left, right)
+    assert (view.left.sizes is None, view.right.sizes is None) == (bool(left), bool(right))
+
+
+def test_no_difference_without_both():
+    assert view_of(replace(BAR, body_force="two-tone"), difference=True).left.silence == UNKNOWN
+    assert view_of(estimator=None, difference=True).left.silence == NONE_CHOSEN
+
+
+def test_what_is_not_valid_is_said_and_not_drawn():
+    view = view_of(not_valid={"transport": "not valid here: it rains"})
+    assert view.left.silence == "transport: not valid here: it rains"
+    assert view.left.sizes is None and view.estimated is None and view.right.sizes is not None
+
+
+def test_what_is_not_estimated_is_said():
+    view = view_of(quantity="stress σ", column=2)
+    assert view.left.sizes is None and view.left.silence == "transport does not estimate the stress σ"
+
+
+def test_acceleration_is_unknown_without_its_effect():
+    """Not zero: the truth's lane must not look like a perfect run."""
+    view = view_of(replace(BAR, effects=("truth", "estimate")), quantity="acceleration a", column=3)
+    assert view.left.silence == view.right.silence == ACCELERATION_OFF and view.right.sizes is None
+
+
+def test_another_estimator_is_on_its_way():
+    assert "being prepared" in view_of(estimator="companion").left.silence
+
+
+def test_scale_says_when_something_exceeds_it():
+    scale = ColourScale()
+    scale.follow(np.full(3, 5.0), np.full(3, 1.0))
+    assert scale.top == 5 and scale.ticks()[-1][1] == "5"
+    scale.follow(np.full(3, 50.0), np.full(3, 1.0))
+    assert scale.top == 10 and scale.ticks()[-1][1] == "≥ 10"
+    scale.follow(None, None)
+    assert not scale.exceeded
+
+
+@pytest.mark.parametrize(("value", "text"), [
+    (0.00212, "2.12 mm"), (999.9e-6, "1 mm"), (1.0, "1 m"), (3.4e5, "340 km"), (0.0, "0 m"), (2e-20, "2.00e-20 m")])
+def test_units_have_prefixes(value, text):
+    assert with_unit(value, "m") == text
+
+
+def test_regions_of_the_bar():
+    regions = divide(BAR, PLACES)
+    assert len(regions.names) == LENGTHS and regions.names[4] == "X = 0.20–0.25 m"
+    np.testing.assert_array_equal(regions.number, np.arange(20))
+    np.testing.assert_allclose(regions.errors(SIGNED), np.abs(SIGNED))
+
+
+def test_regions_of_the_ring():
+    """Every particle has one, each holds its share, and a known place has the name it should."""
+    position = particle_layout(RingScene(cells=36)).position
+    regions = divide(RingScene(cells=36), position)
+    counts = np.bincount(regions.number, minlength=3 * ANGLES)
+    assert counts.min() > 0.8 * counts.max() and counts.sum() == len(position)
+    place = divide(RingScene(), np.array([[0.42 * np.cos(0.6), 0.42 * np.sin(0.6)], [0.0, 0.6]]))
+    assert [place.names[k] for k in place.number] == ["inner third, 30–45°", "outer third, 75–90°"]
+
+
+def test_worst_region_does_not_flicker():
+    worst = Worst()
+    assert worst.of(np.array([np.nan, 0.0])) is None
+    assert worst.of(np.array([1.0, 0.9])) == 0
+    assert worst.of(np.array([1.0, 1.04])) == 0
+    assert worst.of(np.array([1.0, 1.1])) == 1
+
+
+def test_worst_places_by_estimate_and_by_truth():
+    places, estimate, error = WorstPlaces(), np.full(20, 0.1), np.full(20, 0.2)
+    estimate[3], error[7] = 1.0, -2.0
+    arrays, report = arrays_of(estimate, error), report_of(BAR)
+    places.look(report, arrays, look(report, arrays, "displacement x", 0, "transport", False))
+    assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
+    assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
+    assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
+    report = report_of(replace(BAR, body_force="two-tone"))
+    places.look(report, arrays, look(report, arrays, "displacement x", 0, "transport", False))
+    assert places.by_truth is None and places.by_estimate.true is None
+
+
+def test_every_estimator_is_explained():
+    """Well formed, with an equation, and with what it assumes, sees and misses."""
+    texts = all_explanations()
+    assert set(texts) == set(SUMMARIES) == set(ESTIMATORS)
+    for text in texts.values():
+        tree = ElementTree.fromstring(f"<div>{text}</div>")
+        assert tree.find(".//math[@display='block']") is not None
+        bold = [element.text for element in tree.iter("b")]
+        assert {"Assumes", "Sees", "Misses"} <= set(bold)
