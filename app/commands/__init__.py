@@ -4,6 +4,7 @@ A command is a frozen dataclass: its fields are its flags, its docstring is its 
 the work and returns the exit status. To add one, write the dataclass and list it here.
 """
 
+from app.commands.bench import Bench
 from app.commands.run_bar import RunBar
 from app.commands.run_ring import RunRing
 from app.commands.serve import Serve
@@ -14,6 +15,7 @@ COMMANDS: dict[tuple[str, ...], type] = {
     ("run", "bar"): RunBar,
     ("run", "ring"): RunRing,
     ("tables",): Tables,
+    ("bench",): Bench,
 }
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)

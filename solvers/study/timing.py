@@ -1,7 +1,7 @@
 """How long a step takes: the fastest of several stretches of a compiled, warmed-up solver.
 
-Other work on a machine only ever makes a stretch slower, so the fastest is the one to believe; and what is to be compared
-takes turns, so that a slow spell slows all of it.
+Other work on a machine only ever makes a stretch slower, so the fastest is the one to believe; and what is to be
+compared takes turns, so that a slow spell slows all of it.
 """
 
 from __future__ import annotations
