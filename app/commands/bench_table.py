@@ -47,8 +47,9 @@ def _example(example: dict) -> list[str]:
 def _prices(title: str, rows: list[dict]) -> str:
     lines = [title]
     for row in rows:
-        price = row.get("not_valid") or _ratio(row["ratio"])
-        lines.append(_line(f"{_scene(row)}: {row['name']}", price))
+        lines.append(_line(f"{_scene(row)}: {row['name']}", _ratio(row["ratio"])))
+        if row.get("not_valid"):
+            lines.append(f"    {row['not_valid']}")
     return "\n".join(lines)
 
 

@@ -69,22 +69,28 @@ def rates(problem: str, method: str, effort: Effort) -> list[dict]:
 
 def estimator_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each estimator, all four quantities, over a bare one; null with a reason where it is not valid."""
-    scene = bare(problem, effort.priced_cells[problem])
-    scenes = {name: replace(scene, effects=("estimate", "acceleration"), estimators=(name,))
-              for name in SOLVERS[problem].ESTIMATORS}
-    valid = {name: one for name, one in scenes.items() if not one.not_valid}
-    best = _fastest([scene, *valid.values()], effort.price_turns)
-    ratios = dict(zip(valid, best[1:] / best[0], strict=True))
+    with_it = {name: _scene_for(problem, name, effort) for name in SOLVERS[problem].ESTIMATORS}
+    without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
+    valid = [name for name, scene in with_it.items() if not scene.not_valid]
+    seconds = _fastest([scenes[name] for name in valid for scenes in (with_it, without)], effort.price_turns)
+    ratios = {name: seconds[with_it[name]] / seconds[without[name]] for name in valid}
     return [{**_identity(scene), "name": name, "ratio": _number(ratios.get(name, math.nan)),
-             "not_valid": one.not_valid.get(name)} for name, one in scenes.items()]
+             "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
+
+
+def _scene_for(problem: str, estimator: str, effort: Effort) -> Scene:
+    """A scene with the estimator: of the default method, or the first for which the estimator is valid."""
+    scenes = [bare(problem, effort.priced_cells[problem], method=method, effects=("estimate", "acceleration"),
+                   estimators=(estimator,))
+              for method in (SCENES[problem].method, *SCENES[problem].CHOICES["method"])]
+    return next((scene for scene in scenes if not scene.not_valid), scenes[0])
 
 
 def effect_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each effect over one without it."""
     scene = bare(problem, effort.priced_cells[problem])
     pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in EFFECTS[problem].items()}
-    scenes = list(dict.fromkeys(one for pair in pairs.values() for one in pair))
-    seconds = dict(zip(scenes, _fastest(scenes, effort.price_turns), strict=True))
+    seconds = _fastest([one for pair in pairs.values() for one in pair], effort.price_turns)
     return [{**_identity(scene), "name": name, "ratio": _number(seconds[on] / seconds[off])}
             for name, (on, off) in pairs.items()]
 
@@ -113,9 +119,11 @@ def off(problem: str, effort: Effort) -> dict:
             "call": min(calls[1], calls[3]), "call_stripped": min(calls[0], calls[2])}
 
 
-def _fastest(scenes: list[Scene], turns: int) -> np.ndarray:
+def _fastest(scenes: list[Scene], turns: int) -> dict[Scene, float]:
     """Seconds a step of each scene, in turns."""
-    return take_turns([Stretch(build(scene)) for scene in scenes], turns).min(axis=0)
+    scenes = list(dict.fromkeys(scenes))
+    best = take_turns([Stretch(build(scene)) for scene in scenes], turns).min(axis=0)
+    return dict(zip(scenes, best, strict=True))
 
 
 def _call_seconds(solver: Solver) -> float:

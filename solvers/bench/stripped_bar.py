@@ -99,7 +99,7 @@ class StrippedBar(BarSolver):
 
     def __init__(self, scene):
         super().__init__(scene)
-        self._pack = part_of(self._pack, StrippedBarState)
+        self._stripped = part_of(self._pack, StrippedBarState)
 
     def _run(self, steps: int) -> None:
-        advance(self.step, steps, self._pack)
+        advance(self.step, steps, self._stripped)

@@ -98,7 +98,7 @@ class StrippedRing(RingSolver):
 
     def __init__(self, scene):
         super().__init__(scene)
-        self._pack = part_of(self._pack, StrippedRingState)
+        self._stripped = part_of(self._pack, StrippedRingState)
 
     def _run(self, steps: int) -> None:
-        advance(self.step, steps, self._pack, Force())
+        advance(self.step, steps, self._stripped, Force())
