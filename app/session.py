@@ -133,9 +133,9 @@ class Session:
                                       "and the scene begins again.")
             if self._refusal:
                 return Notice("refused", f"{self._refusal}. The scene before it runs on.")
-            if waiting and monotonic() - self._asked_at > SLOW_ANSWER:
-                return Notice("wait", "Preparing this scene: a combination of method, estimators and effects "
-                                      "is compiled the first time it is used, in a second or two.")
+            waited = monotonic() - self._asked_at
+            if waiting and waited > SLOW_ANSWER:
+                return Notice("wait", _preparing(waited))
             if self.report and self.report.reason and not waiting:
                 return Notice("unstable", f"{self.report.reason}.")
             return None if waiting else self._doubt()
@@ -181,6 +181,12 @@ class Session:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed, self._restarts,
                                       self._single_steps, self._differences)
+
+
+def _preparing(seconds: float) -> str:
+    so_far = f", for {seconds:.0f} s so far" if seconds > 2 else ""
+    return (f"Preparing this scene{so_far}: a combination of method, estimators and effects is compiled the first time "
+            "it is used; several estimators at once take longest.")
 
 
 def _fields(scene: Scene) -> dict[str, object]:

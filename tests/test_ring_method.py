@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 import taichi as ti
 
+from solvers.kinds import quads
 from solvers.memory import aligned
 from solvers.ring import exact, phases
+from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
-from solvers.ring.state import GHOSTS, RingState, quads
+from solvers.ring.state import RingState
 
 METHODS = ["mpm", "ugimp", "cpgimp", "cpdi"]
 BASE = RingScene(cells=16, estimators=(), effects=())

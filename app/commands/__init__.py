@@ -8,12 +8,16 @@ from app.commands.bench import Bench
 from app.commands.run_bar import RunBar
 from app.commands.run_ring import RunRing
 from app.commands.serve import Serve
+from app.commands.sweep_bar import SweepBar
+from app.commands.sweep_ring import SweepRing
 from app.commands.tables import Tables
 
 COMMANDS: dict[tuple[str, ...], type] = {
     ("serve",): Serve,
     ("run", "bar"): RunBar,
     ("run", "ring"): RunRing,
+    ("sweep", "bar"): SweepBar,
+    ("sweep", "ring"): SweepRing,
     ("tables",): Tables,
     ("bench",): Bench,
 }

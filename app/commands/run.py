@@ -5,87 +5,31 @@ from __future__ import annotations
 import contextlib
 import sys
 import warnings
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from app.commands.flags import (
-    BadInput,
-    NumberFlag,
-    PathFlag,
-    RealFlag,
-    Switch,
-    choice_flag,
-    default_hint,
-    list_flag,
-)
+from app.commands.flags import BadInput, PathFlag, Switch, default_hint
 from app.commands.output import Progress, Target, json_text, noted_interrupts, say, stdout_to_stderr
-from solvers.scene import DEFAULT_CFL, EFFECTS, ESTIMATORS, FLAGS, Arch, Scene
+from solvers.scene import Scene
 
 if TYPE_CHECKING:
     from solvers.result import Result
 
 OK, FAILED, UNSTABLE = 0, 1, 3
-SCENE_FIELDS = {key: field for field, key in FLAGS.items()}
-
-
-def periods_flag(scene: type[Scene]) -> Any:
-    """The type of --periods, whose default is the problem's."""
-    return Annotated[RealFlag, default_hint(f"{scene.DEFAULT_PERIODS:g} without --t-end")]
-
-
-def sample_every_flag(scene: type[Scene]) -> Any:
-    """The type of --sample-every, whose default is the problem's."""
-    return Annotated[NumberFlag, default_hint(f"about {scene.SAMPLES_A_PERIOD} samples a period")]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """The flags of every problem, in the order of the help. A problem's command fills in the defaults.
+    """What is done with a scene, and where its result goes: goes before a problem's ``SceneFlags``."""
 
-    Every field but those in ``OUTPUT`` is an input of ``SCENE``, which checks it.
-    """
-
-    SCENE: ClassVar[type[Scene]]
     OUTPUT: ClassVar[frozenset[str]] = frozenset({"json", "plot", "quiet"})
 
-    method: Any
-    cells: NumberFlag
-    ppc: NumberFlag
-    amplitude: RealFlag
-    modulus: RealFlag
-    density: RealFlag
-    dt: Annotated[RealFlag, default_hint("from --cfl")] = None
-    """Time step, s; instead of --cfl."""
-    cfl: Annotated[RealFlag, default_hint(f"{DEFAULT_CFL} without --dt")] = None
-    """Time step as dt c/h, no unit, c = sqrt(E/density); instead of --dt."""
-    t_end: Annotated[RealFlag, default_hint("from --periods")] = None
-    """End of the run, s; instead of --periods."""
-    periods: Any = None
-    body_force: Any
-    linearity_preserving: bool = False
-    velocity: Any
-    estimator: list_flag((*ESTIMATORS, "none")) = Scene.estimators
-    """Error estimators, one or several."""
-    effects: Annotated[list_flag((*EFFECTS, "all", "none")), default_hint("all")] = EFFECTS
-    """What to compute beside the method, with commas between; what is left out costs nothing."""
-    arch: choice_flag(Arch) = Scene.arch
-    """Processor to run on."""
-    threads: NumberFlag = Scene.threads
-    """Processor threads, at most."""
-    sample_every: Any = None
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
     """File for the result as a JSON object; - is standard output."""
     plot: Annotated[PathFlag, default_hint("no picture")] = None
     """File for a picture of the result, .png."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar, no warnings and no remarks on standard error."""
-
-    def scene(self) -> Scene:
-        """The scene that the flags describe; the scene itself checks it."""
-        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in self.OUTPUT}
-        values["estimator"] = _expand("estimator", self.estimator, {"none": ()})
-        values["effects"] = _expand("effects", self.effects, {"none": (), "all": EFFECTS})
-        return self.SCENE(**{SCENE_FIELDS.get(key, key): value for key, value in values.items()})
 
     def execute(self) -> int:
         """Run, then write what was asked for. Files are tried first, so that no run is lost to a typo."""
@@ -104,18 +48,6 @@ class Run:
             say(result.reason)
             return UNSTABLE
         return OK if drawn else FAILED
-
-
-def _expand(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """Words with the special ones, which must stand alone, replaced by what they mean."""
-    if not words:
-        raise BadInput(flag, "", "give one or several names (--help lists them)")
-    for word in words:
-        if word in special:
-            if len(words) > 1:
-                raise BadInput(flag, " ".join(words), f"{word} stands alone; leave it or the others out")
-            return special[word]
-    return words
 
 
 def _warn(scene: Scene) -> None:

@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from app.commands.flags import NumberFlag, RealFlag, choice_flag
-from app.commands.run import Run, periods_flag, sample_every_flag
+from app.commands.run import Run
+from app.commands.scene_flags import SceneFlags, periods_flag, sample_every_flag
 from solvers.bar.scene import BarScene, BodyForce, Method, PositionUpdate
 from solvers.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunBar(Run):
-    """Run the vibrating bar once and report its true and estimated errors.
-
-    The bar is 1 m long. Without --json a table goes to standard output.
-    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable.
-    """
+class BarFlags(SceneFlags):
+    """The flags of a scene of the bar."""
 
     SCENE: ClassVar[type[Scene]] = BarScene
 
@@ -43,3 +40,12 @@ class RunBar(Run):
     """Velocity that moves the particles (corners: cpgimp only)."""
     sample_every: sample_every_flag(BarScene) = None
     """Steps between two samples of the errors."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunBar(Run, BarFlags):
+    """Run the vibrating bar once and report its true and estimated errors.
+
+    The bar is 1 m long. Without --json a table goes to standard output.
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable.
+    """

@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from app.commands.flags import NumberFlag, RealFlag, choice_flag
-from app.commands.run import Run, periods_flag, sample_every_flag
+from app.commands.run import Run
+from app.commands.scene_flags import SceneFlags, periods_flag, sample_every_flag
 from solvers.ring.scene import BodyForce, Method, ParticleLayout, Plan, PositionUpdate, RingScene
 from solvers.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunRing(Run):
-    """Run the expanding ring once and report its true and estimated errors.
-
-    A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide. Without --json a table goes to
-    standard output. Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable.
-    """
+class RingFlags(SceneFlags):
+    """The flags of a scene of the ring."""
 
     SCENE: ClassVar[type[Scene]] = RingScene
 
@@ -47,3 +44,12 @@ class RunRing(Run):
     """How the step is spread over the threads; auto takes the faster one for the number of particles."""
     sample_every: sample_every_flag(RingScene) = None
     """Steps between two samples of the errors."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunRing(Run, RingFlags):
+    """Run the expanding ring once and report its true and estimated errors.
+
+    A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide. Without --json a table goes to
+    standard output. Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable.
+    """

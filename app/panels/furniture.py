@@ -49,6 +49,7 @@ div:has(> .lab-paired) + div + div + div + div {{ display: inline-block; width: 
   font-variant-numeric: tabular-nums; }}
 .lab-readout table {{ width: 100%; border-collapse: collapse; }}
 .lab-readout td:first-child {{ color: #6b7480; padding-right: 8px; white-space: nowrap; vertical-align: top; }}
+.lab-readout table:first-child td:first-child {{ width: 1%; }}
 .lab-readout td {{ vertical-align: top; padding-top: 0; padding-bottom: 0; }}
 .lab-numbers {{ margin-top: 5px; border-top: 1px solid #dfe3e8; font-size: 11.5px; }}
 .lab-numbers tr td:first-child {{ color: #222831; }}
@@ -58,6 +59,7 @@ div:has(> .lab-paired) + div + div + div + div {{ display: inline-block; width: 
 .lab-numbers .lab-head td, .lab-numbers .lab-head td:first-child {{ color: #6b7480; }}
 .lab-numbers .lab-silence {{ text-align: left !important; white-space: normal !important; color: #7a4a00;
   line-height: 1.3; }}
+.lab-readout .lab-numbers td.lab-silence {{ color: #7a4a00; }} .lab-name {{ color: #222831; }}
 .lab-worst td:nth-child(2) {{ text-align: left !important; }}
 .lab-capped {{ background: #e69f00; color: #222; border-radius: 3px; padding: 0 4px; font-weight: 600; }}
 .lab-heading {{ margin: 8px 12px -2px; text-align: center;

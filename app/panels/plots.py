@@ -69,7 +69,7 @@ class Plots:
     def clear(self) -> None:
         """Show nothing: no time has passed."""
         for plot in self._plots:
-            plot.data = tuple(_EMPTY for _ in plot.data)
+            plot.data = _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:]))
 
     def _build(self, estimators: tuple[str, ...],
                height: int) -> list[tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]]:

@@ -15,7 +15,8 @@ from app.session import Session
 from app.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 
 LINE = 18  # pixels that a line of the readout is high
-SILENCE_LINE = 26  # characters of a reason that go on a line
+SHORT = 30  # characters of a reason that fit beside a name
+SILENCE_LINE = 40  # and of one that begins with it, on a line
 TRUE = "true"
 
 
@@ -29,7 +30,8 @@ def readout(session: Session, quantity: str, drawn: str | None, probed: str | No
 def extra_lines(session: Session, quantity: str) -> int:
     """Lines that the readout has more than that of one estimator beside the truth."""
     scene, silences = session.report.scene, _silences(session, quantity)
-    wrapped = sum(math.ceil(len(silence) / SILENCE_LINE) - 1 for silence in silences.values() if silence)
+    wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
+                  for silence in silences.values() if len(silence) > SHORT)
     return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known)
 
 
@@ -55,7 +57,9 @@ def _estimates(session: Session, series: dict[str, np.ndarray], quantity: str) -
     key, unit = QUANTITIES[quantity]
     rows = [_row("head", f"error of {SYMBOLS[key]}", "norm", "index", "distance")]
     for name, silence in _silences(session, quantity).items():
-        if silence:
+        if len(silence) > SHORT:
+            rows.append(_row("", f"<span class='lab-name'>{_named(name)}</span>: {html.escape(silence)}"))
+        elif silence:
             rows.append(_row("", _named(name), html.escape(silence)))
         elif name == TRUE:
             rows.append(_row("", _named(name), _norm(series, f"error_{key}", unit), "", ""))

@@ -55,7 +55,7 @@ def test_without_an_exact_solution(page, problem):
     until(lambda: "no exact solution is built in" in readout(page), "the truth missing in words")
     until(lambda: drawn(page)[1:] == [0, 1], "the estimate drawn, the truth not")
     page.get_by_text("empty: no exact solution is built in").wait_for()
-    assert re.search(r"transport\s+[\d.]+ \S?m\s+–\s+–", readout(page))
+    assert re.search(r"transport\s+[\d.]+ \S?m\s+–\s+–", readout(page)), readout(page)
     if problem == "vibrating bar":
         until(lambda: halves(page)[0] > 0.5 and halves(page)[1] < 0.05, "a grey lane below")
         choose(page, "Compare", "estimate − truth | truth")

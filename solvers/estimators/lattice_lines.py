@@ -1,0 +1,223 @@
+"""Operators along one line of a material lattice: recovery of smooth fields, B-splines, integrals.
+
+The particles of the bar, and those of the ring's polar lattice along an angle or a radius, begin at j + 1/2,
+j = 0, 1, ... in units of their spacing. A field known at particles is *recovered* between them by a weighted
+least-squares polynomial (moving least squares on a line); an *error grid* of quadratic B-splines, one an element,
+stands on the same line. All operators are rows of few weights on consecutive entries: a :class:`Rows` each.
+Two-dimensional operators are products of an angular and a radial one, so that nothing in two dimensions has ever to be
+stored.
+
+What lies beyond the ends of a line is said by ``ends``: "periodic", "mirror" (a symmetry plane at each end; the
+component across the plane is odd) or "free" (nothing: recovery becomes one-sided).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A linear map with rows of ``width`` weights: entry ``first[r] + k`` times ``weights[r, k]``, entries modulo their
+    number. ``weights`` (rows, width, ...) may hold several maps, such as a value and a slope, side by side.
+    """
+
+    first: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def width(self) -> int:
+        return self.weights.shape[1]
+
+    def repeated(self, cells: int, rows: int, columns: int) -> Rows:
+        """The map of a periodic line of ``cells`` cells alike, ``rows`` rows and ``columns`` columns each, from one of
+        fewer. Its weights are those of one cell's rows: row r has weights ``r % rows``.
+        """
+        few = len(self.first) // rows * columns  # columns of the shorter line
+        first = self.first[:rows].astype(np.int64)
+        first = np.where(first > few // 2, first - few, first)
+        first = (np.arange(cells)[:, None] * columns + first).ravel() % (cells * columns)
+        return Rows(first.astype(np.int32), self.weights[:rows])
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """The map, or maps, of ``values``: (rows, ...) for use outside of kernels."""
+        at = (self.first[:, None] + np.arange(self.width)) % len(values)
+        weights = self.weights[np.arange(len(at)) % len(self.weights)]
+        return np.einsum("rk...,rk->r...", weights, values[at])
+
+
+@dataclass(frozen=True)
+class Line:
+    """``points`` particles on a line of the given ``length``, under ``elements`` elements of the error grid."""
+
+    points: int
+    elements: int
+    length: float
+    ends: str
+
+    @property
+    def nodes(self) -> int:
+        """Functions of the error grid: one an element, and one more beyond each free end."""
+        return self.elements + (2 if self.ends == "free" else 0)
+
+    @property
+    def per_point(self) -> float:
+        return self.points / self.length
+
+    @property
+    def per_element(self) -> float:
+        return self.elements / self.length
+
+    def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
+        """Gauss points, in particle spacings, and weights in metres: two a particle or more, the same in each element.
+
+        They belong to elements and not to particles, whose domains may end anywhere: an integral of N' that is not
+        exact leaves a force in a constant stress, at every mesh.
+        """
+        points, weights = np.polynomial.legendre.leggauss(max(3, 2 * -(-self.points // self.elements)))
+        at = (np.arange(self.elements)[:, None] + 0.5 + 0.5 * points) * (self.points / self.elements)
+        return at.ravel(), np.tile(0.5 * weights / self.per_element, self.elements)
+
+    def particles(self) -> np.ndarray:
+        return np.arange(self.points) + 0.5
+
+    # ---- from particles, to particles or between them ---------------------------------------------------------
+
+    def fit(self, width: int, degree: int) -> Rows:
+        """Recovered value and slope (1/length) at every particle: weights (points, width, components, 2)."""
+        index, value, slope = self._recovery(self.particles(), width, degree)
+        weights = np.stack([value, slope * self.per_point], axis=-1)
+        rows = np.repeat(np.arange(self.points)[:, None], index.shape[1], axis=1)
+        index, sign = self._fold(index, self.points)
+        return self._banded(rows, index, sign[..., None] * weights[:, :, None, :], self.points, self.points)
+
+    def spread(self) -> Rows:
+        """Value and slope (1/length) of the B-splines at every particle: weights (points, 3, components, 2)."""
+        index, value, slope = self._splines(self.particles())
+        weights = np.stack([value, slope * self.per_element], axis=-1)
+        rows = np.repeat(np.arange(self.points)[:, None], 3, axis=1)
+        index, sign = self._fold_nodes(index)
+        return self._banded(rows, index, sign[..., None] * weights[:, :, None, :], self.points, self.nodes)
+
+    def gather(self, width: int, degree: int, measure: np.ndarray | None = None) -> Rows:
+        """Integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
+
+        f is recovered from particles; ``measure`` weighs the integration points, as R does on a radius.
+        Weights (nodes, k, components, 3). f in the second belongs to a derivative along the line, which is odd where
+        the component is even.
+        """
+        q, weight = self.quadrature()
+        measured = weight if measure is None else weight * measure
+        node, N, dN = self._splines(q)
+        particle, value, _ = self._recovery(q, width, degree)
+        kinds = np.stack([N * measured[:, None], dN * self.per_element * measured[:, None], N * weight[:, None]], -1)
+        node, node_sign = self._fold_nodes(node)
+        particle, sign = self._fold(particle, self.points)
+        odd = sign[..., ::-1]
+        signs = np.stack([sign, odd, sign], -1)  # (Q, k, components, 3)
+        values = (node_sign[:, :, None, :, None] * kinds[:, :, None, None, :]
+                  * (signs * value[:, :, None, None])[:, None])
+        rows, columns = (np.broadcast_to(a, values.shape[:3])
+                         for a in (node[:, :, None], particle[:, None, :]))
+        total = self.mass(measure)
+        banded = self._banded(rows, columns, values, self.nodes, self.points)
+        return Rows(banded.first, banded.weights / total[:, None, None, None])
+
+    # ---- on the error grid ------------------------------------------------------------------------------------
+
+    def mass(self, measure: np.ndarray | None = None) -> np.ndarray:
+        """The integral of N (nodes,), images beyond a mirror included."""
+        q, weight = self.quadrature()
+        weight = weight if measure is None else weight * measure
+        node, N, _ = self._splines(q)
+        total = np.zeros(self.nodes)
+        np.add.at(total, self._fold_nodes(node)[0], N * weight[:, None])
+        return total
+
+    def smoothing(self, measure: np.ndarray | None = None) -> Rows:
+        """Integral of N_i N_j over that of N_i: what spreading and gathering makes of nodal values.
+
+        Weights (nodes, k, components, 2), the second of each pair zero, as for maps that have a slope.
+        """
+        q, weight = self.quadrature()
+        weight = weight if measure is None else weight * measure
+        node, N, _ = self._splines(q)
+        node, sign = self._fold_nodes(node)
+        values = (sign * (N * weight[:, None])[..., None])[:, :, None] * (sign * N[..., None])[:, None]
+        rows, columns = (np.broadcast_to(a, values.shape[:3]) for a in (node[:, :, None], node[:, None, :]))
+        banded = self._banded(rows, columns, values, self.nodes, self.nodes)
+        weights = banded.weights / self.mass(measure)[:, None, None]
+        return Rows(banded.first, np.stack([weights, np.zeros_like(weights)], axis=-1))
+
+    # ---- how it is done ---------------------------------------------------------------------------------------
+
+    def _recovery(self, at: np.ndarray, width: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Weights (Q, width) of the nearest particles in the value and the slope (per spacing) at the places ``at``.
+
+        Weight (1 - (d/r)^2)^2 with r just beyond the furthest. Equal places in a lattice without free ends have equal
+        weights, which are then found once.
+        """
+        if self.ends == "free":
+            width = min(width, self.points)
+        first = np.ceil(at - 0.5 * (width + 1) - 1e-9).astype(np.int64)
+        if self.ends == "free":
+            first = np.clip(first, 0, self.points - width)
+        index = first[:, None] + np.arange(width)
+        offset = index + 0.5 - at[:, None]
+        unique, back = np.unique(offset.round(9), axis=0, return_inverse=True)
+        furthest = np.maximum(1.01 * np.abs(unique).max(axis=1, keepdims=True), 0.5 * width + 0.3)
+        weight = (1 - (unique / furthest) ** 2) ** 2
+        powers = unique[:, :, None] ** np.arange(min(degree, width - 1) + 1)
+        weighted = weight[:, :, None] * powers
+        found = np.linalg.solve(np.einsum("qka,qkb->qab", weighted, powers), weighted.transpose(0, 2, 1))
+        slope = found[:, 1] if found.shape[1] > 1 else np.zeros_like(found[:, 0])
+        back = back.ravel()
+        return index, found[back, 0], slope[back]
+
+    def _splines(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The three quadratic B-splines that reach each place ``at`` (in particle spacings): index, value, slope."""
+        x = at * (self.elements / self.points)
+        element = np.clip(np.floor(x), 0, self.elements - 1).astype(np.int64)
+        s = x - element
+        value = np.stack([0.5 * (1 - s) ** 2, 0.5 + s - s * s, 0.5 * s * s], axis=1)
+        slope = np.stack([s - 1, 1 - 2 * s, s], axis=1)
+        return element[:, None] + np.arange(-1, 2), value, slope
+
+    def _fold_nodes(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if self.ends == "free":
+            return index + 1, np.ones((*index.shape, 1))
+        return self._fold(index, self.elements)
+
+    def _fold(self, index: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Bring images back into the line; the sign (..., components) that each component then takes.
+
+        Mirrors: component 0 is odd across the far end and component 1 across the near one (x across the plane x = 0,
+        which is at the angle pi/2, and y across y = 0).
+        """
+        if self.ends == "mirror":
+            low, high = index < 0, index >= count
+            inside = np.where(low, -1 - index, np.where(high, 2 * count - 1 - index, index))
+            return inside, np.stack([1.0 - 2 * high, 1.0 - 2 * low], axis=-1)
+        return index % count, np.ones((*index.shape, 1))
+
+    def _banded(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,
+                column_count: int) -> Rows:
+        """Add up entries with equal row and column into rows of consecutive columns."""
+        tail = values.shape[rows.ndim:]
+        rows, columns, values = rows.ravel(), columns.ravel(), values.reshape(rows.size, *tail)
+        middle = ((np.arange(row_count) + 0.5) * column_count / row_count).astype(np.int64)
+        offset = columns - middle[rows]
+        if self.ends == "periodic":  # the shorter way around
+            offset = (offset + column_count // 2) % column_count - column_count // 2
+        low, high = np.full(row_count, column_count), np.full(row_count, -column_count)
+        np.minimum.at(low, rows, offset)
+        np.maximum.at(high, rows, offset)
+        width = int((high - low).max()) + 1
+        first = middle + low
+        if self.ends != "periodic":
+            first = np.minimum(first, column_count - width)
+        weights = np.zeros((row_count, width, *tail))
+        np.add.at(weights, (rows, offset + middle[rows] - first[rows]), values)
+        return Rows((first % column_count).astype(np.int32), weights)

@@ -1,0 +1,117 @@
+"""What rows say together: the order of convergence, the Pareto front, and where time and space error balance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A straight line through log(error) over log(h): ``order``, its factor, and the orders between neighbours."""
+
+    order: float
+    factor: float
+    points: int
+    pairwise: tuple[float, ...]
+
+    def at(self, h: np.ndarray) -> np.ndarray:
+        return self.factor * np.asarray(h) ** self.order
+
+
+def slope(h: Sequence[float], error: Sequence[float]) -> Slope | None:
+    """Least squares through the points with a positive error; None with fewer than two different h."""
+    h, error = _usable(h, error)
+    if len(np.unique(h)) < 2:
+        return None
+    order, intercept = np.polyfit(np.log(h), np.log(error), 1)
+    pairs = zip(zip(h, error, strict=True), zip(h[1:], error[1:], strict=True), strict=False)
+    pairwise = tuple(float(np.log(f / e) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
+    return Slope(float(order), float(np.exp(intercept)), len(h), pairwise)
+
+
+def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
+    """The indices of the points that none beats in both time and error, by time."""
+    front, best = [], np.inf
+    for k in sorted(range(len(seconds)), key=lambda k: (seconds[k], error[k])):
+        if error[k] < best:
+            front.append(k)
+            best = error[k]
+    return front
+
+
+@dataclass(frozen=True)
+class Balance:
+    """error = space + factor dt^power over the steps from ``least`` to ``most``.
+
+    ``dt`` is where both parts are equal, None if that is not within these steps; ``misfit`` is the RMS of the relative
+    residual.
+    """
+
+    space: float
+    factor: float
+    power: int
+    least: float
+    most: float
+    misfit: float
+
+    def at(self, dt: np.ndarray) -> np.ndarray:
+        return self.space + self.factor * np.asarray(dt) ** self.power
+
+    @property
+    def dt(self) -> float | None:
+        if not self.space > 0 or not self.factor > 0:
+            return None
+        dt = (self.space / self.factor) ** (1 / self.power)
+        return dt if self.least <= dt <= self.most else None
+
+    @property
+    def space_rules(self) -> bool:
+        """Whether the error of space is the larger part at the longest step."""
+        return self.space > self.factor * self.most**self.power
+
+
+def balance(dt: Sequence[float], error: Sequence[float]) -> Balance | None:
+    """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
+
+    Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
+    the brink of stability, it is not looked at. None with fewer than three different steps.
+    """
+    dt, error = _usable(dt, error)
+    steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
+    sound = int(np.argmax(steep)) + 1 if steep.any() else len(dt)
+    dt, error = dt[:sound], error[:sound]
+    if len(np.unique(dt)) < 3:
+        return None
+    return min((_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
+
+
+STEEP = 1.5
+
+
+def _split(dt: np.ndarray, error: np.ndarray, power: int) -> Balance:
+    columns = np.stack([np.ones_like(dt), dt**power], axis=1) / error[:, None]
+    space, factor = _not_negative(columns)
+    misfit = float(np.sqrt(np.mean((columns @ (space, factor) - 1) ** 2)))
+    return Balance(space, factor, power, float(dt[0]), float(dt[-1]), misfit)
+
+
+def _not_negative(columns: np.ndarray) -> tuple[float, float]:
+    """Least squares of columns @ (a, b) = 1 with a, b >= 0: both, or the better of one alone."""
+    ones = np.ones(len(columns))
+    scale = np.linalg.norm(columns, axis=0)
+    a, b = np.linalg.lstsq(columns / scale, ones, rcond=None)[0] / scale
+    if a >= 0 and b >= 0:
+        return float(a), float(b)
+    alone = [float(column @ ones / (column @ column)) for column in columns.T]
+    rest = [float(np.sum((column * value - 1) ** 2)) for column, value in zip(columns.T, alone, strict=True)]
+    return (alone[0], 0.0) if rest[0] <= rest[1] else (0.0, alone[1])
+
+
+def _usable(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Finite positive pairs, by x."""
+    pairs = np.array(sorted((a, b) for a, b in zip(x, y, strict=True)
+                            if a and b and np.isfinite(a) and np.isfinite(b) and a > 0 and b > 0)).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]

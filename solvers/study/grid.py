@@ -1,0 +1,87 @@
+"""From lists of values to tasks: every combination, the scene it means, and the key that it is known by."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+
+from solvers.problems import SCENES
+from solvers.scene import FLAGS, Scene, SceneError
+
+FIELDS = {key: field for field, key in FLAGS.items()}
+MOST_ROWS = 10_000
+
+
+@dataclass(frozen=True)
+class Task:
+    """One combination to be measured, in plain values, so that it can travel anywhere as JSON.
+
+    ``inputs`` maps the names of flags (``ppc``, ``body_force``, ...) to values; what is absent or None takes the
+    scene's default. ``repeats`` is how often the bare run is timed; ``price_effects`` asks for the time with each
+    effect alone as well.
+    """
+
+    problem: str
+    inputs: dict
+    repeats: int = 3
+    price_effects: bool = False
+    version: str = ""
+
+    def scene(self) -> Scene:
+        """The scene of this combination; :class:`SceneError` where there is none."""
+        return SCENES[self.problem](**{FIELDS.get(name, name): tuple(value) if isinstance(value, list) else value
+                                       for name, value in self.inputs.items()})
+
+    def refusal(self) -> SceneError | None:
+        """Why there is no such scene, or None."""
+        try:
+            self.scene()
+        except SceneError as error:
+            return error
+        return None
+
+    @property
+    def key(self) -> str:
+        """A hash of the inputs with the defaults filled in: equal scenes have equal keys, however they were asked for.
+
+        How often a run is timed is no input, nor is where it is run.
+        """
+        try:
+            values = self.scene().to_dict()
+        except SceneError:
+            values = {"problem": self.problem, **self.inputs}
+        text = json.dumps({name: _canonical(value) for name, value in values.items()}, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def to_dict(self) -> dict:
+        return asdict(self)
+
+
+def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
+    """Every combination of one value from each axis; the last axis varies fastest."""
+    return [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
+
+
+def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
+    """A task for every combination, each scene once. ``options`` are the other fields of :class:`Task`."""
+    tasks: dict[str, Task] = {}
+    for inputs in combinations(axes):
+        task = Task(problem, {name: _plain(value) for name, value in inputs.items()}, **options)
+        tasks.setdefault(task.key, task)
+    return list(tasks.values())
+
+
+def _plain(value: object) -> object:
+    """What JSON can say: lists for tuples, words for numbers that it has not."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _canonical(value: object) -> object:
+    """1 and 1.0 are the same input."""
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

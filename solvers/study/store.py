@@ -1,0 +1,95 @@
+"""Rows on disk: one JSON object a line, appended and synchronised as they come, so that a kill loses nothing done."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from pathlib import Path
+from typing import BinaryIO
+
+from solvers.study.row import FAILED
+
+NAME = "rows.jsonl"
+
+
+class StoreError(Exception):
+    """The directory cannot be used; the sentence says why and what to do."""
+
+
+class Store:
+    """The rows of a study in a directory. A row with the key of an earlier one replaces it."""
+
+    def __init__(self, directory: str | os.PathLike, problem: str, resume: bool = False):
+        self.directory = Path(directory)
+        self._path = self.directory / NAME
+        self.rows: dict[str, dict] = {}
+        _prepare(self.directory, resume)
+        try:
+            self._file = open(self._path, "ab")
+        except OSError as error:
+            raise StoreError(f"cannot be written to: {error.strerror.lower()}") from None
+        try:
+            _lock(self._file)
+            self._load(problem)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def append(self, row: dict) -> None:
+        """Keep a row; it is on the disk when this returns."""
+        self._file.write(json.dumps(row, allow_nan=False).encode() + b"\n")
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        self.rows[row["key"]] = row
+
+    def finished(self, key: str) -> bool:
+        """Whether there is nothing left to do for a key; what failed may be tried again."""
+        return key in self.rows and self.rows[key]["status"] != FAILED
+
+    def close(self) -> None:
+        self._file.close()
+
+    def _load(self, problem: str) -> None:
+        """Read what is there. A last line that a kill cut short is taken off; its row will be measured again."""
+        content = self._path.read_bytes()
+        whole = content.rfind(b"\n") + 1
+        if whole < len(content):
+            self._file.truncate(whole)
+        for number, line in enumerate(content[:whole].splitlines(), 1):
+            try:
+                row = json.loads(line)
+                self.rows[row["key"]] = row
+                other = row["problem"]
+            except (ValueError, KeyError, TypeError):
+                raise StoreError(f"holds a {NAME} whose line {number} is not a row; "
+                                 "take that line out or give another directory") from None
+            if other != problem:
+                raise StoreError(f"holds rows of the {other}; give another directory for the {problem}")
+
+
+def _prepare(directory: Path, resume: bool) -> None:
+    """Make the directory, or make sure that it is ours to write to."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        names = {entry.name for entry in directory.iterdir()}
+    except FileExistsError:
+        raise StoreError("is a file; give a directory") from None
+    except OSError as error:
+        raise StoreError(f"cannot be used: {(error.strerror or str(error)).lower()}; give a directory that can be "
+                         "written to") from None
+    if names and not resume:
+        raise StoreError("is not empty; give an empty or a new directory"
+                         + (", or --resume to finish the sweep in it" if NAME in names else ""))
+    if names and NAME not in names:
+        raise StoreError(f"holds no {NAME}, so there is no sweep to resume; give an empty or a new directory")
+
+
+def _lock(file: BinaryIO) -> None:
+    """Two sweeps must not write to one file."""
+    with contextlib.suppress(ImportError):  # elsewhere than on Unix nobody checks
+        import fcntl
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise StoreError("is being written to by another sweep; wait for it or give another directory") from None

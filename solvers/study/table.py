@@ -1,0 +1,125 @@
+"""Rows as a table: CSV with a column for every number, and a summary in Markdown."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+
+from solvers.study.fit import pareto
+from solvers.study.row import FAILED, OK, REFUSED, UNSTABLE
+from solvers.study.series import error_of, fits, measured, series, varying
+
+SHOWN = ("x", "v", "sigma")
+NOTHING = "–"
+
+
+def flat(row: Mapping, before: str = "") -> dict:
+    """A row without levels: ``error.x.max`` for ``row["error"]["x"]["max"]``; lists become words."""
+    values = {}
+    for name, value in row.items():
+        if isinstance(value, Mapping):
+            values |= flat(value, f"{before}{name}.")
+        else:
+            values[before + name] = " ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
+    return values
+
+
+def csv_text(rows: Iterable[Mapping]) -> str:
+    """One line a row, a column for whatever any row has; what a row has not is empty."""
+    lines = [flat({**row, "scene": row["scene"] or row["asked"], "asked": {}}) for row in rows]
+    names = list(dict.fromkeys(name for line in sorted(lines, key=len, reverse=True) for name in line))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(lines)
+    return text.getvalue()
+
+
+def table_dict(problem: str, rows: Sequence[dict]) -> dict:
+    """The whole study as one JSON object."""
+    return {"schema": "mpm-lab/sweep/1", "problem": problem, "rows": list(rows), "fits": fits(rows)}
+
+
+def summary(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) -> str:
+    """The study in Markdown: every row in short, the orders of convergence, the best for its time, what went wrong."""
+    counts = {status: sum(row["status"] == status for row in rows) for status in (OK, UNSTABLE, FAILED, REFUSED)}
+    parts = [f"# Sweep of the {problem}",
+             f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
+    parts += [_rows(rows), _slopes(rows), _front(rows), _trouble(rows)]
+    parts += [f"![{name}]({name})" for name in pictures]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _rows(rows: Sequence[dict]) -> str:
+    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
+    estimators = list(dict.fromkeys(name for row in measured(rows) for name in row["index"]))
+    heads = [*names, "status", *(f"error {q}" for q in SHOWN), *(f"{e}: index {q}" for e in estimators for q in SHOWN),
+             "seconds", "10⁶ particle-steps/s"]
+    lines = []
+    for row in rows:
+        values = row["scene"] or row["asked"]
+        index = row.get("index") or {}
+        lines.append([*(_cell(values.get(name)) for name in names), row["status"],
+                      *(_number(error_of(row, q), ".3e") for q in SHOWN),
+                      *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
+                      _number((row.get("seconds") or {}).get("min"), ".4g"), _number(row.get("rate"), ".3g")])
+    return "Errors are the largest RMS over particles; seconds the shortest of the bare runs.\n\n" \
+        + _markdown(heads, lines)
+
+
+def _slopes(rows: Sequence[dict]) -> str:
+    title = "## Order of convergence: error ~ h^p\n\n"
+    lines = []
+    for line in series(rows):
+        found = {q: line.fit(q) for q in SHOWN}
+        if any(found.values()):
+            lines.append([line.label(), *(NOTHING if fit is None else f"{fit.order:.2f}" for fit in found.values()),
+                          *(NOTHING if fit is None else ", ".join(f"{p:.2f}" for p in reversed(fit.pairwise))
+                            for fit in found.values())])
+    if not lines:
+        return title + "Nothing to fit: it takes two grids at least, and true errors."
+    return title + "Fitted over all stable grids, and from each grid to the next finer one.\n\n" \
+        + _markdown(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
+
+
+def _front(rows: Sequence[dict]) -> str:
+    usable = [row for row in measured(rows) if row["status"] == OK and error_of(row, "x")]
+    if not usable:
+        return ""
+    front = pareto([row["seconds"]["min"] for row in usable], [error_of(row, "x") for row in usable])
+    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
+    lines = [[*(_cell(usable[k]["scene"].get(name)) for name in names), _number(error_of(usable[k], "x"), ".3e"),
+              _number(usable[k]["seconds"]["min"], ".4g")] for k in front]
+    return "## Best for its time\n\nNo other row has a smaller error of x in less time.\n\n" \
+        + _markdown([*names, "error x", "seconds"], lines)
+
+
+def _trouble(rows: Sequence[dict]) -> str:
+    """What is not ok, once for each reason."""
+    reasons: dict[tuple[str, str], list[dict]] = {}
+    for row in rows:
+        if row["status"] != OK:
+            reasons.setdefault((row["status"], row["reason"]), []).append(row)
+    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
+    lines = []
+    for (status, reason), alike in reasons.items():
+        first = ", ".join(f"{name} {_cell((alike[0]['scene'] or alike[0]['asked']).get(name))}" for name in names)
+        more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
+        lines.append(f"* {first}{more}: {status}: {reason}")
+    return "## Not ok\n\n" + "\n".join(lines) if lines else ""
+
+
+def _markdown(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    rows = [heads, ["---"] * len(heads), *lines]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return " ".join(value) if isinstance(value, (list, tuple)) else NOTHING if value is None else str(value)
+
+
+def _number(value: float | None, form: str) -> str:
+    return NOTHING if value is None else format(value, form)

@@ -1,0 +1,30 @@
+"""Rows made up for tests of what reads them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from solvers.bar.scene import BarScene
+from solvers.samples import QUANTITIES
+from solvers.scene import EFFECTS
+from solvers.study.grid import Task
+
+
+def made_up(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: float = 2.0, status: str = "ok",
+            estimate: float | None = 1.1, **changed) -> dict:
+    """A row whose errors are cells^-order, estimated by ``estimate`` times as much."""
+    inputs = {"method": method, "cells": cells, "cfl": cfl}
+    scene = replace(BarScene(**inputs), effects=EFFECTS)
+    norms = {q: dict.fromkeys(("final", "max", "mean"), float(cells) ** -order) for q in QUANTITIES}
+    guess = {q: dict.fromkeys(("final", "max", "mean"), (estimate or 0) * cells**-order) for q in QUANTITIES}
+    each = {} if estimate is None else {"transport": guess}
+    seconds = 1e-5 * cells**2 / cfl
+    row = {"schema": "mpm-lab/row/1", "key": Task("bar", inputs).key, "problem": "bar", "asked": inputs,
+           "scene": scene.to_dict(), "h": 1 / cells, "status": status, "reason": None if status == "ok" else "too long",
+           "t": 5.0, "steps": 100, "particles": 4 * cells, "particle_steps": 400 * cells, "error": norms,
+           "estimate": each, "index": {name: dict.fromkeys(QUANTITIES, 1.1) for name in each}, "distance": {},
+           "not_valid": {}, "grid_crossings": 0, "energy": None, "effects": [], "bytes": 1,
+           "seconds": {"repeats": [seconds], "min": seconds, "full": 1.5 * seconds, "compile": 0.1, "setup": 0.0,
+                       "estimators": {name: 0.2 * seconds for name in each}, "effects": {}},
+           "rate": 50.0, "arch": "x64", "threads": 1, "plan": "serial", "host": "here", "version": "1"}
+    return {**row, **changed}

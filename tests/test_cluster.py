@@ -1,0 +1,93 @@
+"""Rows on a real Dask cluster: a scheduler and two workers on this machine, one of them killed half way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from app.cli import main
+from solvers.study import cluster, row
+from solvers.study.execute import execute
+from solvers.study.grid import plan
+from solvers.study.places import Here
+
+pytest.importorskip("distributed")
+
+ROOT = Path(__file__).resolve().parent.parent
+AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16], "periods": [1.0]}
+
+
+def start(module: str, *arguments: str) -> subprocess.Popen:
+    return subprocess.Popen([sys.executable, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard"],
+                            cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.fixture
+def workers(tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
+    """The scheduler's address, and two workers that nobody restarts."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    scheduler = start("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
+    flags = (address, "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path))
+    processes = [start("dask_worker", *flags) for _ in range(2)]
+    try:
+        yield address, processes
+    finally:
+        for process in (*processes, scheduler):
+            process.kill()
+            process.wait()
+
+
+def wait_for_workers(place: cluster.Cluster, count: int) -> None:
+    until = time.monotonic() + 60
+    while place.workers < count and time.monotonic() < until:
+        time.sleep(0.05)
+    assert place.workers == count
+
+
+def test_a_killed_worker_costs_no_row(workers):
+    address, processes = workers
+    place, rows = cluster.Cluster(address), []
+    wait_for_workers(place, 2)
+
+    def keep(found: dict) -> None:
+        rows.append(found)
+        if len(rows) == 1:
+            os.kill(processes[0].pid, signal.SIGKILL)
+
+    tasks = plan("bar", AXES, repeats=1)
+    try:
+        execute(tasks, place, keep)
+        assert place.workers == 1
+    finally:
+        place.close()
+    here, same = Here(), []
+    execute(tasks, here, same.append)
+    here.close()
+    both = [{found["key"]: row.without_timings(found) for found in measured} for measured in (rows, same)]
+    assert len(rows) == len(tasks) and both[0] == both[1]
+
+
+def test_no_scheduler_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
+    assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "--scheduler tcp://127.0.0.1:1: no Dask scheduler answers" in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_missing_distributed_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "mpm-lab[cluster]" in said
