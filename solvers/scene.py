@@ -80,6 +80,7 @@ class Scene(ABC):
     #: What the problem's own error norm is called in the result (see ``solvers.samples``).
     EXTRA_ERROR: ClassVar[str]
     DIMENSIONS: ClassVar[int] = 1
+    STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
     FEWEST_CELLS: ClassVar[int] = 4
     DEFAULT_PERIODS: ClassVar[float] = 5.0
     SAMPLES_A_PERIOD: ClassVar[int] = 200
@@ -129,6 +130,11 @@ class Scene(ABC):
     def motion_amplitude(self) -> float:
         """Largest displacement of the exact solution."""
         return self.amplitude
+
+    def size_of(self, quantity: str) -> float:
+        """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""
+        A, w = self.motion_amplitude, self.angular_frequency
+        return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
 
     @property
     def period(self) -> float:

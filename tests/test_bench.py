@@ -25,7 +25,7 @@ from solvers.run import SOLVERS, build
 from solvers.study.timing import Stretch, rate, take_turns
 
 ROOT = Path(__file__).resolve().parent.parent
-#: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 2 % or less.
+#: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 0 to 3 %.
 TOLERANCE = 0.15
 
 

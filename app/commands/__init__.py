@@ -4,6 +4,7 @@ A command is a frozen dataclass: its fields are its flags, its docstring is its 
 the work and returns the exit status. To add one, write the dataclass and list it here.
 """
 
+from app.commands.advise import AdviseBar, AdviseRing
 from app.commands.bench import Bench
 from app.commands.run_bar import RunBar
 from app.commands.run_ring import RunRing
@@ -19,6 +20,8 @@ COMMANDS: dict[tuple[str, ...], type] = {
     ("sweep", "bar"): SweepBar,
     ("sweep", "ring"): SweepRing,
     ("tables",): Tables,
+    ("advise", "bar"): AdviseBar,
+    ("advise", "ring"): AdviseRing,
     ("bench",): Bench,
 }
 #: What ``mpm-lab`` does when no command is given.

@@ -35,6 +35,7 @@ class BarScene(Scene):
         **Scene.CHOICES, "problem": get_args(Problem), "method": get_args(Method),
         "body_force": get_args(BodyForce), "velocity": get_args(PositionUpdate)}
     EXTRA_ERROR: ClassVar[str] = "sigma_log"
+    STRAIN_PER_AMPLITUDE: ClassVar[float] = 1 / BAR_AMPLITUDE_LIMIT
 
     @property
     def spacing(self) -> float:

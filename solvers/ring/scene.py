@@ -43,6 +43,7 @@ class RingScene(Scene):
         "body_force": get_args(BodyForce), "velocity": get_args(PositionUpdate),
         "layout": get_args(ParticleLayout), "plan": get_args(Plan)}
     EXTRA_ERROR: ClassVar[str] = "a_nodes"
+    STRAIN_PER_AMPLITUDE: ClassVar[float] = 1 / INVERSION
     DIMENSIONS: ClassVar[int] = 2
     FEWEST_CELLS: ClassVar[int] = 8
     DEFAULT_PERIODS: ClassVar[float] = 1.0

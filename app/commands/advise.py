@@ -1,0 +1,239 @@
+"""``mpm-lab advise bar`` and ``mpm-lab advise ring``: the cheapest run for a tolerance."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
+
+from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choice_flag, default_hint, list_flag
+from app.commands.output import Target, json_text, noted_interrupts, say, stdout_to_stderr
+from app.commands.scene_flags import periods_flag
+from solvers.bar import scene as bar
+from solvers.ring import scene as ring
+from solvers.samples import QUANTITIES
+from solvers.scene import Scene, field_key, require_choice, require_number
+
+if TYPE_CHECKING:
+    from solvers.study.advise import Advice
+
+SCHEMA = "mpm-lab/advice/1"
+OK, UNREACHABLE = 0, 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Advise:
+    """The flags of both problems. What is left open (method, particles per cell, cfl) is searched; cells always are."""
+
+    SCENE: ClassVar[type[Scene]]
+    METHODS: ClassVar[tuple[tuple[str, bool], ...]]  # with and without linearity preservation
+
+    tolerance: Annotated[RealFlag, default_hint("required")] = None
+    """Largest RMS error that is allowed at any time of the run."""
+    relative: bool = True
+    """Whether the tolerance is a part of the quantity's own size (of A for x) or in its unit."""
+    quantity: list_flag(QUANTITIES) = ("x",)
+    """What the tolerance is about: position, velocity, stress or acceleration."""
+    budget: RealFlag = 60.0
+    """Longest run that may be recommended, s."""
+    method: Any = ()
+    """Methods to choose from."""
+    ppc: Annotated[Any, default_hint("2 3 4")] = ()
+    """Particles per cell (ring: per direction) to choose from."""
+    cfl: Annotated[Any, default_hint("0.1 0.3 0.5")] = ()
+    """Lengths of the time step, dt c/h, to choose from."""
+    amplitude: RealFlag
+    modulus: RealFlag
+    density: RealFlag
+    t_end: Annotated[RealFlag, default_hint("from --periods")] = None
+    """End of the run, s; instead of --periods."""
+    periods: Any = None
+    body_force: Any
+    json: Annotated[PathFlag, default_hint("a text is printed instead")] = None
+    """File for the advice as a JSON object; - is standard output."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """Nothing on standard error about the runs that are made."""
+
+    def execute(self) -> int:
+        """Search, then say what to run; exit status 1 if nothing within the budget meets the tolerance."""
+        base, quantity = self.base(), self._quantity()
+        tolerance = self._tolerance(base, quantity)
+        target = None if self.json is None else Target("json", self.json, may_be_stdout=True)
+        begun = time.monotonic()
+        with stdout_to_stderr(), noted_interrupts() as check_interrupts:
+            advice = self._search(base, quantity, tolerance, check_interrupts)
+        values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
+        if target:
+            target.write(json_text(values, lines=not target.is_stdout).encode())
+        else:
+            print(as_text(values), flush=True)
+        if not advice.met:
+            say(values["reason"])
+        return OK if advice.met else UNREACHABLE
+
+    def base(self) -> Scene:
+        """The scene whose method, cells, particles per cell and step are to be found."""
+        return self.SCENE(amplitude=self.amplitude, modulus=self.modulus, density=self.density, t_end=self.t_end,
+                          periods=self.periods, body_force=self.body_force, estimators=(), effects=())
+
+    def _quantity(self) -> str:
+        if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
+            raise BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
+        return self.quantity[0]
+
+    def _tolerance(self, base: Scene, quantity: str) -> float:
+        """In the quantity's unit."""
+        if self.tolerance is None:
+            raise BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
+        require_number("tolerance", self.tolerance, 0, math.inf)
+        require_number("budget", self.budget, 0, math.inf)
+        return self.tolerance * (base.size_of(quantity) if self.relative else 1.0)
+
+    def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
+        from solvers.study.advise import Goal, advise, families
+
+        def told(looks: int, scene: Scene) -> None:
+            check_interrupts()
+            if not self.quiet and sys.stderr.isatty():
+                say(f"run {looks}: {scene.method}, {scene.cells} cells, {scene.particles_per_cell} particles per cell, "
+                    f"cfl {scene.cfl:g}")
+
+        choices = families(base, self._methods(base), self._numbers("ppc", self.ppc, (2, 3, 4)),
+                           self._numbers("cfl", self.cfl, (0.1, 0.3, 0.5)), quantity)
+        return advise(choices, Goal(quantity, tolerance, self.budget), told)
+
+    def _methods(self, base: Scene) -> list[tuple[str, bool]]:
+        for method in self.method:
+            require_choice("method", method, base.CHOICES["method"])
+        return [pair for pair in self.METHODS if not self.method or pair[0] in self.method]
+
+    def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[float, ...]) -> tuple[float, ...]:
+        """The words of a flag as numbers that a scene accepts."""
+        kind, field = (int, "particles_per_cell") if flag == "ppc" else (float, "cfl")
+        numbers = []
+        for word in words:
+            try:
+                numbers.append(kind(word))
+            except ValueError:
+                numbers.append(word)
+            self.SCENE(**{field: numbers[-1]})  # says what is wrong with it
+        return tuple(numbers) or default
+
+
+def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:
+    """The advice as one JSON object; errors in the quantity's unit and, as ``relative``, over its size."""
+    chosen, goal, size = advice.chosen, advice.goal, base.size_of(advice.goal.quantity)
+
+    def errors(value: float) -> dict:
+        return {"error": value if math.isfinite(value) else None,
+                "relative": value / size if math.isfinite(value) else None}
+
+    return {
+        "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
+        "reason": None if advice.met else _reason(advice, tolerance, relative),
+        "problem": base.problem, "quantity": goal.quantity, "tolerance": tolerance, "relative": relative,
+        "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": _command(chosen.scene),
+        "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
+        "verified": errors(chosen.error) if chosen.measured else None,
+        "runner_up": advice.runner_up and {**_inputs(advice.runner_up.scene), **errors(advice.runner_up.error),
+                                           "seconds": _finite(advice.runner_up.seconds)},
+        "why": advice.why, "runs": advice.looks, "seconds": spent}
+
+
+def _reason(advice: Advice, tolerance: float, relative: bool) -> str:
+    best = advice.chosen
+    return (f"nothing that runs within {advice.goal.budget:g} s is expected to meet {tolerance:g}"
+            f"{' of the size' if relative else ''}: the best within reach is {best.error:.3g} in {best.seconds:.2g} s")
+
+
+def as_text(values: dict) -> str:
+    """The advice for a reader."""
+    got, predicted = values["verified"] or values["predicted"], values["predicted"]
+    rows = [("run" if values["status"] == "ok" else "closest", values["command"]),
+            (f"error of {values['quantity']}", f"{got['error']:.3g} by its own estimate ({got['relative']:.3g} of its "
+             f"size); {predicted['error']:.3g} was expected"),
+            ("time", f"{predicted['seconds']:.2g} s for the bare run on one thread"),
+            ("runner-up", values["why"]),
+            ("search", f"{values['runs']} runs in {values['seconds']:.1f} s")]
+    return "\n".join(f"{name:<12}{text}" for name, text in rows)
+
+
+def _inputs(scene: Scene) -> dict:
+    values = scene.to_dict()
+    return {key: values[key] for key in ("method", "linearity_preserving", "cells", "ppc", "dt", "cfl")}
+
+
+def _command(scene: Scene) -> str:
+    """The command that runs the scene, with what differs from the defaults."""
+    kind, words = type(scene), [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells}",
+                                f"--ppc {scene.particles_per_cell} --cfl {scene.cfl:g}"]
+    for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force"):
+        if getattr(scene, field) != getattr(kind, field):
+            words.append(f"--{field_key(field).replace('_', '-')} {getattr(scene, field)}")
+    if scene.linearity_preserving:
+        words.append("--linearity-preserving")
+    return " ".join(words)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdviseBar(Advise):
+    """Find the cheapest run of the bar whose own estimate meets a tolerance.
+
+    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
+    """
+
+    SCENE: ClassVar[type[Scene]] = bar.BarScene
+    METHODS: ClassVar[tuple[tuple[str, bool], ...]] = (
+        ("mpm", False), ("ugimp", False), ("ugimp", True), ("cpgimp", False), ("bspline", False))
+
+    method: Annotated[list_flag(get_args(bar.Method)), default_hint("all")] = ()
+    """Methods to choose from; uGIMP with and without linearity preservation."""
+    ppc: Annotated[list_flag(("N",)), default_hint("2 3 4")] = ()
+    """Particles per cell to choose from."""
+    cfl: Annotated[list_flag(("X",)), default_hint("0.1 0.3 0.5")] = ()
+    """Lengths of the time step, dt c/h, to choose from."""
+    amplitude: RealFlag = bar.BarScene.amplitude
+    """Amplitude A of the displacement, m."""
+    modulus: RealFlag = bar.BarScene.modulus
+    """Young's modulus E, Pa."""
+    density: RealFlag = bar.BarScene.density
+    """Density, kg/m3."""
+    periods: periods_flag(bar.BarScene) = None
+    """End of the run in periods of the vibration; instead of --t-end."""
+    body_force: choice_flag(bar.BodyForce) = bar.BarScene.body_force
+    """The body force; two-tone is one for which no exact solution is built in."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdviseRing(Advise):
+    """Find the cheapest run of the ring whose own estimate meets a tolerance.
+
+    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
+    """
+
+    SCENE: ClassVar[type[Scene]] = ring.RingScene
+    METHODS: ClassVar[tuple[tuple[str, bool], ...]] = (
+        ("mpm", False), ("ugimp", False), ("cpgimp", False), ("cpdi", False))
+
+    method: Annotated[list_flag(get_args(ring.Method)), default_hint("all")] = ()
+    """Methods to choose from."""
+    ppc: Annotated[list_flag(("N",)), default_hint("2 3 4")] = ()
+    """Particles per cell and direction to choose from."""
+    cfl: Annotated[list_flag(("X",)), default_hint("0.1 0.3 0.5")] = ()
+    """Lengths of the time step, dt c/h, to choose from."""
+    amplitude: RealFlag = ring.RingScene.amplitude
+    """Amplitude A of the outer surface's displacement, m."""
+    modulus: RealFlag = ring.RingScene.modulus
+    """Young's modulus E, Pa."""
+    density: RealFlag = ring.RingScene.density
+    """Density, kg/m3."""
+    periods: periods_flag(ring.RingScene) = None
+    """End of the run in periods of the vibration; instead of --t-end."""
+    body_force: choice_flag(ring.BodyForce) = ring.RingScene.body_force
+    """The body force; two-tone is one for which no exact solution is built in."""

@@ -1,0 +1,189 @@
+"""The cheapest run for a tolerance: a best-first search over families of runs, on estimates alone.
+
+Every family (method, particles per cell, length of step) is measured on two coarse grids. Then, again and again, the
+member expected to be the cheapest that meets the tolerance is looked at: if it lies far beyond what is measured of its
+family, a coarser one is run first; if near, it is run itself. What a run shows moves the expectation, for better or
+worse, until the cheapest candidate is one that has been run and whose own estimate meets the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+from solvers.scene import Scene, SceneError
+from solvers.study.family import Family
+
+REACH = 2.5  # times the finest measured grid to which an error may be carried on
+MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
+CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is expected to be better by this factor
+PATIENCE = 3.0  # seconds of search that no run is too short for
+MOST_LOOKS = 200  # beside those on coarse grids
+COARSE = {1: (10, 20, 40), 2: (12, 24, 36)}  # cells, by dimension, on which every family is measured
+
+
+@dataclass(frozen=True)
+class Goal:
+    """The largest RMS error of ``quantity`` over the run is to be ``tolerance`` (in its unit) or less, and the bare
+    run is to take no more than ``budget`` seconds."""
+
+    quantity: str
+    tolerance: float
+    budget: float
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A member of a family with what is expected of it, or was measured."""
+
+    family: Family
+    cells: int
+    error: float
+    seconds: float
+
+    @property
+    def scene(self) -> Scene:
+        return replace(self.family.scene, cells=self.cells)
+
+    @property
+    def measured(self) -> bool:
+        return self.family.measured(self.cells) is not None
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What to run. ``met`` says whether its own estimate meets the tolerance; if not, it is the best within reach.
+
+    ``runner_up`` is the cheapest of another method and ``why`` says why it lost; ``looks`` counts the runs made.
+    """
+
+    goal: Goal
+    met: bool
+    chosen: Candidate
+    predicted_error: float  # before it was run
+    runner_up: Candidate | None
+    why: str
+    looks: int
+
+
+def families(base: Scene, methods: Iterable[tuple[str, bool]], particles_per_cell: Iterable[int],
+             courant_numbers: Iterable[float], quantity: str) -> list[Family]:
+    """Every combination that makes a valid scene. ``methods`` pairs a method with linearity preservation."""
+    found = []
+    multiple = 6 if base.DIMENSIONS == 2 else 2  # so that the ring's lattice divides evenly
+    for method, preserving in methods:
+        for ppc in particles_per_cell:
+            for cfl in courant_numbers:
+                try:
+                    scene = replace(base, method=method, linearity_preserving=preserving, particles_per_cell=ppc,
+                                    dt=None, cfl=cfl)
+                except SceneError:
+                    continue
+                found.append(Family(scene, quantity, multiple))
+    return found
+
+
+def advise(choices: list[Family], goal: Goal,
+           on_look: Callable[[int, Scene], None] = lambda looks, scene: None) -> Advice:
+    """Search for the cheapest run that meets the goal; the best within reach if none does.
+
+    ``on_look`` is told of every run before it is made.
+    """
+    looks = 0
+
+    def look(family: Family, cells: int) -> None:
+        nonlocal looks
+        looks += 1
+        on_look(looks, family.member(cells))
+        family.measure(cells)
+
+    for family in choices:
+        for cells in COARSE[family.scene.DIMENSIONS]:
+            look(family, cells)
+    coarse, begun = looks, time.monotonic()
+    predicted: dict[tuple[int, int], float] = {}
+    while True:
+        ranking, met = _ranking(choices, goal)
+        best = _settled(ranking, met, time.monotonic() - begun, goal)
+        if best.measured or looks >= coarse + MOST_LOOKS:
+            break
+        predicted[(id(best.family), best.cells)] = best.error
+        look(best.family, _next_cells(best))
+    met = best.measured and best.error <= goal.tolerance
+    runner_up, why = _runner_up(choices, best, goal, met)
+    return Advice(goal, met, best, predicted.get((id(best.family), best.cells), best.error),
+                  runner_up, why, looks)
+
+
+def _settled(ranking: list[Candidate], met: bool, spent: float, goal: Goal) -> Candidate:
+    """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try.
+
+    Worth it while the search has taken less than the run that it may make unnecessary, or than the budget while
+    nothing is known to meet the goal.
+    """
+    measured = next((c for c in ranking if c.measured), None)
+    if measured is None:
+        return ranking[0]
+    price = "seconds" if met else "error"
+    near = getattr(measured, price) <= CLOSE_ENOUGH * getattr(ranking[0], price)
+    patience = PATIENCE + (measured.seconds if met else goal.budget)
+    return measured if near or spent > patience else ranking[0]
+
+
+def _next_cells(candidate: Candidate) -> int:
+    """The candidate's own number of cells, or one on the way where it lies beyond what may be carried on."""
+    family = candidate.family
+    ratio = candidate.cells / family.finest
+    strides = max(1, math.ceil(math.log(ratio) / math.log(REACH))) if ratio > 1 else 1
+    if strides == 1:
+        return candidate.cells
+    return family.multiple * round(family.finest * ratio ** (1 / strides) / family.multiple)
+
+
+def _ranking(choices: list[Family], goal: Goal) -> tuple[list[Candidate], bool]:
+    """Candidates, best first, and whether they meet the goal: by cost where some do, by error where none does."""
+    meeting = [c for c in (_cheapest(family, goal) for family in choices) if c is not None]
+    if meeting:
+        return sorted(meeting, key=lambda c: c.seconds), True
+    within = [Candidate(f, cells, f.error(cells), f.seconds(cells)) for f in choices
+              for cells in {f.cells_within(goal.budget), *(p.cells for p in f.points)}
+              if f.seconds(cells) <= goal.budget or cells == f.points[0].cells]
+    return sorted(within, key=lambda c: (c.error, c.seconds)), False
+
+
+def _cheapest(family: Family, goal: Goal) -> Candidate | None:
+    """The family's cheapest member that should meet the goal within its budget."""
+    met = [point.cells for point in family.points if point.error <= goal.tolerance]
+    cells = family.cells_for(MARGIN * goal.tolerance)
+    if met and (cells is None or met[0] <= cells * 1.05):
+        cells = met[0]
+    if cells is None:
+        return None
+    seconds = family.seconds(cells)
+    return Candidate(family, cells, family.error(cells), seconds) if seconds <= goal.budget else None
+
+
+def _runner_up(choices: list[Family], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
+    """The best candidate of another method, and why it lost, in words."""
+    def method(scene: Scene) -> tuple[str, bool]:
+        return scene.method, scene.linearity_preserving
+
+    others = [family for family in choices if method(family.scene) != method(best.scene)]
+    if not others:
+        return None, "no other method was asked for"
+    ranking, others_meet = _ranking(others, goal)
+    other = ranking[0]
+    name = _name(other.scene)
+    if met and not others_meet:
+        return other, (f"{name} does not get there: its error is {other.error:.2g} at {other.cells} cells and falls no "
+                       "further within the budget")
+    if not met:
+        return other, f"{name} comes down to {other.error:.2g} only"
+    size = f"{other.cells} cells with {other.scene.particles_per_cell} particles per cell, cfl {other.scene.cfl:g}"
+    return other, f"{name} needs {size}: {other.seconds / best.seconds:.2g} times the time"
+
+
+def _name(scene: Scene) -> str:
+    return f"linearity-preserving {scene.method}" if scene.linearity_preserving else scene.method

@@ -1,0 +1,148 @@
+"""A family of runs that differ in their number of cells alone: how wrong they are and what they cost.
+
+The error is the companion estimator's, not the truth: what holds here holds for problems whose solution nobody knows.
+Measured at some numbers of cells, it is interpolated, and carried on to finer grids by the order that the two finest
+show; the cost by steps, particles and the rate of the finest.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from bisect import insort
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+from solvers.run import build, run
+from solvers.scene import MOST_PARTICLES, Scene
+
+ESTIMATOR = "companion"
+HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
+LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
+GENTLE_CFL = 0.1
+TIMED_SECONDS = 0.005
+TIMED_TURNS = 4
+
+
+@dataclass(frozen=True, order=True)
+class Point:
+    """One measured member: the largest RMS error over the run (infinite for an unstable one) and its rate."""
+
+    cells: int
+    error: float
+    seconds_per_particle_step: float
+
+
+@dataclass
+class Family:
+    """``scene`` with any number of cells, as a multiple of ``multiple``; ``quantity`` is x, v, sigma or a."""
+
+    scene: Scene
+    quantity: str
+    multiple: int
+    points: list[Point] = field(default_factory=list)
+
+    def member(self, cells: int) -> Scene:
+        """The scene with so many cells, and only what an advisor needs to see computed."""
+        return replace(self.scene, cells=cells, estimators=(ESTIMATOR,), effects=("estimate", "acceleration"))
+
+    def measure(self, cells: int) -> Point:
+        """Run a member and learn its error and its rate."""
+        scene = self.member(cells)
+        result = run(scene, prices=False)
+        largest = result.estimates(ESTIMATOR)[self.quantity]["max"] if result.status == "ok" else None
+        error = math.inf if largest is None or ESTIMATOR in result.not_valid else largest
+        bare = replace(scene, estimators=(), effects=(), cfl=GENTLE_CFL)  # how long a step takes is not its length's
+        point = Point(cells, error, _seconds_per_particle_step(bare))
+        insort(self.points, point)
+        return point
+
+    @property
+    def finest(self) -> int:
+        return self.points[-1].cells
+
+    def measured(self, cells: int) -> Point | None:
+        return next((point for point in self.points if point.cells == cells), None)
+
+    def error(self, cells: float) -> float:
+        """The error expected of so many cells; infinite where nothing is known to hold."""
+        last = self.points[-1]
+        if cells >= last.cells:
+            return last.error * (last.cells / cells) ** self.order()
+        after = next(k for k, point in enumerate(self.points) if point.cells > cells)
+        if after == 0:
+            return math.inf
+        coarse, fine = self.points[after - 1:after + 1]
+        if cells == coarse.cells or not math.isfinite(coarse.error):
+            return coarse.error
+        part = math.log(cells / coarse.cells) / math.log(fine.cells / coarse.cells)
+        return coarse.error * (fine.error / coarse.error) ** part if fine.error > 0 else coarse.error
+
+    def order(self) -> float:
+        """The order that the two finest members show, as far as it may be trusted."""
+        if len(self.points) < 2:
+            return 0.0
+        coarse, fine = self.points[-2:]
+        if not (math.isfinite(coarse.error) and math.isfinite(fine.error)) or fine.error <= 0:
+            return 0.0
+        order = math.log(coarse.error / fine.error) / math.log(fine.cells / coarse.cells)
+        return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
+
+    def cells_for(self, tolerance: float) -> int | None:
+        """The fewest cells expected to meet a tolerance, or None if none are."""
+        met = [point.cells for point in self.points if point.error <= tolerance]
+        if met:
+            below = [point.cells for point in self.points if point.cells < met[0]]
+            fewest = next((n for n in self._range(below[-1] if below else met[0], met[0])
+                           if self.error(n) <= tolerance), met[0])
+            return fewest
+        last, order = self.points[-1], self.order()
+        if order == 0 or not math.isfinite(last.error):
+            return None
+        cells = last.cells * (last.error / tolerance) ** (1 / order)
+        if cells > 1e6:
+            return None
+        return max(self._up(cells), last.cells + self.multiple)
+
+    def cells_within(self, seconds: float) -> int:
+        """The most cells whose run is expected to take no longer."""
+        low, high = self.points[0].cells // self.multiple, 1_000_000 // self.multiple
+        while low < high:
+            middle = (low + high + 1) // 2
+            low, high = (middle, high) if self.seconds(middle * self.multiple) <= seconds else (low, middle - 1)
+        return low * self.multiple
+
+    def seconds(self, cells: int) -> float:
+        """The time expected for a bare run; infinite beyond what a scene may hold."""
+        try:
+            scene = replace(self.scene, cells=cells)
+        except ValueError:
+            return math.inf
+        if scene.particles > MOST_PARTICLES:
+            return math.inf
+        nearest = max((p for p in self.points if p.cells <= cells), default=self.points[0])
+        return scene.steps * scene.particles * nearest.seconds_per_particle_step
+
+    def _up(self, cells: float) -> int:
+        return self.multiple * math.ceil(cells / self.multiple - 1e-9)
+
+    def _range(self, first: int, last: int) -> range:
+        return range(self._up(first), last + 1, self.multiple)
+
+
+@lru_cache(maxsize=4096)
+def _seconds_per_particle_step(scene: Scene) -> float:
+    """The fastest of several short stretches, compiled and warmed up; remembered for this process."""
+    solver = build(scene)
+    solver.compile()
+    best, steps = math.inf, 4
+    turns = 0
+    while turns < TIMED_TURNS and solver.sound:
+        begun = time.perf_counter()
+        solver.advance(steps)
+        took = time.perf_counter() - begun
+        if took < TIMED_SECONDS and 2 * steps <= solver.longest_advance:
+            steps *= 2
+            continue
+        best, turns = min(best, took / steps), turns + 1
+    return best / scene.particles
