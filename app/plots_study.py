@@ -199,8 +199,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         far += (x, y) != (true, estimated)
         axes.plot([x], [y], color=METHOD_COLOURS[method], zorder=3, alpha=0.9, **look)
     if far:
-        axes.text(0.97, 0.03, f"{far} beyond the scale, drawn at its edge", transform=axes.transAxes, ha="right",
-                  fontsize=8, color="0.3")
+        axes.set_title(f"{estimator}: {name}\n{far} beyond the scale, drawn at its edge", fontsize=9)
     ends = np.array([low, high])
     axes.plot(ends, ends, color=TRUTH, linewidth=1.4, zorder=2)
     for factor in (0.5, 2):
