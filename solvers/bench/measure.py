@@ -99,9 +99,10 @@ def off(problem: str, effort: Effort) -> dict:
     """A bare step over one stripped by hand of all that is optional, and how far to believe that.
 
     Two solvers of each kind take turns. ``ratio`` is of the fastest turns, ``low`` and ``high`` are the quartiles over
-    the turns; ``same`` compares the two bare solvers, which differ by noise alone. ``call`` and ``call_stripped`` are
-    the seconds that a call of the kernel costs, however many steps it takes: they are not part of a step, but more
-    arguments, used or not, make a call longer.
+    the turns; ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How
+    the compiler lays code out is not in that: kernels of the same phases, compiled apart, were 1 to 3 % apart. ``call``
+    and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
+    part of a step, but more arguments, used or not, make a call longer.
     """
     scene = bare(problem, effort.priced_cells[problem])
     kinds = (STRIPPED[problem], SOLVERS[problem], STRIPPED[problem], SOLVERS[problem])
