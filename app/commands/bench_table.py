@@ -61,7 +61,7 @@ def _off(rows: list[dict]) -> str:
         lines.append(_line(_scene(row), _ratio(row["ratio"]), f"{_ratio(row['low'])}..{_ratio(row['high'])}",
                            NOTHING if noise is None else f"{100 * noise:.1f} %",
                            f"{1e3 * row['call']:.2f} ms", f"{1e3 * row['call_stripped']:.2f} ms"))
-    return "\n".join([*lines, "  noise: between two solvers with the same machine code; compiled apart, 1 to 3 % more\n  "
+    return "\n".join([*lines, "  noise: between two solvers of the same machine code; compiled apart, 1 to 3 %\n  "
                       "call: what a call costs however many steps it takes"])
 
 
