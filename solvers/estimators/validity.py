@@ -15,7 +15,7 @@ from solvers.scene import Scene
 #: uGIMP the index of x is .95 at 2, .85 at 40, .65 at 160; with the force at nodes .98 at 2, .80 at 6, .52 at 40.
 MOST_MOTION = 5.0
 FEWEST_ON_A_WAVE = 16  # cells; the second run has 8. With 12 the index of x is 1.2 and its distance 1.4
-FEWEST_IN_RING = {"material": 12, "none": 48, "two-tone": 48}  # the latter two move in waves across the ring; with 24 the index of x is .7
+FEWEST_IN_RING = {"material": 12, "none": 48, "two-tone": 48}  # two move in waves across it; with 24 x is .7
 
 
 def _bar_two_grid(scene: Scene) -> str | None:
