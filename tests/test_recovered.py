@@ -157,6 +157,26 @@ def test_a_ring_that_the_program_has_not_solved(force):
         assert np.linalg.norm(estimate - truth) < 0.2 * np.linalg.norm(truth)
 
 
+@pytest.mark.parametrize("scene", [replace(BAR, cells=40, amplitude=2.5e-3), replace(RING, cells=48, periods=1.0)],
+                         ids=["bar", "ring"])
+def test_it_sees_a_kick(scene):
+    """The velocities grow by 5 % on the way, which no equation of the run can tell; then x and v within [0.8, 1.25]."""
+    kind = BarSolver if scene.problem == "bar" else RingSolver
+    solver, calm, sizes = kind(scene), kind(scene), []
+    for k in range(20):
+        for one in (solver, calm):
+            one.advance(scene.steps // 20)
+        if k == 7:
+            a = solver._arrays
+            (a.velocity if scene.problem == "bar" else a.motion[:, 2:])[:] *= 1.05
+        if k > 7:
+            seen = solver.snapshot()
+            sizes.append([np.linalg.norm(f[:, q]) for f in (seen.estimate["recovered"], seen.error) for q in (0, 1)])
+    x, v, true_x, true_v = np.sum(sizes, axis=0)
+    assert 0.8 < x / true_x < 1.25 and 0.8 < v / true_v < 1.25
+    assert true_x / len(sizes) > 3 * np.linalg.norm(calm.snapshot().error[:, 0])  # the kick is the larger part
+
+
 def test_long_runs_stay_in_place(simulate):
     """The large bar to T = 10 s (158 periods), and CPDI for 20: within [0.5, 2]."""
     large = {name: TABLE["large"][name] for name in ("modulus", "amplitude")}
