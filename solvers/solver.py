@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -84,6 +84,17 @@ class Solver(ABC):
         found = {name: self.ESTIMATORS[name].verdict(self.scene, memory)
                  for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
+
+    @property
+    def estimate_intervals(self) -> tuple[int, ...]:
+        """Steps between two steps of each active estimator."""
+        return tuple(int(n) for n in self._arrays.estimate_intervals[:len(self.scene.active_estimators)])
+
+    def bookmark(self) -> Callable[[], None]:
+        """Remember the present state; calling what this returns puts it back, to the bit, any number of times."""
+        step = self.step
+        kept = {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
+        return lambda: self._put_back(step, kept)
 
     def prices(self) -> dict[str, float]:
         """The share of the running time that each estimator takes, measured here and now.

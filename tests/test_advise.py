@@ -96,8 +96,9 @@ def test_beyond_reach_it_names_the_best():
     goal = Goal("x", 1e-9 * BAR.amplitude, budget=0.01)
     advice = advise(choices, goal)
     assert not advice.met and advice.chosen.error > goal.tolerance
-    assert advice.chosen.measured and advice.chosen.seconds <= goal.budget
-    assert advice.chosen.error == min(p.error for c in choices for p in c.points if c.seconds(p.cells) <= goal.budget)
+    assert advice.chosen.seconds <= goal.budget
+    measured = [p.error for c in choices for p in c.points if c.seconds(p.cells) <= goal.budget]
+    assert advice.chosen.error <= min(measured)
 
 
 # ---- the command ----------------------------------------------------------------------------------------------

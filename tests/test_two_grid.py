@@ -98,6 +98,7 @@ def test_inactive_it_holds_nothing(scene):
 
 @pytest.mark.parametrize("changes, word", [
     ({"cells": 15}, "too few"), ({"cells": 31, "body_force": "two-tone"}, "too few"),
+    ({"cells": 40, "body_force": "two-tone", "amplitude": 0.025}, "too few"),
     ({"body_force": "node", "amplitude": 0.025}, "both grids"),
     ({"method": "mpm", "amplitude": 0.025}, "hat functions"),
     ({"linearity_preserving": False, "amplitude": 0.025}, "linearity preservation")])
@@ -109,7 +110,8 @@ def test_where_the_bar_is_refused(changes, word):
 
 @pytest.mark.parametrize("changes, word", [
     ({"cells": 11}, "too few"), ({"method": "ugimp"}, "tile"), ({"layout": "cartesian"}, "staircase"),
-    ({"cells": 12, "amplitude": 0.25}, "grid of the second run"), ({"cells": 36, "body_force": "two-tone"}, "too few")])
+    ({"cells": 12, "amplitude": 0.25}, "grid of the second run"), ({"cells": 36, "body_force": "two-tone"}, "too few"),
+    ({"cells": 24, "body_force": "none"}, "too few")])
 def test_where_the_ring_is_refused(changes, word):
     reason = replace(RING, **changes).not_valid[NAME]
     assert reason.startswith("not valid here: ") and word in reason and not RING.not_valid

@@ -5,6 +5,7 @@ the work and returns the exit status. To add one, write the dataclass and list i
 """
 
 from app.commands.advise import AdviseBar, AdviseRing
+from app.commands.bench import Bench
 from app.commands.run_bar import RunBar
 from app.commands.run_ring import RunRing
 from app.commands.serve import Serve
@@ -21,6 +22,7 @@ COMMANDS: dict[tuple[str, ...], type] = {
     ("tables",): Tables,
     ("advise", "bar"): AdviseBar,
     ("advise", "ring"): AdviseRing,
+    ("bench",): Bench,
 }
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)

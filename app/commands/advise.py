@@ -145,15 +145,17 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
 def _reason(advice: Advice, tolerance: float, relative: bool) -> str:
     best = advice.chosen
     return (f"nothing that runs within {advice.goal.budget:g} s is expected to meet {tolerance:g}"
-            f"{' of the size' if relative else ''}: the best within reach is {best.error:.3g} in {best.seconds:.2g} s")
+            f"{' of the size' if relative else ''}: the best within reach is {best.error:.3g} "
+            f"({'measured' if best.measured else 'expected'}) in {best.seconds:.2g} s")
 
 
 def as_text(values: dict) -> str:
     """The advice for a reader."""
     got, predicted = values["verified"] or values["predicted"], values["predicted"]
+    said = "by its own estimate" if values["verified"] else "expected, not run"
     rows = [("run" if values["status"] == "ok" else "closest", values["command"]),
-            (f"error of {values['quantity']}", f"{got['error']:.3g} by its own estimate ({got['relative']:.3g} of its "
-             f"size); {predicted['error']:.3g} was expected"),
+            (f"error of {values['quantity']}", f"{got['error']:.3g}, {got['relative']:.3g} of its size, {said}"
+             + (f"; {predicted['error']:.3g} was expected" if values["verified"] else "")),
             ("time", f"{predicted['seconds']:.2g} s for the bare run on one thread"),
             ("runner-up", values["why"]),
             ("search", f"{values['runs']} runs in {values['seconds']:.1f} s")]

@@ -59,7 +59,7 @@ def coarse_step(own: ti.template(), coarse: ti.template(), t, on: ti.template())
     particles_to_nodes(coarse, 0, on)
     fold(coarse)
     for j in range(GHOSTS, coarse.active):
-        update_nodes(coarse, j)
+        update_nodes(coarse, j, on)
     mirror(coarse)
     nodes_to_particles(coarse, 0, 0, on)
 

@@ -117,14 +117,15 @@ def fold_pair(ring: ti.template(), ghost, mirror, in_x, in_y):
 
 
 @ti.func
-def update_nodes(ring: ti.template(), j):
+def update_nodes(ring: ti.template(), j, on: ti.template()):
     """a_i = f_i/m_i and v_i += dt a_i in row j; nothing moves across a symmetry plane."""
     least = EMPTY * ring.density * ring.spacing * ring.spacing
     for i in range(GHOSTS, ring.active):
         node = j * ring.row + i
         sums = ring.node_sums[node]
         mass = sums[4]
-        ring.node_mass[node] = mass  # for those who look on
+        if ti.static(on.truth or len(on.estimators) > 0):
+            ring.node_mass[node] = mass  # for those who look on
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
             q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass

@@ -15,7 +15,7 @@ from solvers.ring.state import allocate, farthest, pack, switches
 from solvers.ring.step import CHECK_EVERY, advance, inspect, report, step_in_slabs
 from solvers.solver import SOUND, Solver
 
-PARALLEL_FROM = 120_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
+PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
 
 
 class RingSolver(Solver):

@@ -56,7 +56,7 @@ def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
             particles_to_nodes(ring, 0, on)
             fold(ring)
             for j in range(GHOSTS, ring.active):
-                update_nodes(ring, j)
+                update_nodes(ring, j, on)
             mirror(ring)
             running.in_step(ring, step + 1, ESTIMATORS, on)
             nodes_to_particles(ring, 0, step + 1, on)
@@ -87,7 +87,7 @@ def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template(
         if task % TASK == 0:
             first, last = slab_range(ring.active - GHOSTS, task // TASK, ring.slabs)
             for j in range(first, last):
-                update_nodes(ring, GHOSTS + j)
+                update_nodes(ring, GHOSTS + j, on)
     for _ in range(ti.min(slabs, 1)):
         mirror(ring)
         running.in_step(ring, step + 1, ESTIMATORS, on)

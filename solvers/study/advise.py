@@ -20,6 +20,7 @@ REACH = 2.5  # times the finest measured grid to which an error may be carried o
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
 CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is expected to be better by this factor
 PATIENCE = 3.0  # seconds of search that no run is too short for
+SMALL_PART = 10  # of the budget, up to which runs are made to learn what cannot be met
 MOST_LOOKS = 200  # beside those on coarse grids
 COARSE = {1: (10, 20, 40), 2: (12, 24, 36)}  # cells, by dimension, on which every family is measured
 
@@ -54,7 +55,8 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Advice:
-    """What to run. ``met`` says whether its own estimate meets the tolerance; if not, it is the best within reach.
+    """What to run. ``met`` says whether its own estimate meets the tolerance; if not, it is the best within reach, as
+    expected from coarser runs unless it has been run itself.
 
     ``runner_up`` is the cheapest of another method and ``why`` says why it lost; ``looks`` counts the runs made.
     """
@@ -106,8 +108,8 @@ def advise(choices: list[Family], goal: Goal,
     predicted: dict[tuple[int, int], float] = {}
     while True:
         ranking, met = _ranking(choices, goal)
-        best = _settled(ranking, met, time.monotonic() - begun, goal)
-        if best.measured or looks >= coarse + MOST_LOOKS:
+        best = _settled(ranking, met, time.monotonic() - begun)
+        if best.measured or looks >= coarse + MOST_LOOKS or not (met or _worth_a_look(best, goal)):
             break
         predicted[(id(best.family), best.cells)] = best.error
         look(best.family, _next_cells(best))
@@ -117,19 +119,22 @@ def advise(choices: list[Family], goal: Goal,
                   runner_up, why, looks)
 
 
-def _settled(ranking: list[Candidate], met: bool, spent: float, goal: Goal) -> Candidate:
+def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try.
 
-    Worth it while the search has taken less than the run that it may make unnecessary, or than the budget while
-    nothing is known to meet the goal.
+    Worth it while the search has taken less than the run that it may make unnecessary.
     """
     measured = next((c for c in ranking if c.measured), None)
     if measured is None:
         return ranking[0]
     price = "seconds" if met else "error"
     near = getattr(measured, price) <= CLOSE_ENOUGH * getattr(ranking[0], price)
-    patience = PATIENCE + (measured.seconds if met else goal.budget)
-    return measured if near or spent > patience else ranking[0]
+    return measured if near or (met and spent > PATIENCE + measured.seconds) else ranking[0]
+
+
+def _worth_a_look(candidate: Candidate, goal: Goal) -> bool:
+    """Whether to run more for a candidate that should not meet the goal: while that costs a small part of a run."""
+    return candidate.family.seconds(_next_cells(candidate)) <= goal.budget / SMALL_PART
 
 
 def _next_cells(candidate: Candidate) -> int:

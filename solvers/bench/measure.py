@@ -1,0 +1,145 @@
+"""What the bench measures with solvers in this process: rates, prices, and what is paid for effects that are off.
+
+Everything runs on one thread in the processor's own time. The motion is gentle, so that every method's run stays sound;
+how long a step takes does not depend on how far the particles go.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from solvers.bench.stripped_bar import StrippedBar
+from solvers.bench.stripped_ring import StrippedRing
+from solvers.problems import SCENES
+from solvers.run import SOLVERS, build
+from solvers.scene import Scene
+from solvers.solver import Solver
+from solvers.study.timing import Stretch, rate, take_turns
+
+AMPLITUDES = {"bar": 1e-3, "ring": 1e-2}
+STRIPPED: Mapping[str, type[Solver]] = {"bar": StrippedBar, "ring": StrippedRing}
+#: Effects, each as the inputs that switch it on and those that it is compared with; the rest is bare.
+EFFECTS: dict[str, dict[str, tuple[dict[str, Any], dict[str, Any]]]] = {
+    "bar": {"truth": ({"effects": ("truth",)}, {}),
+            "acceleration": ({"effects": ("truth", "acceleration")}, {"effects": ("truth",)}),
+            "crossings": ({"effects": ("crossings",)}, {}),
+            "energy": ({"effects": ("energy",)}, {}),
+            "body force": ({}, {"body_force": "none"}),
+            "linearity preserving": ({"linearity_preserving": True}, {})}}
+EFFECTS["ring"] = {name: inputs for name, inputs in EFFECTS["bar"].items() if name != "linearity preserving"}
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured: sizes, turns, and seconds of a stretch."""
+
+    cells: Mapping[str, tuple[int, ...]]
+    priced_cells: Mapping[str, int]  # for prices and for what is off
+    rate_turns: int
+    price_turns: int
+    off_turns: int
+    off_seconds: float  # longer, for a finer difference
+
+
+FULL = Effort({"bar": (40, 160, 640), "ring": (24, 96)}, {"bar": 160, "ring": 48}, 5, 7, 15, 0.04)
+QUICK = Effort({"bar": (40, 160), "ring": (24,)}, {"bar": 40, "ring": 24}, 3, 3, 5, 0.02)
+
+
+def bare(problem: str, cells: int, **inputs: Any) -> Scene:
+    """A scene with nothing but the method."""
+    return SCENES[problem](**{"cells": cells, "effects": (), "estimators": (), "amplitude": AMPLITUDES[problem],
+                              **inputs})
+
+
+def rates(problem: str, method: str, effort: Effort) -> list[dict]:
+    """Million particle-steps per second at each size."""
+    rows = []
+    for cells in effort.cells[problem]:
+        scene = bare(problem, cells, method=method)
+        rows.append({**_identity(scene), "particles": scene.particles,
+                     "rate": _number(rate(build(scene), effort.rate_turns))})
+    return rows
+
+
+def estimator_prices(problem: str, effort: Effort) -> list[dict]:
+    """A step with each estimator, all four quantities, over a bare one; null with a reason where it is not valid."""
+    with_it = {name: _scene_for(problem, name, effort) for name in SOLVERS[problem].ESTIMATORS}
+    without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
+    valid = [name for name, scene in with_it.items() if not scene.not_valid]
+    seconds = _fastest([scenes[name] for name in valid for scenes in (with_it, without)], effort.price_turns)
+    ratios = {name: seconds[with_it[name]] / seconds[without[name]] for name in valid}
+    return [{**_identity(scene), "name": name, "ratio": _number(ratios.get(name, math.nan)),
+             "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
+
+
+def _scene_for(problem: str, estimator: str, effort: Effort) -> Scene:
+    """A scene with the estimator: of the default method, or the first for which the estimator is valid."""
+    scenes = [bare(problem, effort.priced_cells[problem], method=method, effects=("estimate", "acceleration"),
+                   estimators=(estimator,))
+              for method in (SCENES[problem].method, *SCENES[problem].CHOICES["method"])]
+    return next((scene for scene in scenes if not scene.not_valid), scenes[0])
+
+
+def effect_prices(problem: str, effort: Effort) -> list[dict]:
+    """A step with each effect over one without it."""
+    scene = bare(problem, effort.priced_cells[problem])
+    pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in EFFECTS[problem].items()}
+    seconds = _fastest([one for pair in pairs.values() for one in pair], effort.price_turns)
+    return [{**_identity(scene), "name": name, "ratio": _number(seconds[on] / seconds[off])}
+            for name, (on, off) in pairs.items()]
+
+
+def off(problem: str, effort: Effort) -> dict:
+    """A bare step over one stripped by hand of all that is optional, and how far to believe that.
+
+    Two solvers of each kind take turns. ``ratio`` is of the fastest turns, ``low`` and ``high`` are the quartiles over
+    the turns; ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How
+    the compiler lays code out is not in that: kernels of the same phases, compiled apart, were 1 to 3 % apart. ``call``
+    and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
+    part of a step, but more arguments, used or not, make a call longer.
+    """
+    scene = bare(problem, effort.priced_cells[problem])
+    kinds = (STRIPPED[problem], SOLVERS[problem], STRIPPED[problem], SOLVERS[problem])
+    solvers = [kind(scene) for kind in kinds]
+    stretches = [Stretch(solver, effort.off_seconds) for solver in solvers]
+    steps = max(stretch.steps for stretch in stretches)
+    for stretch in stretches:
+        stretch.steps = steps
+    calls = np.array([_call_seconds(solver) for solver in solvers])
+    turns = take_turns(stretches, effort.off_turns) - calls / steps
+    best = turns.min(axis=0)
+    low, high = np.quantile(turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1), [0.25, 0.75])
+    return {**_identity(scene), "ratio": _number(min(best[1], best[3]) / min(best[0], best[2])),
+            "low": _number(low), "high": _number(high), "same": _number(best[3] / best[1]),
+            "call": min(calls[1], calls[3]), "call_stripped": min(calls[0], calls[2])}
+
+
+def _fastest(scenes: list[Scene], turns: int) -> dict[Scene, float]:
+    """Seconds a step of each scene, in turns."""
+    scenes = list(dict.fromkeys(scenes))
+    best = take_turns([Stretch(build(scene)) for scene in scenes], turns).min(axis=0)
+    return dict(zip(scenes, best, strict=True))
+
+
+def _call_seconds(solver: Solver) -> float:
+    """Seconds of a call that takes no step."""
+    took = []
+    for _ in range(50):
+        begun = time.thread_time()
+        solver.advance(0)
+        took.append(time.thread_time() - begun)
+    return min(took)
+
+
+def _identity(scene: Scene) -> dict:
+    return {"problem": scene.problem, "method": scene.method, "cells": scene.cells}
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
