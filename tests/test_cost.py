@@ -238,6 +238,16 @@ def test_search_finds_a_scene_that_can_be_loaded(jobs):
     assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
 
 
+def test_scene_too_large_to_watch_is_not_loaded():
+    """It would freeze the visitor's browser: the page gives the command instead."""
+    loaded, tab = [], CostTab.__new__(CostTab)
+    tab._load = loaded.append
+    tab._put(RingScene(cells=396, periods=1), "The advice")
+    assert not loaded and "too many to watch" in tab._remark and "mpm-lab run ring" in tab._remark
+    tab._put(SCENE, "Run 1")
+    assert loaded == [SCENE] and tab._remark == "Run 1 is on the stage."
+
+
 @pytest.mark.parametrize("text", ["", "abc", "0", "-1", "nan", "inf", "1e999", "61"])
 def test_what_is_no_number_is_refused_in_words(text):
     with pytest.raises(words.NoNumber, match="give a number above 0"):

@@ -6,6 +6,7 @@ import html
 import math
 from collections.abc import Sequence
 
+from app.commands.advise import command
 from app.cost.jobs import Progress
 from app.cost.runs import MOST_RUNS, Run
 from app.panels.choices import PROBLEMS
@@ -19,6 +20,7 @@ EMPTY = ("No run of the {} yet. A run becomes a dot when it has gone through its
          "{} dots at once.")
 NOTHING = "–"
 LONGEST_BUDGET = 60.0
+MOST_WATCHED = 40_000  # particles: the sliders reach no further, and browsers not much
 
 
 class NoNumber(ValueError):
@@ -55,6 +57,12 @@ def sentence(run: Run) -> str:
 
 def relative(value: float | None) -> str:
     return NOTHING if value is None else f"{value:.2e}"
+
+
+def too_large(scene: Scene) -> str:
+    """What to do with a scene that the stage cannot show."""
+    return (f"{scene.particles:,} particles are too many to watch; at most {MOST_WATCHED:,} go on the stage. "
+            f"Run it in a terminal: {command(scene)}")
 
 
 def seconds(value: float | None) -> str:
@@ -98,7 +106,7 @@ def others(runs: Sequence[Run], problem: str) -> str:
         return ""
     name = PROBLEMS[hidden[0].row["problem"]]
     count = f"{len(hidden)} runs" if len(hidden) > 1 else "1 run"
-    return f"{count} of the {name} not shown: choose that problem to see them; the CSV file has all."
+    return f"And {count} of the {name}: shown when that problem is chosen; the CSV file has all."
 
 
 def going(progress: Progress) -> str:
@@ -124,9 +132,10 @@ def found(advice: dict) -> str:
     """The recommendation."""
     scene = Task(**advice["task"]).scene()
     size = scene.size_of("x")
-    error = "no usable error" if advice["error"] is None else f"error {number(advice['error'] / size)} of A"
-    known = "by its own estimate" if advice["measured"] else "as is expected"
-    run = f"{setting(scene)}: {error} {known}, {seconds(advice['seconds'])} for the bare run"
+    error = "no usable error" if advice["error"] is None else \
+        f"error {number(advice['error'])} m, {number(advice['error'] / size)} of A"
+    known = "by its own estimate" if advice["measured"] else "expected, not run"
+    run = f"{setting(scene)}: {error} ({known}), {seconds(advice['seconds'])} for the bare run"
     runner_up = f"Runner-up: {advice['why']}." if advice["why"] else ""
     start = "Take" if advice["met"] else "Nothing within reach meets that. The closest is"
     return f"{start} {run}. {runner_up} ({advice['looks']} runs were tried.)"

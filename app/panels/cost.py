@@ -122,8 +122,7 @@ class CostTab:
         number = text.partition(" ")[0]
         run = self.runs.find(int(number)) if number.isdecimal() else None
         if run is not None:
-            self._load(run.scene)
-            self._remark = f"Run {run.number} is on the stage."
+            self._put(run.scene, f"Run {run.number}")
 
     def _start_sweep(self) -> None:
         self._remark = ""
@@ -147,8 +146,15 @@ class CostTab:
         """Put the advice on the stage."""
         advice = self.jobs.progress.advice
         if advice:
-            self._load(Task(**advice["task"]).scene())
-            self._remark = "The advice is on the stage."
+            self._put(Task(**advice["task"]).scene(), "The advice")
+
+    def _put(self, scene: Scene, name: str) -> None:
+        """Put a scene on the stage if a browser can show it."""
+        if scene.particles > words.MOST_WATCHED:
+            self._remark = words.too_large(scene)
+            return
+        self._load(scene)
+        self._remark = f"{name} is on the stage."
 
     def _send(self) -> None:
         self._client.send_file_download(FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True)
