@@ -128,6 +128,7 @@ def test_runs_keep_their_numbers_and_are_bounded():
         runs.add(made_up(cells=cells), LIVE)
     runs.add(made_up(cells=20), SWEEP)
     runs.add(made_up(cells=20), LIVE)
+    runs.add(made_up(cells=10, status="failed"), SWEEP)
     assert [(run.number, run.source) for run in runs.all()] == [(1, LIVE), (2, SWEEP)]
     assert [task.inputs["cells"] for task in timings(runs.all())] == [10]
     for cells in (30, 40):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from solvers.scene import Scene
 from solvers.study import table
 from solvers.study.grid import Task
-from solvers.study.row import OK, UNSTABLE
+from solvers.study.row import FAILED, OK, UNSTABLE
 
 MOST_RUNS = 200  # then the oldest is forgotten
 LIVE, SWEEP = "live", "sweep"
@@ -74,11 +74,14 @@ class Runs:
         self.version = 0
 
     def add(self, row: dict, source: str) -> None:
-        """Take a row in. A scene that is there keeps its number; a live row does not replace a sweep's."""
+        """Take a row in. A scene that is there keeps its number.
+
+        A live row does not replace a sweep's, and one that was lost replaces none.
+        """
         key = row["key"]
         with self._lock:
             before = self._runs.get(key)
-            if before and before.source == SWEEP and source == LIVE:
+            if before and ((before.source == SWEEP and source == LIVE) or row["status"] == FAILED):
                 return
             if before is None:
                 self._numbers += 1
