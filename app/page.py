@@ -12,6 +12,7 @@ import viser
 from app.camera import FlatCamera
 from app.panels.about import add_about
 from app.panels.controls import QUANTITIES, Controls
+from app.panels.cost import CostTab
 from app.panels.furniture import add_head, furnish
 from app.panels.lessons import add_lessons
 from app.panels.measurements import Measurements
@@ -39,6 +40,7 @@ class Page:
         self._client = client
         self._last: tuple[FrameReport, FrameArrays] | None = None
         self._controls: Controls | None = None
+        self._cost: CostTab | None = None
         self._view: View | None = None
         self._scale = ColourScale()
         furnish(client.gui)
@@ -60,6 +62,7 @@ class Page:
         """The visitor has gone."""
         self._closed.set()
         self._session.close()
+        self._cost.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
         tabs = client.gui.add_tab_group()
@@ -67,6 +70,8 @@ class Page:
             self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
             add_lessons(client.gui)
+        with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
+            self._cost = CostTab(client, self._session, self._controls.load)
         with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
             add_about(client.gui)
 
@@ -75,6 +80,8 @@ class Page:
             self._scale.forget()
         self._last = (report, arrays)
         self._redraw()
+        if self._cost is not None:
+            self._cost.follow(report, self._session.history)
 
     def _redraw(self) -> None:
         if self._last is None or self._controls is None or self._closed.is_set():
@@ -114,6 +121,7 @@ class Page:
         notice = _notice_html(self._session.notice())
         if notice != self._notice.content:
             self._notice.content = notice
+        self._cost.refresh()
         self._camera.settle()
 
 

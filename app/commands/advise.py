@@ -134,7 +134,7 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
         "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
         "reason": None if advice.met else _reason(advice, tolerance, relative),
         "problem": base.problem, "quantity": goal.quantity, "tolerance": tolerance, "relative": relative,
-        "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": _command(chosen.scene),
+        "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command(chosen.scene),
         "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
         "verified": errors(chosen.error) if chosen.measured else None,
         "runner_up": advice.runner_up and {**_inputs(advice.runner_up.scene), **errors(advice.runner_up.error),
@@ -167,7 +167,7 @@ def _inputs(scene: Scene) -> dict:
     return {key: values[key] for key in ("method", "linearity_preserving", "cells", "ppc", "dt", "cfl")}
 
 
-def _command(scene: Scene) -> str:
+def command(scene: Scene) -> str:
     """The command that runs the scene, with what differs from the defaults."""
     kind, words = type(scene), [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells}",
                                 f"--ppc {scene.particles_per_cell} --cfl {scene.cfl:g}"]

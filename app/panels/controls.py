@@ -23,6 +23,7 @@ from app.panels.furniture import LOGARITHMIC
 from app.scale import ColourScale
 from app.session import Session
 from solvers.problems import SCENES
+from solvers.scene import Scene
 
 RUN_BUTTONS = ("Play", "Pause", "Step", "Reset")
 
@@ -45,11 +46,24 @@ class Controls:
         """Label of the quantity whose error is shown."""
         return self._quantity.value
 
+    def load(self, scene: Scene) -> None:
+        """Put a scene on the stage, and all that it says into the widgets."""
+        if scene.problem != self._session.scene.problem:
+            self.domains = False
+        self._session.choose(scene)
+        self._problem.value = PROBLEMS[scene.problem]  # has been chosen: nothing follows from it
+        self._rebuild()
+
     def _choose_problem(self) -> None:
-        """Another problem has other choices and reaches: its widgets take the place of the present ones."""
+        """Another problem has other choices and reaches."""
         problem = _code_of(PROBLEMS, self._problem.value)
-        self._session.choose(SCENES[problem](periods=1))
-        self.domains = False
+        if problem != self._session.scene.problem:
+            self._session.choose(SCENES[problem](periods=1))
+            self.domains = False
+            self._rebuild()
+
+    def _rebuild(self) -> None:
+        """Widgets for the session's present scene take the place of those there are."""
         self._widgets.remove()
         with self._tab:
             self._build()
@@ -100,6 +114,7 @@ class Controls:
             return f"Cells, h = {reach.length}/{count}"
 
         low, high, step = reach.cells
+        high = max(high, scene.cells)  # of a scene that was loaded
         cells = self._gui.add_slider(label(scene.cells), low, high, step, scene.cells,
                                      hint=f"grid cells across {reach.length} m")
 
@@ -176,7 +191,7 @@ class Controls:
             return f"{name} {v:.3g} {unit}".rstrip() if len(name) > 3 else f"{name} = {v:.3g} {unit}".rstrip()
 
         self._gui.add_html(LOGARITHMIC)
-        low, high = (float(np.log10(end)) for end in reach)
+        low, high = (float(np.log10(end)) for end in (min(*reach, value), max(*reach, value)))
         decades = range(int(np.ceil(low)), int(np.floor(high)) + 1)
         slider = self._gui.add_slider(label(value), low, high, 0.005, float(np.log10(value)), hint=hint,
                                       marks=tuple((float(d), f"{10.0 ** d:g}") for d in decades))

@@ -68,6 +68,24 @@ div:has(> .lab-paired) + div + div + div + div {{ display: inline-block; width: 
 .lab-about {{ padding: 4px 12px; font: 13px/1.5 system-ui, sans-serif; color: #222831; }}
 .lab-about h3 {{ font-size: 14px; margin: 10px 0 4px; }} .lab-about p {{ margin: 4px 0 8px; }}
 .lab-explanation {{ padding: 0 4px; }} .lab-about math[display=block] {{ margin: 6px 0; font-size: 13.5px; }}
+div:has(> .lab-picked) + div {{ display: none !important; }}
+.lab-cost {{ padding: 2px 12px 4px 8px; font: 12px/1.4 system-ui, sans-serif; color: #222831;
+  font-variant-numeric: tabular-nums; }}
+.lab-cost p {{ margin: 4px 2px; }} .lab-cost svg {{ display: block; }}
+.lab-cost svg text {{ font: 10px system-ui, sans-serif; fill: #4a525c; }} .lab-cost .lab-number {{ font-size: 9px; }}
+.lab-grid {{ stroke: #e6e9ee; }} .lab-axis {{ stroke: #9aa3ad; fill: none; }}
+.lab-line {{ fill: none; stroke-width: 1; opacity: 0.45; }}
+.lab-dot {{ cursor: pointer; outline: none; }}
+.lab-dot:hover circle, .lab-dot:focus-visible circle {{ fill: #0072b233; }}
+.lab-legend {{ display: flex; flex-wrap: wrap; gap: 0 10px; padding: 0 4px 4px; font-size: 11px; }}
+.lab-legend span {{ display: inline-flex; align-items: center; gap: 3px; }}
+.lab-runs {{ width: 100%; border-collapse: collapse; font-size: 11px; white-space: nowrap; }}
+.lab-runs th {{ font-weight: 400; color: #6b7480; }}
+.lab-runs th, .lab-runs td {{ text-align: right; padding: 1px 3px; }}
+.lab-runs td:nth-child(2), .lab-runs th:nth-child(2) {{ text-align: left; }}
+.lab-runs .lab-bad {{ color: #c0392b; text-align: center; }} .lab-runs tr:hover {{ background: #eaf2fa; }}
+.lab-runs button {{ font: inherit; color: {TRUTH}; background: none; border: 1px solid #c6d4e2; border-radius: 3px;
+  padding: 0 3px; min-width: 24px; cursor: pointer; }}
 .lab-key {{ font-weight: 600; }}
 </style>"""
 

@@ -18,10 +18,11 @@ import signal
 import subprocess
 import sys
 import threading
+from typing import TextIO
 
 from solvers.study.grid import Task
 
-START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from solvers.study.apart import main; main()"
+START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {module} import main; main()"
 
 
 class ProcessDied(Exception):
@@ -53,7 +54,7 @@ class RowProcess:
             except OSError:
                 line = ""
             if not line.endswith("\n"):
-                raise ProcessDied(_how(_end(process)))
+                raise ProcessDied(how_it_ended(end_process(process)))
             return json.loads(line)
 
     def close(self) -> None:
@@ -63,23 +64,28 @@ class RowProcess:
         if process:
             process.kill()  # whoever waits for a row learns it now, and lets go of the lock
             with self._lock:
-                _end(process)
+                end_process(process)
 
     def _ready(self) -> subprocess.Popen:
         if self._closed:
             raise ProcessDied("was closed")
         if self._process is None or self._process.poll() is not None:
             if self._process:
-                _end(self._process)
-            paths = json.dumps([path or os.getcwd() for path in sys.path])
-            self._process = subprocess.Popen([sys.executable, "-c", START, paths], stdin=subprocess.PIPE,
-                                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+                end_process(self._process)
+            self._process = start_process(__name__)
             if self._closed:  # meanwhile
                 self._process.kill()
         return self._process
 
 
-def _end(process: subprocess.Popen) -> int:
+def start_process(module: str) -> subprocess.Popen:
+    """A fresh process that runs ``main`` of a module, with pipes for lines of text."""
+    paths = json.dumps([path or os.getcwd() for path in sys.path])
+    return subprocess.Popen([sys.executable, "-c", START.format(module=module), paths], stdin=subprocess.PIPE,
+                            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+
+
+def end_process(process: subprocess.Popen) -> int:
     """Make sure that a process has ended and left nothing behind; its status."""
     process.kill()
     for pipe in (process.stdin, process.stdout):
@@ -88,7 +94,7 @@ def _end(process: subprocess.Popen) -> int:
     return process.wait()
 
 
-def _how(status: int) -> str:
+def how_it_ended(status: int) -> str:
     if status >= 0:
         return f"ended with status {status}"
     with contextlib.suppress(ValueError):
@@ -96,22 +102,28 @@ def _how(status: int) -> str:
     return f"was ended by signal {-status}"
 
 
-def main() -> None:
-    """The process: measure the tasks that come in until standard input closes, then end at once.
+def pipes() -> tuple[queue.SimpleQueue[str], TextIO]:
+    """In such a process: the lines that come in, and where answers go. It ends when whoever started it is gone.
 
-    Reading has a thread of its own: when whoever asked is gone, nobody wants the row that is being measured.
+    Reading has a thread of its own: when whoever asked is gone, nobody wants what is being measured.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for whoever started this
     answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what native code prints is not a row
-    tasks: queue.SimpleQueue[str] = queue.SimpleQueue()
+    os.dup2(2, 1)  # what native code prints is not an answer
+    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def read() -> None:
         for line in sys.stdin:
-            tasks.put(line)
+            lines.put(line)
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
+    return lines, answers
+
+
+def main() -> None:
+    """The process: measure the tasks that come in until standard input closes, then end at once."""
+    tasks, answers = pipes()
     from solvers.study.row import measure
 
     while True:

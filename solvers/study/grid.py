@@ -7,10 +7,10 @@ import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 
 from solvers.problems import SCENES
-from solvers.scene import FLAGS, Scene, SceneError
+from solvers.scene import FLAGS, Scene, SceneError, field_key
 
 FIELDS = {key: field for field, key in FLAGS.items()}
 MOST_ROWS = 10_000
@@ -59,6 +59,13 @@ class Task:
 
     def to_dict(self) -> dict:
         return asdict(self)
+
+
+def task_of(scene: Scene, **options) -> Task:
+    """The task that asks for a scene. ``options`` are the other fields of :class:`Task`."""
+    given = {field.name: getattr(scene, field.name) for field in fields(scene) if field.name != "problem"}
+    return Task(scene.problem, {field_key(name): _plain(value) for name, value in given.items() if value is not None},
+                **options)
 
 
 def combinations(axes: Mapping[str, Sequence]) -> list[dict]:

@@ -1,0 +1,84 @@
+"""The Cost tab: runs become dots, a small sweep goes on behind a live stage, and what is clicked is loaded."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from tests.browser.driving import click, readout, row, time, until
+
+
+def aside_processes(parent):
+    """Ids of the processes that ``parent`` has started for a sweep or a search."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = status.read_text().rpartition(")")[2].split()
+            if int(fields[1]) == parent and b"study.aside" in (status.parent / "cmdline").read_bytes():
+                found.append(int(status.parent.name))
+        except (FileNotFoundError, ProcessLookupError):
+            continue  # it ended meanwhile
+    return found
+
+
+def dots(page):
+    return page.locator(".lab-dot").count()
+
+
+def open_cost(page):
+    page.get_by_role("tab", name="Cost").click()
+
+
+def value(page, label):
+    """What stands in the control with this label."""
+    return row(page, label).locator("input").last.input_value()
+
+
+def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
+    """The stage's own run is a dot; a sweep adds more while the stage moves on; a dot, a row and the file."""
+    open_cost(page)
+    page.get_by_text("No run of the vibrating bar yet").wait_for()
+    until(lambda: dots(page) == 1, "the run on the stage as a dot")
+    click(page, "Small sweep")
+    until(page.get_by_role("button", name="Find the cheapest run").is_disabled, "no second job")
+    until(lambda: dots(page) >= 4, "dots of the sweep")
+    before = time(page)
+    until(lambda: time(page) > before, "the stage moving on")
+    click(page, "Cancel")
+    page.get_by_text("The sweep was cancelled").wait_for()
+    until(lambda: not aside_processes(server[1]), "the process gone")
+    page.locator(".lab-dot[data-run='3']").click()
+    page.get_by_text("Run 3 is on the stage").wait_for()
+    until(lambda: "of 0.00125 s" in readout(page), "the step of 20 cells")
+    page.get_by_role("tab", name="Explore").click()
+    assert value(page, "Cells, h = 1/20") == "20" and value(page, "Method") == "MPM (hat functions)"
+    open_cost(page)
+    button = page.get_by_role("button", name="load run 2", exact=True)
+    button.focus()
+    page.keyboard.press("Enter")
+    page.get_by_text("Run 2 is on the stage").wait_for()
+    with page.expect_download() as download:
+        click(page, "Download CSV")
+    with open(download.value.path(), newline="") as file:
+        assert len(list(csv.DictReader(file))) == dots(page)
+
+
+def test_search_is_refused_in_words_cancelled_and_left(page, server, chromium):
+    """A tolerance that is none is said; a search says what it does; who leaves takes the process along."""
+    open_cost(page)
+    tolerance = row(page, "Tolerance / A").locator("input")
+    tolerance.fill("a lot")
+    click(page, "Find the cheapest run")
+    page.get_by_text("give a number above 0").wait_for()
+    tolerance.fill("1e-5")
+    click(page, "Find the cheapest run")
+    page.get_by_text("on coarse grids").wait_for()
+    click(page, "Cancel")
+    page.get_by_text("The search was cancelled").wait_for()
+    click(page, "Small sweep")
+    until(lambda: aside_processes(server[1]), "a process")
+    page.goto("about:blank")
+    until(lambda: not aside_processes(server[1]), "the process gone with its visitor")
+    page.goto(f"{server[0]}/?fixedDpr=1")
+    open_cost(page)
+    page.get_by_text("No run of the vibrating bar yet").wait_for()

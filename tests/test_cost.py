@@ -1,0 +1,279 @@
+"""The Cost tab without a browser: rows of live runs, jobs in the background, the table and the picture."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import signal
+import threading
+from dataclasses import replace
+from time import monotonic, sleep
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.cost import jobs as jobs_module
+from app.cost import words
+from app.cost.jobs import Jobs, Progress, search, small_sweep, timings
+from app.cost.live import LiveRows
+from app.cost.picture import Axis, picture
+from app.cost.runs import LIVE, SWEEP, Runs, csv_bytes
+from app.history import History
+from app.page import Page
+from app.panels.cost import CostTab
+from solvers.bar.scene import BarScene
+from solvers.engine.messages import FrameReport
+from solvers.ring.scene import RingScene
+from solvers.run import build
+from solvers.study.aside import SearchJob
+from solvers.study.grid import task_of
+from solvers.study.row import failed
+from solvers.study.table import flat
+from tests.rows import made_up
+
+SCENE = BarScene(cells=10, periods=1)
+PATIENCE = 30.0
+
+
+def frames(scene, steps=100):
+    """A live run's frames as the page hears them: report and history."""
+    solver = build(scene)
+    solver.compile()
+    history, fresh, rows = History(scene, scene.particles), True, solver.measure()
+    while True:
+        history.add(rows)
+        yield FrameReport(session=1, number=1, scene=scene, fresh=fresh, playing=True, particles=scene.particles,
+                          step=solver.step, time=solver.time, rows=rows, rate=10.0, real_speed=None, arch=solver.arch,
+                          reason=None if solver.sound else solver.reason(), not_valid=solver.not_valid()), history
+        fresh, rows = False, solver.advance(steps) if solver.sound else rows[:0]
+
+
+def same(one, other):
+    """Whether two tables of numbers agree; some may be None in both."""
+    return {name: value and pytest.approx(value, rel=1e-9) for name, value in one.items()} == other
+
+
+def wait(condition):
+    end = monotonic() + PATIENCE
+    while not condition():
+        assert monotonic() < end
+        sleep(0.02)
+
+
+def alive(process_id):
+    try:
+        os.kill(process_id, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.fixture
+def jobs():
+    jobs = Jobs(Runs(), threading.BoundedSemaphore(1))
+    yield jobs
+    jobs.close()
+
+
+@pytest.mark.parametrize("scene", [SCENE, RingScene(cells=12, periods=1)], ids=["bar", "ring"])
+def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
+    """However far the stage ran beyond the end, the row has what a run of the scene has; and there is one only."""
+    follower, result = LiveRows(), simulate(scene)
+    live = frames(scene, 333)
+    rows = []
+    while len(rows) < 10:
+        report, history = next(live)
+        row = follower.follow(report, history)
+        assert (row is None) or (report.time > scene.end_time - scene.time_step)
+        rows += [row] if row or report.time > scene.end_time else []
+    row = rows[0]
+    assert rows[1:] == [None] * 9
+    for q in ("x", "v", "sigma", "a"):
+        assert same(row["error"][q], result.to_dict()["error"][q])
+        assert same(row["estimate"]["transport"][q], result.estimates("transport")[q])
+        assert same({q: row["index"]["transport"][q]}, {q: result.index("transport")[q]})
+    assert row["seconds"]["full"] == pytest.approx(scene.steps * scene.particles * 1e-7)
+    assert row["status"] == "ok" and row["key"] == task_of(scene).key
+    report, history = next(frames(scene))
+    assert follower.follow(report, history) is None  # begun anew
+    assert not follower._done
+
+
+def test_live_run_that_goes_unstable_is_a_row():
+    follower = LiveRows()
+    bad = replace(SCENE, cells=40, amplitude=0.1, cfl=1.5)
+    row = next(row for report, history in frames(bad, 50) if (row := follower.follow(report, history)))
+    assert row["status"] == "unstable" and row["reason"] and row["t"] < bad.end_time
+    runs = Runs()
+    runs.add(row, LIVE)
+    assert runs.all()[0].drawable and "unstable" in words.sentence(runs.all()[0])
+
+
+def test_live_run_without_truth_has_its_estimate():
+    follower = LiveRows()
+    scene = replace(SCENE, body_force="two-tone")
+    row = next(row for report, history in frames(scene) if (row := follower.follow(report, history)))
+    runs = Runs()
+    runs.add(row, LIVE)
+    run = runs.all()[0]
+    assert run.error is None and run.size == run.estimate > 0 and picture([run])
+
+
+def test_runs_keep_their_numbers_and_are_bounded():
+    """A scene seen again is no new dot, a live row does not replace a timed one, and the oldest goes."""
+    runs = Runs(most=3)
+    for cells in (10, 20, 10):
+        runs.add(made_up(cells=cells), LIVE)
+    runs.add(made_up(cells=20), SWEEP)
+    runs.add(made_up(cells=20), LIVE)
+    assert [(run.number, run.source) for run in runs.all()] == [(1, LIVE), (2, SWEEP)]
+    assert [task.inputs["cells"] for task in timings(runs.all())] == [10]
+    for cells in (30, 40):
+        runs.add(made_up(cells=cells), LIVE)
+    assert [run.number for run in runs.all()] == [2, 3, 4]
+    assert runs.find(3).scene.cells == 30 and runs.find(1) is None
+
+
+def test_csv_has_every_row_and_input():
+    runs = Runs()
+    runs.add(made_up(cells=10), SWEEP)
+    report_row = failed(task_of(replace(SCENE, cells=30)), "lost")
+    runs.add(report_row, SWEEP)
+    read = list(csv.DictReader(io.StringIO(csv_bytes(runs.all()).decode())))
+    assert [(line["run"], line["source"], line["scene.cells"], line["status"]) for line in read] == [
+        ("1", SWEEP, "10", "ok"), ("2", SWEEP, "30", "failed")]
+    assert set(read[0]) == {"run", "source", *flat({**runs.all()[0].row, "asked": {}})}
+
+
+@pytest.mark.parametrize("scene", [
+    SCENE, BarScene(method="cpgimp", velocity="corners", effects=(), periods=1), RingScene(periods=1, dt=1e-5)],
+    ids=["bar", "corners", "ring"])
+def test_small_sweep_is_valid_and_like_the_scene(scene):
+    tasks = small_sweep(scene)
+    assert len(tasks) == 16 == len({task.key for task in tasks})
+    for task in tasks:
+        other = task.scene()
+        assert (other.amplitude, other.dt, other.periods) == (scene.amplitude, scene.dt, scene.periods)
+        assert other.has("truth") and other.has("estimate")
+    assert task_of(scene).scene() == scene
+
+
+def test_sweep_runs_in_a_process_that_ends(jobs):
+    tasks = small_sweep(SCENE)[:2]
+    jobs.sweep(tasks)
+    process = jobs.process_id
+    jobs.sweep(tasks)  # while one runs nothing else begins
+    assert jobs.process_id == process
+    wait(lambda: not jobs.progress.running)
+    assert jobs.progress == Progress("sweep", done=2, total=2)
+    assert [run.row["asked"]["cells"] for run in jobs._runs.all()] == [10, 20] and not alive(process)
+    assert all(run.row["seconds"]["min"] > 0 for run in jobs._runs.all())
+
+
+def test_cancel_keeps_rows_and_makes_room(jobs):
+    """Cancelled between rows: what was measured stays, the process is gone and its place is free."""
+    jobs.sweep([*small_sweep(SCENE)[:1], task_of(BarScene(cells=2000, periods=100), repeats=1)])
+    other = Jobs(Runs(), jobs._places)
+    other.sweep(small_sweep(SCENE))
+    assert "server busy" in words.going(other.progress) and not other.progress.running
+    wait(lambda: jobs.progress.done == 1)
+    process = jobs.process_id
+    jobs.cancel()
+    wait(lambda: not jobs.progress.running)
+    assert not alive(process) and len(jobs._runs.all()) == 1 and jobs.progress.trouble is None
+    assert "cancelled" in words.going(jobs.progress)
+    other.search(SearchJob(task_of(SCENE).to_dict(), (), (2,), (0.5,), "x", 1.0, 1.0))
+    wait(lambda: not other.progress.running)
+    assert "no method" in words.going(other.progress)
+
+
+def test_process_that_dies_is_said(jobs):
+    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
+    os.kill(jobs.process_id, signal.SIGKILL)
+    wait(lambda: not jobs.progress.running)
+    assert "SIGKILL" in words.going(jobs.progress)
+    assert jobs._places.acquire(blocking=False)
+    jobs._places.release()
+
+
+def test_process_that_cannot_start_is_said(jobs, monkeypatch):
+    def refuse(*_):
+        raise OSError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(jobs_module, "Aside", refuse)
+    jobs.sweep(small_sweep(SCENE))
+    assert "temporarily unavailable" in words.going(jobs.progress) and not jobs.progress.running
+    assert jobs._places.acquire(blocking=False)
+    jobs._places.release()
+
+
+def test_visitor_who_leaves_takes_the_process_along(jobs):
+    """The page closes its tab, the tab its jobs; after that none begins."""
+    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
+    process = jobs.process_id
+    page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
+    tab.jobs = jobs
+    page._closed, page._session, page._cost = threading.Event(), SimpleNamespace(close=lambda: None), tab
+    page.close()
+    wait(lambda: not jobs.progress.running)
+    assert not alive(process)
+    jobs.sweep(small_sweep(SCENE))
+    assert not jobs.progress.running
+
+
+def test_search_finds_a_scene_that_can_be_loaded(jobs):
+    """It says what it looks at, and the advice is a scene with the truth and the estimate by which it was found."""
+    job = replace(search(SCENE, 1e-2, 5.0), methods=(("ugimp", False), ("mpm", False)), particles_per_cell=(2,),
+                  courant_numbers=(0.5,))
+    jobs.search(job)
+    wait(lambda: jobs.progress.task or not jobs.progress.running)
+    assert "Search, run" in words.going(jobs.progress)
+    wait(lambda: not jobs.progress.running)
+    advice = jobs.progress.advice
+    assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
+    text = words.going(jobs.progress)
+    assert text.startswith("Take uGIMP") and "estimate" in text
+    assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
+
+
+def test_scene_too_large_to_watch_is_not_loaded():
+    """It would freeze the visitor's browser: the page gives the command instead."""
+    loaded, tab = [], CostTab.__new__(CostTab)
+    tab._load = loaded.append
+    tab._put(RingScene(cells=396, periods=1), "The advice")
+    assert not loaded and "too many to watch" in tab._remark and "mpm-lab run ring" in tab._remark
+    tab._put(SCENE, "Run 1")
+    assert loaded == [SCENE] and tab._remark == "Run 1 is on the stage."
+
+
+@pytest.mark.parametrize("text", ["", "abc", "0", "-1", "nan", "inf", "1e999", "61"])
+def test_what_is_no_number_is_refused_in_words(text):
+    with pytest.raises(words.NoNumber, match="give a number above 0"):
+        words.typed("Longest run", text, words.LONGEST_BUDGET)
+    assert words.typed("Tolerance", " 1e-4 ") == 1e-4
+
+
+def test_picture_has_a_button_a_run():
+    """Every run that has an error and a time is a numbered dot; sweeps are joined; an unstable one is at the top."""
+    runs = Runs()
+    for cells in (10, 20, 40):
+        runs.add(made_up(cells=cells), SWEEP)
+    runs.add(made_up("mpm", status="unstable"), SWEEP)
+    runs.add(made_up("bspline"), LIVE)
+    runs.add(failed(task_of(SCENE), "lost <b>"), SWEEP)
+    drawing = picture(runs.all())
+    assert drawing.count("class='lab-dot'") == 5 and drawing.count("class='lab-number'") == 5
+    assert "unstable" in drawing and "as timed on the stage" in drawing and "data-run='6'" not in drawing
+    assert drawing.count("<polyline") == 1
+    listed = words.table(runs.all())
+    assert listed.count("<button") == 6 and "lost <b>" not in listed
+    assert picture([]) == "" and words.table([]) == ""
+
+
+@pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021], []])
+def test_axis_holds_its_values_and_has_ticks(values):
+    axis = Axis(values, 40, 318)
+    assert all(40 <= axis.at(value) <= 318 for value in values)
+    assert len(axis.ticks()) >= 1 and np.all(np.diff([axis.at(value) for value, _ in axis.ticks()]) > 0)
