@@ -8,13 +8,13 @@ show; the cost by steps, particles and the rate of the finest.
 from __future__ import annotations
 
 import math
-import time
 from bisect import insort
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from solvers.run import build, run
 from solvers.scene import MOST_PARTICLES, Scene
+from solvers.study.timing import rate
 
 ESTIMATOR = "companion"
 HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
@@ -132,17 +132,9 @@ class Family:
 
 @lru_cache(maxsize=4096)
 def _seconds_per_particle_step(scene: Scene) -> float:
-    """The fastest of several short stretches, compiled and warmed up; remembered for this process."""
-    solver = build(scene)
-    solver.compile()
-    best, steps = math.inf, 4
-    turns = 0
-    while turns < TIMED_TURNS and solver.sound:
-        begun = time.perf_counter()
-        solver.advance(steps)
-        took = time.perf_counter() - begun
-        if took < TIMED_SECONDS and 2 * steps <= solver.longest_advance:
-            steps *= 2
-            continue
-        best, turns = min(best, took / steps), turns + 1
-    return best / scene.particles
+    """Of the bare method, compiled and warmed up, in the processor's time; infinite for a run that goes bad.
+
+    Remembered for this process.
+    """
+    seconds = 1e-6 / rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
+    return seconds if math.isfinite(seconds) else math.inf

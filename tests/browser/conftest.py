@@ -30,7 +30,7 @@ def _browser() -> str:
     pytest.skip(HOW)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def server():
     """Address and process id of a page served by the command line itself."""
     with socket.socket() as trial:
@@ -48,7 +48,7 @@ def server():
     process.stderr.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def chromium():
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=_browser(), args=FLAGS)
