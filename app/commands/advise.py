@@ -170,7 +170,7 @@ def _inputs(scene: Scene) -> dict:
 def command(scene: Scene) -> str:
     """The command that runs the scene, with what differs from the defaults."""
     kind, words = type(scene), [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells}",
-                                f"--ppc {scene.particles_per_cell} --cfl {scene.cfl:g}"]
+                                f"--ppc {scene.particles_per_cell} --cfl {scene.courant_number:g}"]
     for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force"):
         if getattr(scene, field) != getattr(kind, field):
             words.append(f"--{field_key(field).replace('_', '-')} {getattr(scene, field)}")
