@@ -7,11 +7,10 @@ import re
 import numpy as np
 import pytest
 
-from solvers.bar.estimators import ESTIMATORS
+from solvers.scene import ESTIMATORS
 from tests.browser.driving import choose, click, coloured, drawn, number, readout, row, stage, time, until
 
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
-several = pytest.mark.skipif(len(ESTIMATORS) < 2, reason="only one estimator is built in")
 
 
 def tick(page, estimator):
@@ -72,7 +71,6 @@ def test_no_estimator_and_back(page):
     until(lambda: re.search("transport" + LINE, readout(page)), "the estimate back")
 
 
-@several
 def test_several_at_once(page):
     """Every estimator ticked has a line of its own in table and plot, and any of them can be on the stage."""
     page.get_by_text("Method details").click()
@@ -91,7 +89,6 @@ def test_several_at_once(page):
     assert row(page, "On the stage").get_by_role("combobox").input_value() != others[-1]
 
 
-@several
 def test_not_valid_is_said_instead_of_a_number(page):
     """An estimator that does not hold has a sentence in the table, no curve and no colours; the truth stays."""
     choose(page, "Problem", "expanding ring")
