@@ -155,3 +155,17 @@ def test_help_shows_the_rings_defaults(capsys):
                  f"(default: {RingScene.DEFAULT_PERIODS:g} without --t-end)",
                  f"about {RingScene.SAMPLES_A_PERIOD} samples a period"):
         assert text in shown
+
+
+def test_an_estimator_that_does_not_hold_says_so_and_no_number(capsys):
+    """A sentence in the JSON object and in the table, alone and beside another; nulls where numbers would be."""
+    from app.cli import main
+    for others in ([], ["companion"]):
+        words = ["run", "ring", *QUICK, "--method", "ugimp", "--estimator", "two-grid", *others, "--quiet"]
+        assert main([*words, "--json", "-"]) == 0
+        result = json.loads(capsys.readouterr().out)
+        assert result["not_valid"]["two-grid"].startswith("not valid here: the boxes")
+        index = result["index"]["two-grid"] if others else result["index"]
+        assert index == dict.fromkeys(QUANTITIES)
+        table = run_table(result)
+        assert result["not_valid"]["two-grid"] in table and ("estimate: companion" in table) == bool(others)

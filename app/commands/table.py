@@ -11,7 +11,10 @@ NOTHING = "-"
 def run_table(result: dict) -> str:
     """Heading, errors, estimates of each estimator, and what the run cost."""
     parts = [_heading(result), _errors(result["error"])]
-    parts += [_estimates(name, *values) for name, values in _by_estimator(result).items()]
+    estimates = {name: values for name, values in _by_estimator(result).items() if name not in result["not_valid"]}
+    parts += [_estimates(name, *values) for name, values in estimates.items()]
+    parts += ["index: estimate over truth, 1 is perfect; distance: apart over truth, 0 is perfect"] * bool(estimates)
+    parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
     return "\n\n".join([*parts, _cost(result)])
 
 
@@ -37,8 +40,7 @@ def _estimates(name: str, estimate: dict, index: dict, distance: dict) -> str:
     rows = [(f"{q} ({UNITS[q]})", *(_size(estimate[q][k]) for k in ("final", "max", "mean")),
              _ratio(index[q]), _ratio(distance[q])) for q in QUANTITIES]
     heads = (f"estimate: {name}", "final", "max", "mean", "index", "distance")
-    return _columns([heads, *rows]) + \
-        "\nindex: estimate over truth, 1 is perfect; distance: apart over truth, 0 is perfect"
+    return _columns([heads, *rows])
 
 
 def _by_estimator(result: dict) -> dict:
