@@ -94,7 +94,21 @@ class Solver(ABC):
         """Remember the present state; calling what this returns puts it back, to the bit, any number of times."""
         step = self.step
         kept = {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
-        return lambda: self._put_back(step, kept)
+
+        def put_back() -> None:
+            members = self._arrays.members()
+            for name, values in kept.items():
+                members[name][...] = values
+            self.step = step
+
+        return put_back
+
+    @property
+    def clock(self) -> Callable[[], float]:
+        """What to time steps by: the processor's own time where one thread does it all, so that what else runs on the
+        machine is not counted."""
+        alone = self.plan == "serial" and self.arch in PROCESSORS
+        return time.thread_time if alone else time.perf_counter
 
     def prices(self) -> dict[str, float]:
         """The share of the running time that each estimator takes, measured here and now.
@@ -105,46 +119,36 @@ class Solver(ABC):
         names, arrays = self.scene.active_estimators, self._arrays
         if not names or not self.sound:
             return {}
-        step = self.step
-        kept = {name: a.copy() for name, a in arrays.members().items() if isinstance(a, np.ndarray)}
-        steps = self._timed_steps(int(np.lcm.reduce(arrays.estimate_intervals)), kept)
+        put_back = self.bookmark()
+        steps = self._timed_steps(int(np.lcm.reduce(arrays.estimate_intervals)), put_back)
         best = np.full(len(names) + 1, np.inf)
         for _ in range(TIMED_TURNS):
             for resting in range(len(names) + 1):  # the last one: none rests
-                self._put_back(step, kept)
+                put_back()
                 arrays.estimate_intervals[resting:resting + 1] = NEVER
                 best[resting] = min(best[resting], self._timed(steps))
-        self._put_back(step, kept)
+        put_back()
         return {name: max(0.0, 1 - float(best[e] / best[-1])) for e, name in enumerate(names)}
 
-    def _timed_steps(self, whole: int, kept: dict[str, np.ndarray]) -> int:
+    def _timed_steps(self, whole: int, put_back: Callable[[], None]) -> int:
         """Steps, a multiple of ``whole``, that take about ``TIMED_SECONDS``: whole turns of the samples too, whose
         reports may be most of an estimator's price, unless these take long."""
-        step, steps = self.step, whole
+        steps = whole
         sampled = int(np.lcm(whole, self.scene.sample_interval, dtype=np.int64))
         if self._timed(whole) * sampled / whole < MOST_TIMED_SECONDS:
             steps = sampled
-        self._put_back(step, kept)
+        put_back()
         while self._timed(steps) < TIMED_SECONDS and 2 * steps <= self.longest_advance:
-            self._put_back(step, kept)
+            put_back()
             steps *= 2
-        self._put_back(step, kept)
+        put_back()
         return steps
 
     def _timed(self, steps: int) -> float:
-        """Seconds of that many steps: the processor's where one thread does it all, so that what else runs on the
-        machine is not counted."""
-        alone = self.plan == "serial" and self.arch in PROCESSORS
-        clock = time.thread_time if alone else time.perf_counter
+        clock = self.clock
         begun = clock()
         self.advance(min(steps, self.longest_advance))
         return clock() - begun
-
-    def _put_back(self, step: int, kept: dict[str, np.ndarray]) -> None:
-        members = self._arrays.members()
-        for name, values in kept.items():
-            members[name][...] = values
-        self.step = step
 
     def reason(self) -> str:
         """Why the run stopped, and what to change, in one sentence."""

@@ -6,15 +6,13 @@ compared takes turns, so that a slow spell slows all of it.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from solvers.solver import Solver
 
 SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
-PROCESSORS = ("x64", "arm64")  # as Taichi calls them
 
 
 class Stretch:
@@ -26,9 +24,7 @@ class Stretch:
     def __init__(self, solver: Solver, seconds: float = SECONDS):
         self.solver = solver
         solver.advance(0)  # compiles
-        alone = solver.plan == "serial" and solver.arch in PROCESSORS
-        # The processor's own time where one thread does it all: what else runs on the machine is not counted.
-        self._clock: Callable[[], float] = time.thread_time if alone else time.perf_counter
+        self._clock = solver.clock
         self.steps = _round(solver)
         solver.advance(self.steps)
         self._put_back = solver.bookmark()
