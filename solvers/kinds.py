@@ -1,9 +1,13 @@
-"""The kinds of arrays that kernels take: numpy arrays of double precision or 32-bit integers, handed over uncopied.
+"""The kinds of numbers and arrays that kernels take: double precision or 32-bit integers, numpy arrays uncopied.
 
 Vectors have 2, 4 or 8 numbers: compiled code moves them whole, and one of 3 would not lie where it looks for it. Arrays
-of them must be aligned (``solvers.memory``).
+of them must be aligned (``solvers.arrays``). The names in capitals annotate the fields of a dataclass whose members are
+handed to kernels: for Python they are numbers and numpy arrays, for Taichi the type behind.
 """
 
+from typing import Annotated
+
+import numpy as np
 import taichi as ti
 
 real = ti.f64
@@ -11,6 +15,16 @@ reals = ti.types.ndarray(dtype=real, ndim=1)
 pairs = ti.types.ndarray(dtype=ti.types.vector(2, real), ndim=1)
 quads = ti.types.ndarray(dtype=ti.types.vector(4, real), ndim=1)
 octets = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)
-table = ti.types.ndarray(dtype=real, ndim=2)
+matrix = ti.types.ndarray(dtype=real, ndim=2)
 integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
 integer_quads = ti.types.ndarray(dtype=ti.types.vector(4, ti.i32), ndim=1)
+
+Integer = Annotated[int, ti.i32]
+Real = Annotated[float, real]
+Reals = Annotated[np.ndarray, reals]
+Pairs = Annotated[np.ndarray, pairs]
+Quads = Annotated[np.ndarray, quads]
+Octets = Annotated[np.ndarray, octets]
+Matrix = Annotated[np.ndarray, matrix]
+Integers = Annotated[np.ndarray, integers]
+IntegerQuads = Annotated[np.ndarray, integer_quads]

@@ -1,9 +1,46 @@
-"""The problems there are, by name, for those who have a name: page, command line, studies."""
+"""The problems there are: the one place that knows them all. A new problem is one line here (see CONTRIBUTING.md)."""
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 from solvers.bar.scene import BarScene
+from solvers.estimators import registry
 from solvers.ring.scene import RingScene
 from solvers.scene import Scene
 
-SCENES: dict[str, type[Scene]] = {"bar": BarScene, "ring": RingScene}
+if TYPE_CHECKING:
+    from solvers.solver import Solver
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A problem: its scene, and where its solver is (``module:name``, imported when first needed: Taichi is heavy)."""
+
+    scene: type[Scene]
+    solver_place: str
+
+    @property
+    def solver(self) -> type[Solver]:
+        module, _, name = self.solver_place.partition(":")
+        return getattr(importlib.import_module(module), name)
+
+    @property
+    def stripped(self) -> type[Solver] | None:
+        """A solver whose step has nothing optional in it, written out by hand, where the problem has one."""
+        place = f"{self.solver_place.rpartition('.')[0]}.stripped"
+        return importlib.import_module(place).SOLVER if importlib.util.find_spec(place) else None
+
+    @property
+    def estimators(self) -> tuple[str, ...]:
+        """The names of the estimators that it has."""
+        return registry.names(self.scene.problem)
+
+
+PROBLEMS: dict[str, Problem] = {
+    "bar": Problem(BarScene, "solvers.bar.solver:BarSolver"),
+    "ring": Problem(RingScene, "solvers.ring.solver:RingSolver"),
+}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from solvers.effects import EFFECTS
 from solvers.norms import distance, error_index, summary
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
@@ -84,7 +85,7 @@ class Result:
         """What was really computed beyond the bare method."""
         scene = self.scene
         extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
-        return [e for e in ("truth", "estimate", "crossings", "energy", "acceleration") if scene.has(e)] \
+        return [effect for effect in EFFECTS if scene.has(effect)] \
             + [name for name, on in extra.items() if on]
 
     def errors(self) -> dict:

@@ -8,21 +8,18 @@ from collections.abc import Callable
 import numpy as np
 
 from solvers import samples
-from solvers.bar.solver import BarSolver
+from solvers.problems import PROBLEMS
 from solvers.result import Result, Seconds
-from solvers.ring.solver import RingSolver
 from solvers.scene import Scene
 from solvers.solver import Solver
 
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
 
 
-SOLVERS = {"bar": BarSolver, "ring": RingSolver}
-
 
 def build(scene: Scene) -> Solver:
     """The solver of a scene's problem, with its particles in place and nothing run."""
-    return SOLVERS[scene.problem](scene)
+    return PROBLEMS[scene.problem].solver(scene)
 
 
 def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = True) -> Result:

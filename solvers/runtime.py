@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import os
-
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
-os.environ["TI_SKIP_VERSION_CHECK"] = "ON"  # else it asks a server for news at every start: no network at run time
 
 import taichi as ti
 
@@ -24,7 +20,7 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
 
     On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM puts back together only
     what it recognises, in registers of the oldest processor where it does not know the present one. Whole vectors make
-    the ring 1.5 times as fast. They are read and written at once, so arrays must be aligned (``solvers.memory``); and
+    the ring 1.5 times as fast. They are read and written at once, so arrays must be aligned (``solvers.arrays``); and
     ``abs`` and casts of a whole vector abort the process while it compiles: take its entries.
     """
     global _started

@@ -1,49 +1,36 @@
 """Scene: everything that defines a run, in one frozen object, and the rules that it must satisfy.
 
 The command line, the page and the tests all build a ``Scene``; nothing else is configured anywhere.
-A ``Scene`` that exists is valid: a bad value raises :class:`SceneError` with one sentence that names the
-input, says what is wrong and what is allowed.
+A ``Scene`` that exists is valid: a bad value raises :class:`~solvers.rules.SceneError` with one sentence that names the
+input, says what is wrong and what is allowed. Each field carries its help, its unit and its choices (:func:`option`),
+from which the flags of the command line are made.
 """
 
 from __future__ import annotations
 
 import math
-import sys
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
-from typing import ClassVar, Literal, get_args
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar
 
-Estimator = Literal["transport", "recovered", "companion", "two-grid"]
-Effect = Literal["truth", "estimate", "crossings", "energy", "acceleration"]
-Arch = Literal["cpu", "gpu"]
-
-ESTIMATORS: tuple[Estimator, ...] = get_args(Estimator)
-EFFECTS: tuple[Effect, ...] = get_args(Effect)
+from solvers.effects import EFFECTS
+from solvers.estimators import registry
+from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
 
 MOST_PARTICLES = 1_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
 MOST_SAMPLES = 1_000_000
-
-#: Where a field's name and its flag differ. The flag, with ``_`` for ``-``, is also the key in the JSON object.
-FLAGS = {"particles_per_cell": "ppc", "estimators": "estimator"}
-
-
-class SceneError(ValueError):
-    """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
-
-    def __init__(self, field: str, value: object, sentence: str):
-        self.field, self.value, self.sentence = field, value, sentence
-        super().__init__(f"{field_label(field)} {value}: {sentence}")
+DEFAULT_CFL = 0.05
+SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
+LEAST_CFL = 1e-9
+MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
 
 
-def field_key(field: str) -> str:
-    """The name of a field in the JSON object: ``particles_per_cell`` is ``ppc``."""
-    return FLAGS.get(field, field)
-
-
-def field_label(field: str) -> str:
-    """The name of a field as a person reads it: ``body_force`` is ``body force``."""
-    return field_key(field).replace("_", " ")
+def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
+    """A field of a scene: its default, what it is in words, its unit, what it may be where that is one of a few names,
+    and what stands for a default that is None."""
+    return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
 
 
 @dataclass(frozen=True)
@@ -56,34 +43,54 @@ class Scene(ABC):
     """
 
     problem: str
-    method: str
-    cells: int
-    particles_per_cell: int
-    amplitude: float
-    modulus: float
-    density: float
-    dt: float | None = None
-    cfl: float | None = None
-    t_end: float | None = None
-    periods: float | None = None
-    body_force: str = "material"
-    linearity_preserving: bool = False
-    velocity: str = "grid"
-    estimators: tuple[Estimator, ...] = ("transport",)
-    effects: tuple[Effect, ...] = EFFECTS
-    arch: Arch = "cpu"
-    threads: int = 1
-    sample_every: int | None = None
+    method: str = option("", "Shape functions of the particles")
+    cells: int = option(0, "Cells of the grid")
+    ppc: int = option(0, "Particles per cell")
+    amplitude: float = option(0.0, "Amplitude A of the displacement", "m")
+    modulus: float = option(0.0, "Young's modulus E", "Pa")
+    density: float = option(0.0, "Density", "kg/m3")
+    dt: float | None = option(None, "Time step; instead of --cfl", "s", hint="from --cfl")
+    cfl: float | None = option(None, "Time step as dt c/h, no unit, c = sqrt(E/density); instead of --dt",
+                               hint=f"{DEFAULT_CFL} without --dt")
+    t_end: float | None = option(None, "End of the run; instead of --periods", "s", hint="from --periods")
+    periods: float | None = option(None, "End of the run in periods of the vibration; instead of --t-end",
+                                   hint="{scene.DEFAULT_PERIODS:g} without --t-end")
+    body_force: str = option("material", "Body force", choices=("material",))
+    linearity_preserving: bool = option(False, "Make the particle-grid transfers exact for linear fields")
+    velocity: str = option("grid", "Velocity that moves the particles", choices=("grid", "particle"))
+    estimators: tuple[str, ...] = option(("transport",), "Error estimators, one or several")
+    effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between; what is "
+                                      "left out costs nothing", hint="all")
+    arch: str = option("cpu", "Processor to run on", choices=("cpu", "gpu"))
+    threads: int = option(1, "Processor threads, at most")
+    sample_every: int | None = option(None, "Steps between two samples of the errors",
+                                      hint="about {scene.SAMPLES_A_PERIOD} samples a period")
 
-    #: What each field with a choice may be; a problem's scene adds its own.
-    CHOICES: ClassVar[dict[str, tuple[str, ...]]] = {"arch": get_args(Arch)}
+    #: What the problem is called, and where it is, in the words of its command's help.
+    TITLE: ClassVar[str]
+    SETTING: ClassVar[str]
     #: What the problem's own error norm is called in the result (see ``solvers.samples``).
     EXTRA_ERROR: ClassVar[str]
+    #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
+    VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
     DIMENSIONS: ClassVar[int] = 1
     STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
+    GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
     FEWEST_CELLS: ClassVar[int] = 4
     DEFAULT_PERIODS: ClassVar[float] = 5.0
     SAMPLES_A_PERIOD: ClassVar[int] = 200
+
+    @classmethod
+    def choices(cls, name: str) -> tuple[str, ...]:
+        """What the field called ``name`` may be, one or several of; nothing where it is a number."""
+        if name == "estimators":
+            return registry.names(cls.problem)
+        return tuple(EFFECTS) if name == "effects" else cls.__dataclass_fields__[name].metadata.get("choices", ())
+
+    @classmethod
+    def candidates(cls) -> tuple[tuple[str, bool], ...]:
+        """The methods that an advisor tries, each without or with linearity preservation."""
+        return tuple((method, False) for method in cls.choices("method"))
 
     def __post_init__(self) -> None:
         self._check_choices()
@@ -181,13 +188,12 @@ class Scene(ABC):
     @property
     def not_valid(self) -> dict[str, str]:
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
-        from solvers.estimators.validity import not_valid  # it is about scenes, so it imports this file
-
-        reasons = {name: not_valid(self, name) for name in self.estimators}
-        return {name: reason for name, reason in reasons.items() if reason}
+        rules = {name: rule for name in self.estimators if (rule := self.VALIDITY.get(name))}
+        reasons = {name: rule(self) for name, rule in rules.items()}
+        return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
 
     @property
-    def active_estimators(self) -> tuple[Estimator, ...]:
+    def active_estimators(self) -> tuple[str, ...]:
         """The estimators that run: those asked for that are valid here, if the effect is on."""
         refused = self.not_valid if "estimate" in self.effects else {}
         return tuple(e for e in self.estimators if e not in refused) if "estimate" in self.effects else ()
@@ -197,14 +203,14 @@ class Scene(ABC):
         """Whether an exact solution is built in, so that there is a true error."""
         return self.body_force != "two-tone"
 
-    def has(self, effect: Effect) -> bool:
-        """Whether the effect is switched on and can be (``truth`` needs an exact solution; ``acceleration``, kept to
-        be compared with the exact one or estimated, one of the two)."""
-        if effect == "acceleration":
-            return "acceleration" in self.effects and (self.has("truth") or self.has("estimate"))
-        if effect == "truth":
-            return "truth" in self.effects and self.solution_known
-        return bool(self.active_estimators) if effect == "estimate" else effect in self.effects
+    def has(self, effect: str) -> bool:
+        """Whether the effect is switched on and can be: it has what it needs, and ``estimate`` has an estimator."""
+        if effect not in self.effects:
+            return False
+        if effect == "estimate":
+            return bool(self.active_estimators)
+        kind = EFFECTS[effect]
+        return (self.solution_known or not kind.needs_solution) and (not kind.needs or any(map(self.has, kind.needs)))
 
     def to_dict(self) -> dict:
         """Every input with the defaults filled in, keyed as in the JSON contract."""
@@ -217,29 +223,23 @@ class Scene(ABC):
     # ---- rules --------------------------------------------------------------------------------------------
 
     def _check_choices(self) -> None:
-        for field, allowed in self.CHOICES.items():
-            require_choice(field, getattr(self, field), allowed)
+        for name in self.__dataclass_fields__:
+            if name in ("estimators", "effects"):  # as tuples, for a scene must be hashable
+                object.__setattr__(self, name, require_names(name, getattr(self, name), self.choices(name)))
+            elif self.choices(name):
+                require_choice(name, getattr(self, name), self.choices(name))
         if not isinstance(self.linearity_preserving, bool):
             raise SceneError("linearity_preserving", self.linearity_preserving, "give True or False")
-        for field, allowed in (("estimators", ESTIMATORS), ("effects", EFFECTS)):
-            chosen = getattr(self, field)
-            if not isinstance(chosen, (tuple, list)):
-                raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
-            object.__setattr__(self, field, tuple(chosen))  # a list is welcome, but a scene must be hashable
-            for item in chosen:
-                require_choice(field, item, allowed, also="none")
-            if len(set(chosen)) != len(chosen):
-                raise SceneError(field, " ".join(chosen), "names something twice; give each name once")
 
     def _check_numbers(self) -> None:
         require_whole("cells", self.cells, self.FEWEST_CELLS, 100_000)
-        require_whole("particles_per_cell", self.particles_per_cell, 1, 64)
+        require_whole("ppc", self.ppc, 1, 64)
         require_whole("threads", self.threads, 1, 1024)
         self._check_amplitude()
         require_number("modulus", self.modulus, 1e-6, 1e12)
         require_number("density", self.density, 1e-6, 1e12)
         if self.particles > MOST_PARTICLES:
-            raise SceneError("particles_per_cell", self.particles_per_cell,
+            raise SceneError("ppc", self.ppc,
                              f"{self.cells} cells with so many particles each make {self.particles:,} particles; "
                              f"at most {MOST_PARTICLES:,} are allowed")
 
@@ -248,22 +248,22 @@ class Scene(ABC):
             if getattr(self, one) is not None and getattr(self, other) is not None:
                 raise SceneError(other, getattr(self, other),
                                  f"{one.replace('_', '-')} is given too; give one of the two")
-            for field in (one, other):
-                if getattr(self, field) is not None:
-                    require_number(field, getattr(self, field), 0, math.inf)
+            for name in (one, other):
+                if getattr(self, name) is not None:
+                    require_number(name, getattr(self, name), 0, math.inf)
         if self.courant_number > MOST_CFL:
-            field, allowed = ("dt", f"{MOST_CFL * self.spacing / self.wave_speed:.3g}") if self.dt is not None \
+            name, allowed = ("dt", f"{MOST_CFL * self.spacing / self.wave_speed:.3g}") if self.dt is not None \
                 else ("cfl", f"{MOST_CFL:g}")
-            raise SceneError(field, getattr(self, field), "is far beyond any stable step; "
+            raise SceneError(name, getattr(self, name), "is far beyond any stable step; "
                              f"give a number above 0 and up to {allowed} (cfl {MOST_CFL:g})")
         if self.courant_number < LEAST_CFL:
-            field, allowed = ("dt", LEAST_CFL * self.spacing / self.wave_speed) if self.dt is not None \
+            name, allowed = ("dt", LEAST_CFL * self.spacing / self.wave_speed) if self.dt is not None \
                 else ("cfl", LEAST_CFL)
-            raise SceneError(field, getattr(self, field), "is so short a step that rounding would swallow it; "
+            raise SceneError(name, getattr(self, name), "is so short a step that rounding would swallow it; "
                              f"give {allowed:.3g} (cfl {LEAST_CFL:g}) or more")
         if self.end_time / self.time_step > MOST_STEPS:
-            field = "t_end" if self.t_end is not None else "periods"
-            raise SceneError(field, getattr(self, field) or self.DEFAULT_PERIODS,
+            name = "t_end" if self.t_end is not None else "periods"
+            raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS,
                              f"needs {self.end_time / self.time_step:.3g} steps; "
                              f"at most {MOST_STEPS:,} are allowed: end earlier or take longer steps")
         if self.sample_every is not None:
@@ -272,28 +272,3 @@ class Scene(ABC):
             raise SceneError("sample_every", self.sample_interval,
                              f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
                              f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
-
-
-DEFAULT_CFL = 0.05
-SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
-LEAST_CFL = 1e-9
-MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
-
-
-def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
-    if value not in allowed:
-        names = ", ".join((*allowed, also) if also else allowed)
-        raise SceneError(field, value, f"is not known; give {'one of ' if ',' in names else ''}{names}")
-
-
-def require_whole(field: str, value: object, least: int, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
-
-
-def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool) \
-        and abs(value) <= sys.float_info.max  # False for NaN, infinity and integers beyond them
-    if not number or not above < value <= most:
-        upper = "" if math.isinf(most) else f" and up to {most:g}"
-        raise SceneError(field, value, allowed or f"give a number above {above:g}{upper}")

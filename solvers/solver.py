@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from solvers.estimators.interface import NEVER, Estimator, memory_parts
+from solvers.estimators.interface import NEVER, EstimatorHooks, memory_parts
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene
@@ -30,7 +30,7 @@ class Solver(ABC):
     """
 
     plan: ClassVar[str] = "serial"
-    ESTIMATORS: ClassVar[Mapping[str, Estimator]]
+    HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -80,8 +80,8 @@ class Solver(ABC):
 
     def not_valid(self) -> dict[str, str]:
         """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
-        memory = memory_parts(self.ESTIMATORS, self._arrays.memory)
-        found = {name: self.ESTIMATORS[name].verdict(self.scene, memory)
+        memory = memory_parts(self.HOOKS, self._arrays.memory)
+        found = {name: self.HOOKS[name].verdict(self.scene, memory)
                  for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 

@@ -44,7 +44,7 @@ class Bar:
 
     def __post_init__(self) -> None:
         s = self.scene
-        self.h, self.V0 = 1 / s.cells, 1 / s.cells / s.particles_per_cell
+        self.h, self.V0 = 1 / s.cells, 1 / s.cells / s.ppc
         self.m, self.w = s.density * self.V0, np.pi * np.sqrt(s.modulus / s.density)
         self.nodes = np.arange(s.cells) * self.h
 

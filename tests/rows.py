@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from solvers.bar.scene import BarScene
+from solvers.effects import EFFECTS
 from solvers.samples import QUANTITIES
-from solvers.scene import EFFECTS
 from solvers.study.grid import Task
 
 
@@ -14,7 +14,7 @@ def made_up(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: fl
             estimate: float | None = 1.1, **changed) -> dict:
     """A row whose errors are cells^-order, estimated by ``estimate`` times as much."""
     inputs = {"method": method, "cells": cells, "cfl": cfl}
-    scene = replace(BarScene(**inputs), effects=EFFECTS)
+    scene = replace(BarScene(**inputs), effects=tuple(EFFECTS))
     norms = {q: dict.fromkeys(("final", "max", "mean"), float(cells) ** -order) for q in QUANTITIES}
     guess = {q: dict.fromkeys(("final", "max", "mean"), (estimate or 0) * cells**-order) for q in QUANTITIES}
     each = {} if estimate is None else {"transport": guess}

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from solvers.arrays import ALIGNMENT, aligned
 from solvers.bar.scene import BarScene
-from solvers.memory import ALIGNMENT, aligned
 from solvers.ring.scene import RingScene
 from solvers.run import build
 

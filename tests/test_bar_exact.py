@@ -66,7 +66,7 @@ def test_bar_inverts_exactly_at_the_amplitude_limit():
 @pytest.mark.parametrize("ppc", [1, 4, 5])
 def test_initial_state_is_the_exact_one(ppc):
     """X_p = (p + 1/2) h/ppc fills the bar; u = 0, F = 1, v = A w sin 2 pi X at t = 0, without error."""
-    scene = BarScene(cells=12, particles_per_cell=ppc)
+    scene = BarScene(cells=12, ppc=ppc)
     snapshot = BarSolver(scene).snapshot()
     X = snapshot.material_position
     np.testing.assert_allclose(X, (np.arange(12 * ppc) + 0.5) / (12 * ppc), rtol=0, atol=1e-15)

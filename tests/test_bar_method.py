@@ -21,7 +21,7 @@ def stirred(scene: Scene) -> tuple[BarSolver, Bar]:
     """Two copies of a bar in the same irregular state, which no symmetry helps."""
     rng, solver = np.random.default_rng(5), BarSolver(scene)
     a = solver._arrays
-    a.position += rng.uniform(-0.2, 0.2, scene.particles) * scene.spacing / scene.particles_per_cell
+    a.position += rng.uniform(-0.2, 0.2, scene.particles) * scene.spacing / scene.ppc
     a.velocity += 0.05 + rng.normal(0, 0.02, scene.particles)
     a.deformation_gradient *= rng.uniform(0.9, 1.1, scene.particles)
     state = (array.copy() for array in (a.material_position, a.position, a.velocity, a.deformation_gradient))

@@ -162,7 +162,7 @@ def test_energy_drift_is_first_order_in_the_step(simulate):
 
 
 @pytest.mark.parametrize("change", [
-    {"cells": 41}, {"particles_per_cell": 5}, {"amplitude": 0.026}, {"modulus": 5.0}, {"density": 1.1},
+    {"cells": 41}, {"ppc": 5}, {"amplitude": 0.026}, {"modulus": 5.0}, {"density": 1.1},
     {"cfl": 0.06}, {"cfl": None, "dt": 1e-3}, {"periods": 1.1}, {"periods": None, "t_end": 0.7}], ids=str)
 def test_every_slider_reaches_the_kernel(change, simulate):
     """A number baked into compiled code would leave the result as it was."""

@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.commands.bench_table import bench_table
+from app.commands.bench_text import bench_table
 from solvers.bar.scene import BarScene
 from solvers.bench import apart, example
-from solvers.bench.measure import EFFECTS, QUICK, STRIPPED, bare
-from solvers.problems import SCENES
-from solvers.run import SOLVERS, build
+from solvers.bench.measure import QUICK, bare, priced
+from solvers.problems import PROBLEMS
+from solvers.run import build
 from solvers.study.timing import Stretch, rate, take_turns
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -48,8 +48,8 @@ def test_json_says_what_it_is(printed):
 
 
 def test_every_problem_method_and_size_has_a_rate(printed):
-    wanted = {(problem, method, cells) for problem, scene in SCENES.items()
-              for method in scene.CHOICES["method"] for cells in QUICK.cells[problem]}
+    wanted = {(problem, method, cells) for problem, scene in ((name, p.scene) for name, p in PROBLEMS.items())
+              for method in scene.choices("method") for cells in QUICK.cells[PROBLEMS[problem].scene.DIMENSIONS]}
     rows = {(row["problem"], row["method"], row["cells"]): row for row in printed["rates"]}
     assert set(rows) == wanted and len(printed["rates"]) == len(wanted)
     assert all(row["rate"] > 0 and row["particles"] > 0 for row in rows.values())
@@ -57,16 +57,16 @@ def test_every_problem_method_and_size_has_a_rate(printed):
 
 def test_every_estimator_and_effect_has_a_price(printed):
     estimators = {(row["problem"], row["name"]): row for row in printed["estimators"]}
-    assert set(estimators) == {(problem, name) for problem, solver in SOLVERS.items() for name in solver.ESTIMATORS}
+    assert set(estimators) == {(problem, name) for problem in PROBLEMS for name in PROBLEMS[problem].estimators}
     for row in estimators.values():
         assert row["not_valid"] or 0.8 < row["ratio"] < 20
     effects = {(row["problem"], row["name"]): row["ratio"] for row in printed["effects"]}
-    assert set(effects) == {(problem, name) for problem, names in EFFECTS.items() for name in names}
+    assert set(effects) == {(problem, name) for problem in PROBLEMS for name in priced(PROBLEMS[problem].scene)}
     assert all(0.5 < ratio < 20 for ratio in effects.values())
 
 
 def test_an_effect_that_is_off_costs_next_to_nothing(printed):
-    assert [row["problem"] for row in printed["off"]] == list(SCENES)
+    assert [row["problem"] for row in printed["off"]] == list(PROBLEMS)
     for row in printed["off"]:
         assert row["ratio"] == pytest.approx(1, abs=TOLERANCE)
         assert 0 < row["low"] <= row["high"] and row["same"] > 0
@@ -77,8 +77,8 @@ def test_start_and_compile_times(printed):
     start = printed["start"]
     assert start["failed"] is None
     assert all(start[name] > 0 for name in ("command", "import", "taichi"))
-    assert set(start["cold"]) == set(start["warm"]) == set(SCENES)
-    assert all(0 < start["warm"][problem] < start["cold"][problem] for problem in SCENES)
+    assert set(start["cold"]) == set(start["warm"]) == set(PROBLEMS)
+    assert all(0 < start["warm"][problem] < start["cold"][problem] for problem in PROBLEMS)
 
 
 def test_the_public_example_runs_and_is_said_to_be_another_thing(printed):
@@ -127,10 +127,10 @@ def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):
         apart.seconds([sys.executable, "-c", "import time; time.sleep(60)"])
 
 
-@pytest.mark.parametrize("problem", SCENES)
+@pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_stripped_step_is_the_solvers_own(problem):
     scene = bare(problem, 16)
-    solvers = [kind(scene) for kind in (SOLVERS[problem], STRIPPED[problem])]
+    solvers = [kind(scene) for kind in (PROBLEMS[problem].solver, PROBLEMS[problem].stripped)]
     for solver in solvers:
         solver.advance(200)
     ours, stripped = (solver.snapshot() for solver in solvers)
@@ -139,11 +139,11 @@ def test_the_stripped_step_is_the_solvers_own(problem):
     assert not np.array_equal(ours.position, ours.material_position)
 
 
-@pytest.mark.parametrize("problem", SCENES)
+@pytest.mark.parametrize("problem", PROBLEMS)
 def test_bare_scenes_hold_nothing_optional(problem):
     scene = bare(problem, 16)
     assert not any(scene.has(effect) for effect in ("truth", "estimate", "crossings", "energy", "acceleration"))
-    assert scene.method == SCENES[problem].method
+    assert scene.method == PROBLEMS[problem].scene.method
 
 
 def test_a_stretch_is_whole_rounds_and_leaves_the_state_as_it_was():

@@ -15,10 +15,12 @@ import pytest
 from app import __version__
 from app.cli import main
 from app.commands.output import Target, json_text, noted_interrupts
-from app.commands.run_bar import RunBar
-from app.commands.table import run_table
+from app.commands import commands
+from app.commands.run_text import run_table
 from solvers.bar.scene import BarScene
-from solvers.scene import EFFECTS
+from solvers.effects import EFFECTS
+
+RunBar = commands()["run", "bar"]
 
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = ["--cells", "8", "--ppc", "2", "--periods", "0.2"]
@@ -185,13 +187,13 @@ def test_flags_reach_the_scene(monkeypatch):
                  "--modulus", "9", "--density", "2", "--dt", "1e-4", "--t-end", "0.5", "--body-force", "node",
                  "--linearity-preserving", "--velocity", "corners", "--estimator", "none",
                  "--effects", "truth,energy", "--threads", "2", "--sample-every", "7"]) == 0
-    assert seen == [BarScene(method="cpgimp", cells=100, particles_per_cell=2, amplitude=0.1, modulus=9.0,
+    assert seen == [BarScene(method="cpgimp", cells=100, ppc=2, amplitude=0.1, modulus=9.0,
                              density=2.0, dt=1e-4, t_end=0.5, body_force="node", linearity_preserving=True,
                              velocity="corners", estimators=(), effects=("truth", "energy"), threads=2,
                              sample_every=7)]
 
 
-@pytest.mark.parametrize(("text", "effects"), [("none", ()), ("all", EFFECTS), ("truth energy", ("truth", "energy"))])
+@pytest.mark.parametrize(("text", "effects"), [("none", ()), ("all", tuple(EFFECTS)), ("truth energy", ("truth", "energy"))])
 def test_words_for_effects(text, effects, monkeypatch):
     seen = []
     monkeypatch.setattr(RunBar, "execute", lambda self: seen.append(self.scene().effects) or 0)
@@ -238,7 +240,7 @@ def test_files_are_whole_and_alone(tmp_path):
 
 
 def test_a_failing_picture_does_not_lose_the_json(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("app.plots.run_figure", lambda result: 1 / 0)
+    monkeypatch.setattr("app.pictures.run.run_figure", lambda result: 1 / 0)
     status = main(["run", "bar", *QUICK, "--json", str(tmp_path / "a.json"), "--plot", str(tmp_path / "a.png")])
     assert status == 1 and "--plot" in capsys.readouterr().err
     assert set(json.loads((tmp_path / "a.json").read_text())) == KEYS
@@ -261,7 +263,7 @@ def test_json_refuses_what_json_has_not():
 
 def test_unexpected_failures_are_one_line(monkeypatch, capsys):
     monkeypatch.setattr("app.commands.run._run", lambda *_: (_ for _ in ()).throw(MemoryError("no room")))
-    monkeypatch.setattr("app.dispatch._wants_traceback", lambda: False)
+    monkeypatch.setattr("app.commands.dispatch._wants_traceback", lambda: False)
     assert main(["run", "bar"]) == 1
     assert capsys.readouterr().err == "mpm-lab: failed: MemoryError: no room\n"
 

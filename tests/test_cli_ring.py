@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from app.commands.run_bar import RunBar
-from app.commands.run_ring import RunRing
-from app.commands.table import run_table
+from app.commands import commands
+from app.commands.run_text import run_table
 from solvers.ring.scene import RingScene
+
+RunBar, RunRing = commands()["run", "bar"], commands()["run", "ring"]
 
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = ["--cells", "12", "--periods", "0.1"]
@@ -87,7 +88,7 @@ def test_flags_reach_the_scene(monkeypatch):
                  "--modulus", "1e6", "--density", "900", "--cfl", "0.1", "--t-end", "0.01", "--body-force", "none",
                  "--velocity", "particle", "--layout", "cartesian", "--plan", "parallel", "--estimator", "none",
                  "--effects", "truth", "--threads", "2", "--sample-every", "7"]) == 0
-    assert seen == [RingScene(method="ugimp", cells=16, particles_per_cell=3, amplitude=0.05, modulus=1e6,
+    assert seen == [RingScene(method="ugimp", cells=16, ppc=3, amplitude=0.05, modulus=1e6,
                               density=900.0, cfl=0.1, t_end=0.01, body_force="none", velocity="particle",
                               layout="cartesian", plan="parallel", estimators=(), effects=("truth",), threads=2,
                               sample_every=7)]

@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
+from solvers.bar.estimators import companion as companion_bar
+from solvers.ring.estimators import companion_mesh as companion_ring_mesh
 
 from solvers.bar import exact as bar_exact
 from solvers.bar.forces import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.bar.scene import BarScene
-from solvers.estimators import companion, companion_bar, companion_ring_mesh
+from solvers.estimators import companion
 from solvers.estimators.spectral import Elements, unresolved
 from solvers.ring import exact as ring_exact
 from solvers.ring.material import SECOND_FREQUENCY as RING_FREQUENCY
@@ -147,7 +149,7 @@ def test_rows_of_the_ring(cells, method, simulate):
 
 
 @pytest.mark.parametrize("change", [
-    {"t_end": 10.0, **LARGE}, {"particles_per_cell": 1}, {"amplitude": 1e-6}, {"body_force": "none", "amplitude": 0.05},
+    {"t_end": 10.0, **LARGE}, {"ppc": 1}, {"amplitude": 1e-6}, {"body_force": "none", "amplitude": 0.05},
     {"dt": None, "cfl": 0.4}, {"cells": 7}, {"dt": None, "cfl": 0.8, "amplitude": 0.005}], ids=str)
 def test_other_bars(change, simulate):
     """Longer, coarser, faster, freer."""
@@ -155,7 +157,7 @@ def test_other_bars(change, simulate):
 
 
 @pytest.mark.parametrize("change", [
-    {"layout": "cartesian"}, {"particles_per_cell": 1}, {"particles_per_cell": 4}, {"amplitude": 0.19},
+    {"layout": "cartesian"}, {"ppc": 1}, {"ppc": 4}, {"amplitude": 0.19},
     {"amplitude": 0.01}, {"periods": 20, "cells": 12}, {"dt": None, "cfl": 0.8}, {"modulus": 4e7, "density": 2000.0},
     {"dt": None, "cfl": 0.8, "cells": 12, "periods": 3}], ids=str)
 def test_other_rings(change, simulate):

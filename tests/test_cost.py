@@ -14,15 +14,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.cost import jobs as jobs_module
-from app.cost import words
-from app.cost.jobs import Jobs, Progress, search, small_sweep, timings
-from app.cost.live import LiveRows
-from app.cost.picture import Axis, picture
-from app.cost.runs import LIVE, SWEEP, Runs, csv_bytes
-from app.history import History
-from app.page import Page
-from app.panels.cost import CostTab
+from app.page.cost import jobs as jobs_module
+from app.page.cost import words
+from app.page.cost.jobs import Jobs, Progress, search, small_sweep, timings
+from app.page.cost.live import LiveRows
+from app.page.cost.picture import Axis, picture
+from app.page.cost.runs import LIVE, SWEEP, Runs, csv_bytes
+from app.page.history import History
+from app.page.page import Page
+from app.page.panels.cost import CostTab
 from solvers.bar.scene import BarScene
 from solvers.engine.messages import FrameReport
 from solvers.ring.scene import RingScene
@@ -30,7 +30,7 @@ from solvers.run import build
 from solvers.study.aside import SearchJob
 from solvers.study.grid import task_of
 from solvers.study.row import failed
-from solvers.study.table import flat
+from solvers.study.summary import flat
 from tests.rows import made_up
 
 SCENE = BarScene(cells=10, periods=1)
@@ -226,7 +226,7 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
 
 def test_search_finds_a_scene_that_can_be_loaded(jobs):
     """It says what it looks at, and the advice is a scene with the truth and the estimate by which it was found."""
-    job = replace(search(SCENE, 1e-2, 5.0), methods=(("ugimp", False), ("mpm", False)), particles_per_cell=(2,),
+    job = replace(search(SCENE, 1e-2, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
                   courant_numbers=(0.5,))
     jobs.search(job)
     wait(lambda: jobs.progress.task or not jobs.progress.running)

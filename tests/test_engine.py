@@ -17,12 +17,12 @@ import pytest
 from solvers import samples
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
-from solvers.engine import memory
+from solvers.engine import frames as memory
 from solvers.engine.messages import Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.stepper import Stepper
 from solvers.engine.worker import FAILED
-from solvers.estimators.validity import RULES
+from solvers.bar.validity import RULES
 from solvers.ring.scene import RingScene
 from solvers.run import build
 
@@ -97,7 +97,7 @@ def session(pool):
 
 def test_page_process_stays_free_of_taichi():
     """A kernel launch would hold the lock that the web server needs: the page never even imports Taichi."""
-    code = "import sys, app.page, app.serve, solvers.engine.pool; sys.exit('taichi' in sys.modules)"
+    code = "import sys, app.page.page, app.page.serve, solvers.engine.pool; sys.exit('taichi' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
@@ -302,15 +302,15 @@ def test_differences_come_on_request(pool, scene):
 def test_frames_say_what_is_not_valid(monkeypatch):
     """Known beforehand or found out in the run: a frame has the sentence, and may lose it again."""
     found = {"transport": "not valid here: it rains"}
-    doubting = replace(BarSolver.ESTIMATORS["transport"], verdict=lambda scene, memory: found.get("transport"))
-    monkeypatch.setattr(BarSolver, "ESTIMATORS", {"transport": doubting})
+    doubting = replace(BarSolver.HOOKS["transport"], verdict=lambda scene, memory: found.get("transport"))
+    monkeypatch.setattr(BarSolver, "HOOKS", {"transport": doubting})
     block = SharedMemory(create=True, size=memory.block_bytes(SCENE))
     stepper = Stepper(Wish(1, 1, SCENE, False, 1.0, 0, 0, block.name))
     try:
         assert stepper.frame().not_valid == found
         found.clear()
         assert stepper.frame().not_valid == {}
-        monkeypatch.setitem(RULES, ("bar", "transport"), lambda scene: "it snows")
+        monkeypatch.setitem(RULES, "transport", lambda scene: "it snows")
         stepper.accept(Wish(1, 2, replace(SCENE, cells=16), False, 1.0, 0, 0, block.name))
         assert stepper.frame().not_valid == {"transport": "not valid here: it snows"}
     finally:

@@ -27,7 +27,7 @@ def resident_bytes() -> int:
 
 def random_scene(rng: np.random.Generator) -> Scene:
     """Same switches, all numbers different."""
-    return BarScene(cells=int(rng.integers(4, 400)), particles_per_cell=int(rng.integers(1, 6)),
+    return BarScene(cells=int(rng.integers(4, 400)), ppc=int(rng.integers(1, 6)),
                  amplitude=float(rng.uniform(0.001, 0.1)), modulus=float(rng.uniform(1, 100)),
                  density=float(rng.uniform(1, 10)), cfl=float(rng.uniform(0.01, 0.1)))
 

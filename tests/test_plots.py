@@ -11,13 +11,13 @@ from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
-from app.plots import png_bytes, run_figure, save_png
+from app.pictures.run import png_bytes, run_figure, save_png
 from solvers.bar.scene import BarScene
 from solvers.result import Result
 from solvers.ring.scene import RingScene
 from solvers.run import run
 
-SCENE = BarScene(cells=8, particles_per_cell=2, periods=0.3)
+SCENE = BarScene(cells=8, ppc=2, periods=0.3)
 RING = RingScene(cells=12, periods=0.1)
 
 

@@ -70,7 +70,7 @@ def test_rest_is_without_error():
         solver = kind(scene)
         a = solver._arrays
         (a.velocity if scene.problem == "bar" else a.motion[:, 2:])[:] = 0
-        memory_parts(solver.ESTIMATORS, a.memory)["recovered_nodes"][:] = 0
+        memory_parts(solver.HOOKS, a.memory)["recovered_nodes"][:] = 0
         solver.advance(100)
         solver.snapshot()
         assert np.abs(a.estimate).max() < 1e-12
@@ -98,17 +98,17 @@ def test_the_rings_error_is_met(method, cells, simulate):
 
 
 HOLDOUT = [  # chosen before the estimator was run on them
-    replace(BAR, cells=30, modulus=50.0, amplitude=0.01, particles_per_cell=2, dt=None, t_end=None, periods=3),
-    replace(BAR, cells=64, modulus=7.0, amplitude=0.04, particles_per_cell=1, dt=None, t_end=None, periods=2),
+    replace(BAR, cells=30, modulus=50.0, amplitude=0.01, ppc=2, dt=None, t_end=None, periods=3),
+    replace(BAR, cells=64, modulus=7.0, amplitude=0.04, ppc=1, dt=None, t_end=None, periods=2),
     replace(BAR, cells=50, method="mpm", linearity_preserving=False, amplitude=0.02, dt=None, t_end=None, periods=2),
     replace(BAR, cells=50, method="bspline", linearity_preserving=False, amplitude=0.05, dt=None, t_end=None),
     replace(BAR, cells=36, method="cpgimp", linearity_preserving=False, velocity="corners", amplitude=0.1, dt=None,
             t_end=None, periods=4),
     replace(BAR, cells=40, body_force="none", amplitude=0.02, dt=None, t_end=None, periods=4),
-    replace(RING, cells=36, amplitude=0.02, particles_per_cell=3, dt=None, cfl=0.1),
+    replace(RING, cells=36, amplitude=0.02, ppc=3, dt=None, cfl=0.1),
     replace(RING, cells=30, method="ugimp", amplitude=0.15, modulus=1e6, dt=None, cfl=0.1),
     replace(RING, cells=48, amplitude=0.18, modulus=4e7, dt=None, cfl=0.1),
-    replace(RING, cells=24, method="mpm", amplitude=0.03, particles_per_cell=3, dt=None, cfl=0.1),
+    replace(RING, cells=24, method="mpm", amplitude=0.03, ppc=3, dt=None, cfl=0.1),
     replace(RING, cells=40, dt=None, cfl=0.25, periods=2.5),
 ]
 
@@ -216,10 +216,10 @@ def test_it_runs_beside_slabs():
 
 
 def test_it_tells_where_it_does_not_hold():
-    staircase, thin = replace(RING, layout="cartesian"), replace(RING, cells=12, particles_per_cell=1)
+    staircase, thin = replace(RING, layout="cartesian"), replace(RING, cells=12, ppc=1)
     for scene in (staircase, thin, replace(RING, amplitude=0.25)):
         assert scene.not_valid["recovered"].startswith("not valid here: ") and scene.active_estimators == ()
     solver = RingSolver(RING)
     assert solver.not_valid() == {}
-    memory_parts(solver.ESTIMATORS, solver._arrays.memory)["recovered_nodes"][0] = np.nan
+    memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_nodes"][0] = np.nan
     assert solver.not_valid()["recovered"].startswith("not valid here: ")

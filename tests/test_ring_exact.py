@@ -77,7 +77,7 @@ def test_layouts_fill_the_ring(layout, per_cell):
     A staircase errs by at most half a particle's side along the rim, pi/2 (a + b): a bound never reached by chance.
     """
     for cells in (12, 24, 48):
-        scene = RingScene(cells=cells, layout=layout, particles_per_cell=per_cell)
+        scene = RingScene(cells=cells, layout=layout, ppc=per_cell)
         made = particle_layout(scene)
         side = scene.spacing / per_cell
         rim = 0.5 * np.pi * (exact.INNER + exact.OUTER)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import taichi as ti
 
+from solvers.arrays import aligned
 from solvers.kinds import quads
-from solvers.memory import aligned
 from solvers.ring import exact, phases
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
@@ -100,7 +100,7 @@ def test_body_force_in_the_kernel_is_the_exact_one():
     solver.step = 77
     solver.advance(1)
     a = solver._arrays
-    expected = exact.body_force(solver.scene, a.radii, 77 * solver.scene.time_step)
+    expected = exact.body_force(solver.scene, a.radii[:, 0], 77 * solver.scene.time_step)
     np.testing.assert_allclose(a.radial_force, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from solvers.ring import exact
 from solvers.ring.scene import RingScene
-from solvers.scene import SceneError
+from solvers.rules import SceneError
 
 TABLE = json.loads((Path(__file__).parents[1] / "assets/reference/ring.json").read_text())
 METHODS = ["ugimp", "cpgimp", "cpdi"]
@@ -49,7 +49,7 @@ def test_cpdi_is_second_order(simulate):
 
 
 @pytest.mark.parametrize("change", [
-    {"cells": 17}, {"particles_per_cell": 3}, {"amplitude": 0.11}, {"modulus": 1.1e7}, {"density": 1100.0},
+    {"cells": 17}, {"ppc": 3}, {"amplitude": 0.11}, {"modulus": 1.1e7}, {"density": 1100.0},
     {"cfl": 0.11}, {"cfl": None, "dt": 1e-4}, {"periods": 0.3}, {"periods": None, "t_end": 0.006},
     {"layout": "cartesian"}, {"body_force": "none"}, {"velocity": "particle"}, {"method": "ugimp"}], ids=str)
 def test_every_input_reaches_the_kernel(change, simulate):

@@ -14,16 +14,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.problems.ring.stage import MIDDLE, RingStage
 from app.scale import ColourScale
-from app.stage_ring import MIDDLE, RingStage
 from solvers.bar.scene import BarScene
-from solvers.engine import memory, stepper
+from solvers.engine import frames as memory
+from solvers.engine import stepper
 from solvers.engine.messages import Wish
 from solvers.engine.stepper import FRAME_SECONDS, Stepper
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
 
-SCENE = RingScene(cells=72, particles_per_cell=6, periods=1)  # 20,736 particles, within reach of the sliders
+SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
 
 
 class Scene:

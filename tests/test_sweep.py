@@ -19,19 +19,22 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.commands.sweep_bar import SweepBar
-from app.plots import png_bytes
-from app.plots_study import FIGURES, error_spacing_figure, error_time_figure
-from app.plots_study_parts import UNSTABLE_LOOK
-from app.plots_study_step import error_step_figure
+from app.commands import commands
+from app.pictures.run import png_bytes
+from app.pictures.study import FIGURES, error_spacing_figure, error_time_figure
+from app.pictures.study_parts import UNSTABLE_LOOK
+from app.pictures.study_step import error_step_figure
 from solvers.bar.scene import BarScene
-from solvers.study import fit, row, series, table
+from solvers.study import fit, row, series
+from solvers.study import summary as table
 from solvers.study.apart import ProcessDied, RowProcess
 from solvers.study.execute import ATTEMPTS, execute
 from solvers.study.grid import Task, combinations, plan
 from solvers.study.places import Here, PlaceLost
 from solvers.study.store import Store, StoreError
 from tests.rows import made_up
+
+SweepBar = commands()["sweep", "bar"]
 
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}
@@ -73,7 +76,7 @@ def test_a_task_survives_json():
 def test_a_row_holds_the_run_and_what_it_cost():
     found = row.measure(Task("bar", QUICK, repeats=2, price_effects=True, version="7"))
     assert (found["status"], found["reason"], found["version"], found["h"]) == ("ok", None, "7", 1 / 8)
-    assert found["scene"] == BarScene(cells=8, particles_per_cell=2, periods=0.2).to_dict()
+    assert found["scene"] == BarScene(cells=8, ppc=2, periods=0.2).to_dict()
     assert found["particle_steps"] == found["steps"] * found["particles"] > 0
     for part in ("estimate", "index", "distance"):
         assert set(found[part]) == {"transport"} and found[part]["transport"]["x"] is not None

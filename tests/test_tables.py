@@ -13,10 +13,10 @@ import pytest
 
 from app.cli import main
 from app.commands import tables as command
-from app.tables import store
-from app.tables.markdown import markdown
-from app.tables.picture import figure
-from solvers.scene import ESTIMATORS
+from app.commands import tables_store as store
+from app.commands.tables_text import markdown
+from app.pictures.tables import figure
+from solvers.estimators.registry import ESTIMATORS
 from solvers.tables import paper, plan
 from solvers.tables.digits import digits, short
 from solvers.tables.document import document
@@ -85,7 +85,7 @@ def test_whole_tables_have_the_papers_rows_twice(monkeypatch):
     assert {row.name: row.scenes for row in second.rows} == {row.name: row.scenes for row in third.rows}
     for row in (*first.rows, *second.rows):
         scene = row.scenes["errors"]
-        assert scene.sample_interval == scene.estimate_interval and scene.estimators == ESTIMATORS
+        assert scene.sample_interval == scene.estimate_interval and scene.estimators == tuple(ESTIMATORS)
         assert row.scenes["cost"].sample_every is None
     assert {(row.scenes["errors"].end_time, row.scenes["crossings"].end_time) for row in first.rows} == {(1.0, 10.0)}
 

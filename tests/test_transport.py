@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solvers import norms
-from solvers.bar.estimators import ESTIMATORS
+from solvers.bar.state import HOOKS
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.estimators.interface import memory_parts
@@ -111,7 +111,7 @@ def test_switched_off_it_reports_nulls_and_allocates_nothing(off, simulate):
     assert all(value is None for each in report["estimate"].values() for value in each.values())
     assert report["seconds"]["estimate"] is None and report["scene"]["dt"] == 2.5e-5
     arrays = BarSolver(scene)._arrays
-    arrays = {**arrays.members(), **memory_parts(ESTIMATORS, arrays.memory)}
+    arrays = {**arrays.members(), **memory_parts(HOOKS, arrays.memory)}
     for name in ("estimate", "transport_nodes", "transport_spread", "transport_errors", "transport_slope",
                  "node_moments", "node_volume"):
         assert len(arrays[name]) == 1, name

@@ -11,8 +11,8 @@ import taichi as ti
 from solvers.bar.scene import BarScene
 from solvers.estimators import lattice
 from solvers.estimators.interface import memory_parts
-from solvers.estimators.pool import Pool
-from solvers.kinds import pairs, quads, real, reals, table
+from solvers.estimators.packing import Pool
+from solvers.kinds import pairs, quads, real, reals, matrix
 from solvers.ring.scene import RingScene
 from solvers.run import build, run
 
@@ -92,7 +92,7 @@ def test_it_only_looks_on(scene, beside):
 @pytest.mark.parametrize("scene", [BAR, RING], ids=["bar", "ring"])
 def test_inactive_it_holds_nothing(scene):
     solver = build(replace(scene, estimators=()))
-    arrays = memory_parts(solver.ESTIMATORS, solver._arrays.memory)
+    arrays = memory_parts(solver.HOOKS, solver._arrays.memory)
     assert max(len(a) for name, a in arrays.items() if name.startswith(("coarse_", "two_grid_"))) == 1
 
 
@@ -122,7 +122,7 @@ def test_a_second_run_gone_bad_is_noticed(scene):
     solver = build(scene)
     solver.advance(20)
     assert solver.not_valid() == {}
-    memory_parts(solver.ESTIMATORS, solver._arrays.memory)["coarse_deformation_gradient"][0] = np.nan
+    memory_parts(solver.HOOKS, solver._arrays.memory)["coarse_deformation_gradient"][0] = np.nan
     solver.advance(20)  # and steps on with it, whatever it has become
     assert "second run" in solver.not_valid()[NAME]
 
@@ -153,7 +153,7 @@ def test_stencils_smooth_over_cells_and_interpolate_at_their_points():
 
 def test_a_pool_gives_back_what_it_took():
     """Arrays by name out of one array a type; what cannot be pooled is left alone."""
-    members = {"n": ti.i32, "x": real, "a": reals, "b": reals, "c": pairs, "d": quads, "e": table}
+    members = {"n": ti.i32, "x": real, "a": reals, "b": reals, "c": pairs, "d": quads, "e": matrix}
     values = {"n": 7, "x": 2.5, "a": np.arange(3.0), "b": np.arange(5.0), "c": np.ones((2, 2)), "d": np.ones((4, 4)),
               "e": np.ones((2, 9))}
     pool = Pool(members)

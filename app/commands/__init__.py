@@ -1,28 +1,35 @@
 """The commands of ``mpm-lab``, one file each.
 
 A command is a frozen dataclass: its fields are its flags, its docstring is its help, and ``execute()`` does
-the work and returns the exit status. To add one, write the dataclass and list it here.
+the work and returns the exit status. One that takes a scene is made for each problem (``scene_flags``). To add one,
+write the dataclass and list it here.
 """
 
-from app.commands.advise import AdviseBar, AdviseRing
-from app.commands.bench import Bench
-from app.commands.run_bar import RunBar
-from app.commands.run_ring import RunRing
-from app.commands.serve import Serve
-from app.commands.sweep_bar import SweepBar
-from app.commands.sweep_ring import SweepRing
-from app.commands.tables import Tables
+from __future__ import annotations
 
-COMMANDS: dict[tuple[str, ...], type] = {
-    ("serve",): Serve,
-    ("run", "bar"): RunBar,
-    ("run", "ring"): RunRing,
-    ("sweep", "bar"): SweepBar,
-    ("sweep", "ring"): SweepRing,
-    ("tables",): Tables,
-    ("advise", "bar"): AdviseBar,
-    ("advise", "ring"): AdviseRing,
-    ("bench",): Bench,
-}
+import functools
+
+from app.commands.advise import Advise, search_flags
+from app.commands.bench import Bench
+from app.commands.flags import Switch
+from app.commands.run import Run
+from app.commands.scene_flags import of_problem, with_flags
+from app.commands.serve import Serve
+from app.commands.sweep import Sweep
+from app.commands.tables import Tables
+from solvers.problems import PROBLEMS
+
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)
+
+
+@functools.cache
+def commands() -> dict[tuple[str, ...], type]:
+    """Every command by its words, in the order of the help."""
+    scenes = {name: problem.scene for name, problem in PROBLEMS.items()}
+    found: dict[tuple[str, ...], type] = {("serve",): Serve}
+    found |= {("run", name): of_problem(Run, scene) for name, scene in scenes.items()}
+    found |= {("sweep", name): of_problem(Sweep, scene, linearity_preserving=Switch) for name, scene in scenes.items()}
+    found |= {("tables",): Tables}
+    found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}
+    return found | {("bench",): Bench}

@@ -1,20 +1,22 @@
-"""``mpm-lab advise bar`` and ``mpm-lab advise ring``: the cheapest run for a tolerance."""
+"""``mpm-lab advise PROBLEM``: the cheapest run for a tolerance."""
 
 from __future__ import annotations
 
 import math
 import sys
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choice_flag, default_hint, list_flag
+import tyro
+
+from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, default_hint, list_flag
 from app.commands.output import Target, json_text, noted_interrupts, say, stdout_to_stderr
-from app.commands.scene_flags import periods_flag
-from solvers.bar import scene as bar
-from solvers.ring import scene as ring
+from app.words import command_line
+from solvers.rules import require_choice, require_number
 from solvers.samples import QUANTITIES
-from solvers.scene import Scene, field_key, require_choice, require_number
+from solvers.scene import Scene
 
 if TYPE_CHECKING:
     from solvers.study.advise import Advice
@@ -25,10 +27,13 @@ OK, UNREACHABLE = 0, 1
 
 @dataclass(frozen=True, kw_only=True)
 class Advise:
-    """The flags of both problems. What is left open (method, particles per cell, cfl) is searched; cells always are."""
+    """What is left open (method, particles per cell, cfl) is searched; cells always are."""
 
+    HELP: ClassVar[str] = """Find the cheapest run of the {title} whose own estimate meets a tolerance.
+
+    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
+    """
     SCENE: ClassVar[type[Scene]]
-    METHODS: ClassVar[tuple[tuple[str, bool], ...]]  # with and without linearity preservation
 
     tolerance: Annotated[RealFlag, default_hint("required")] = None
     """Largest RMS error that is allowed at any time of the run."""
@@ -39,18 +44,14 @@ class Advise:
     budget: RealFlag = 60.0
     """Longest run that may be recommended, s."""
     method: Any = ()
-    """Methods to choose from."""
-    ppc: Annotated[Any, default_hint("2 3 4")] = ()
-    """Particles per cell (ring: per direction) to choose from."""
-    cfl: Annotated[Any, default_hint("0.1 0.3 0.5")] = ()
-    """Lengths of the time step, dt c/h, to choose from."""
-    amplitude: RealFlag
-    modulus: RealFlag
-    density: RealFlag
-    t_end: Annotated[RealFlag, default_hint("from --periods")] = None
-    """End of the run, s; instead of --periods."""
+    ppc: Any = ()
+    cfl: Any = ()
+    amplitude: Any = None
+    modulus: Any = None
+    density: Any = None
+    t_end: Any = None
     periods: Any = None
-    body_force: Any
+    body_force: Any = None
     json: Annotated[PathFlag, default_hint("a text is printed instead")] = None
     """File for the advice as a JSON object; - is standard output."""
     quiet: Annotated[Switch, default_hint("off")] = False
@@ -97,7 +98,7 @@ class Advise:
         def told(looks: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
-                say(f"run {looks}: {scene.method}, {scene.cells} cells, {scene.particles_per_cell} particles per cell, "
+                say(f"run {looks}: {scene.method}, {scene.cells} cells, {scene.ppc} particles per cell, "
                     f"cfl {scene.cfl:g}")
 
         choices = families(base, self._methods(base), self._numbers("ppc", self.ppc, (2, 3, 4)),
@@ -106,12 +107,12 @@ class Advise:
 
     def _methods(self, base: Scene) -> list[tuple[str, bool]]:
         for method in self.method:
-            require_choice("method", method, base.CHOICES["method"])
-        return [pair for pair in self.METHODS if not self.method or pair[0] in self.method]
+            require_choice("method", method, base.choices("method"))
+        return [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[float, ...]) -> tuple[float, ...]:
         """The words of a flag as numbers that a scene accepts."""
-        kind, field = (int, "particles_per_cell") if flag == "ppc" else (float, "cfl")
+        kind, field = (int, "ppc") if flag == "ppc" else (float, "cfl")
         numbers = []
         for word in words:
             try:
@@ -120,6 +121,17 @@ class Advise:
                 numbers.append(word)
             self.SCENE(**{field: numbers[-1]})  # says what is wrong with it
         return tuple(numbers) or default
+
+
+def search_flags(scene: type[Scene]) -> dict[str, Any]:
+    """Flags that hold several values to choose from, where a run has one."""
+    def several(names: Iterable[str], default: str, text: str) -> Any:
+        return Annotated[list_flag(names), default_hint(default), tyro.conf.arg(help=text)]
+
+    preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
+    return {"method": several(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
+            "ppc": several(("N",), "2 3 4", f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
+            "cfl": several(("X",), "0.1 0.3 0.5", "Lengths of the time step, dt c/h, to choose from.")}
 
 
 def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:
@@ -134,7 +146,7 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
         "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
         "reason": None if advice.met else _reason(advice, tolerance, relative),
         "problem": base.problem, "quantity": goal.quantity, "tolerance": tolerance, "relative": relative,
-        "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command(chosen.scene),
+        "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command_line(chosen.scene),
         "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
         "verified": errors(chosen.error) if chosen.measured else None,
         "runner_up": advice.runner_up and {**_inputs(advice.runner_up.scene), **errors(advice.runner_up.error),
@@ -167,75 +179,5 @@ def _inputs(scene: Scene) -> dict:
     return {key: values[key] for key in ("method", "linearity_preserving", "cells", "ppc", "dt", "cfl")}
 
 
-def command(scene: Scene) -> str:
-    """The command that runs the scene, with what differs from the defaults."""
-    kind, words = type(scene), [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells}",
-                                f"--ppc {scene.particles_per_cell} --cfl {scene.courant_number:g}"]
-    for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force"):
-        if getattr(scene, field) != getattr(kind, field):
-            words.append(f"--{field_key(field).replace('_', '-')} {getattr(scene, field)}")
-    if scene.linearity_preserving:
-        words.append("--linearity-preserving")
-    return " ".join(words)
-
-
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-@dataclass(frozen=True, kw_only=True)
-class AdviseBar(Advise):
-    """Find the cheapest run of the bar whose own estimate meets a tolerance.
-
-    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
-    """
-
-    SCENE: ClassVar[type[Scene]] = bar.BarScene
-    METHODS: ClassVar[tuple[tuple[str, bool], ...]] = (
-        ("mpm", False), ("ugimp", False), ("ugimp", True), ("cpgimp", False), ("bspline", False))
-
-    method: Annotated[list_flag(get_args(bar.Method)), default_hint("all")] = ()
-    """Methods to choose from; uGIMP with and without linearity preservation."""
-    ppc: Annotated[list_flag(("N",)), default_hint("2 3 4")] = ()
-    """Particles per cell to choose from."""
-    cfl: Annotated[list_flag(("X",)), default_hint("0.1 0.3 0.5")] = ()
-    """Lengths of the time step, dt c/h, to choose from."""
-    amplitude: RealFlag = bar.BarScene.amplitude
-    """Amplitude A of the displacement, m."""
-    modulus: RealFlag = bar.BarScene.modulus
-    """Young's modulus E, Pa."""
-    density: RealFlag = bar.BarScene.density
-    """Density, kg/m3."""
-    periods: periods_flag(bar.BarScene) = None
-    """End of the run in periods of the vibration; instead of --t-end."""
-    body_force: choice_flag(bar.BodyForce) = bar.BarScene.body_force
-    """The body force; two-tone is one for which no exact solution is built in."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class AdviseRing(Advise):
-    """Find the cheapest run of the ring whose own estimate meets a tolerance.
-
-    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
-    """
-
-    SCENE: ClassVar[type[Scene]] = ring.RingScene
-    METHODS: ClassVar[tuple[tuple[str, bool], ...]] = (
-        ("mpm", False), ("ugimp", False), ("cpgimp", False), ("cpdi", False))
-
-    method: Annotated[list_flag(get_args(ring.Method)), default_hint("all")] = ()
-    """Methods to choose from."""
-    ppc: Annotated[list_flag(("N",)), default_hint("2 3 4")] = ()
-    """Particles per cell and direction to choose from."""
-    cfl: Annotated[list_flag(("X",)), default_hint("0.1 0.3 0.5")] = ()
-    """Lengths of the time step, dt c/h, to choose from."""
-    amplitude: RealFlag = ring.RingScene.amplitude
-    """Amplitude A of the outer surface's displacement, m."""
-    modulus: RealFlag = ring.RingScene.modulus
-    """Young's modulus E, Pa."""
-    density: RealFlag = ring.RingScene.density
-    """Density, kg/m3."""
-    periods: periods_flag(ring.RingScene) = None
-    """End of the run in periods of the vibration; instead of --t-end."""
-    body_force: choice_flag(ring.BodyForce) = ring.RingScene.body_force
-    """The body force; two-tone is one for which no exact solution is built in."""

@@ -37,7 +37,7 @@ class Bench:
         if target:
             target.write(json_text(values, lines=not target.is_stdout).encode())
         else:
-            from app.commands.bench_table import bench_table
+            from app.commands.bench_text import bench_table
             print(bench_table(values), flush=True)
         return 0
 

@@ -8,7 +8,7 @@ wrong in the same way) and why no range is repeated here.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 import tyro
 
@@ -66,9 +66,9 @@ def _words(words: list[str]) -> tuple[str, ...]:
     return tuple(word for group in words for word in group.replace(",", " ").split())
 
 
-def choice_flag(choices: Any) -> Any:
-    """A flag for one of a ``Literal``'s values."""
-    return Annotated[Any, _lenient("{" + ",".join(get_args(choices)) + "}", " ".join)]
+def choice_flag(choices: Iterable[str]) -> Any:
+    """A flag for one of the choices."""
+    return Annotated[Any, _lenient("{" + ",".join(choices) + "}", " ".join)]
 
 
 def list_flag(choices: Iterable[str]) -> Any:

@@ -1,4 +1,4 @@
-"""What ``mpm-lab run bar`` and ``mpm-lab run ring`` share: one run without a page, to JSON, a picture or a table."""
+"""``mpm-lab run PROBLEM``: one run without a page, to JSON, a picture or a table."""
 
 from __future__ import annotations
 
@@ -20,8 +20,13 @@ OK, FAILED, UNSTABLE = 0, 1, 3
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What is done with a scene, and where its result goes: goes before a problem's ``SceneFlags``."""
+    """What is done with a scene, and where its result goes."""
 
+    HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
+
+    {setting} Without --json a table goes to standard output.
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable.
+    """
     OUTPUT: ClassVar[frozenset[str]] = frozenset({"json", "plot", "quiet"})
 
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
@@ -77,14 +82,14 @@ def _report(result: Result, json_target: Target | None) -> None:
     if json_target:
         json_target.write(json_text(values, lines=not json_target.is_stdout).encode())
     else:
-        from app.commands.table import run_table
+        from app.commands.run_text import run_table
         print(run_table(values), flush=True)
 
 
 def _draw(result: Result, target: Target) -> bool:
     """Draw and write the picture; a failure is told and costs nothing else of the run."""
     try:
-        from app.plots import png_bytes, run_figure
+        from app.pictures.run import png_bytes, run_figure
         target.write(png_bytes(run_figure(result)))
     except Exception as error:
         say(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")

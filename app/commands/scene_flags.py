@@ -1,72 +1,83 @@
-"""The flags that say what a scene is, shared by every command that runs some."""
+"""The flags that say what a scene is, made from the scene's own fields: help, unit, default and choices live there."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import Field, dataclass, field, fields, make_dataclass
 from typing import Annotated, Any, ClassVar
 
-from app.commands.flags import BadInput, NumberFlag, RealFlag, choice_flag, default_hint, list_flag
-from solvers.scene import DEFAULT_CFL, EFFECTS, ESTIMATORS, FLAGS, Arch, Scene
+import tyro
 
-SCENE_FIELDS = {key: field for field, key in FLAGS.items()}
+from app.commands.flags import BadInput, NumberFlag, RealFlag, choice_flag, list_flag
+from solvers.rules import FIELDS, field_key
+from solvers.scene import Scene
 
-
-def periods_flag(scene: type[Scene]) -> Any:
-    """The type of --periods, whose default is the problem's."""
-    return Annotated[RealFlag, default_hint(f"{scene.DEFAULT_PERIODS:g} without --t-end")]
-
-
-def sample_every_flag(scene: type[Scene]) -> Any:
-    """The type of --sample-every, whose default is the problem's."""
-    return Annotated[NumberFlag, default_hint(f"about {scene.SAMPLES_A_PERIOD} samples a period")]
+#: Words that stand for no names, or all.
+SPECIAL = {"estimators": ("none",), "effects": ("all", "none")}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SceneFlags:
-    """The flags of every problem's scene, in the order of the help. A problem fills in the defaults.
-
-    Every field but those in ``OUTPUT`` is an input of ``SCENE``, which checks it.
-    """
+    """The flags of a problem's scene. Every field but those in ``OUTPUT`` is an input of ``SCENE``, which checks it."""
 
     SCENE: ClassVar[type[Scene]]
     OUTPUT: ClassVar[frozenset[str]] = frozenset()
 
-    method: Any
-    cells: NumberFlag
-    ppc: NumberFlag
-    amplitude: RealFlag
-    modulus: RealFlag
-    density: RealFlag
-    dt: Annotated[RealFlag, default_hint("from --cfl")] = None
-    """Time step, s; instead of --cfl."""
-    cfl: Annotated[RealFlag, default_hint(f"{DEFAULT_CFL} without --dt")] = None
-    """Time step as dt c/h, no unit, c = sqrt(E/density); instead of --dt."""
-    t_end: Annotated[RealFlag, default_hint("from --periods")] = None
-    """End of the run, s; instead of --periods."""
-    periods: Any = None
-    body_force: Any
-    linearity_preserving: bool = False
-    velocity: Any
-    estimator: list_flag((*ESTIMATORS, "none")) = Scene.estimators
-    """Error estimators, one or several."""
-    effects: Annotated[list_flag((*EFFECTS, "all", "none")), default_hint("all")] = EFFECTS
-    """What to compute beside the method, with commas between; what is left out costs nothing."""
-    arch: choice_flag(Arch) = Scene.arch
-    """Processor to run on."""
-    threads: NumberFlag = Scene.threads
-    """Processor threads, at most."""
-    sample_every: Any = None
-
     def scene(self) -> Scene:
         """The scene that the flags describe; the scene itself checks it."""
-        return self.SCENE(**{SCENE_FIELDS.get(key, key): value for key, value in self.inputs().items()})
+        return self.SCENE(**{FIELDS.get(key, key): value for key, value in self.inputs().items()})
 
     def inputs(self) -> dict[str, Any]:
         """What was given for each input of a scene, by the name of its flag."""
         values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in self.OUTPUT}
-        values["estimator"] = _expand("estimator", self.estimator, {"none": ()})
-        values["effects"] = _expand("effects", self.effects, {"none": (), "all": EFFECTS})
+        for name in SPECIAL:
+            meanings = {"none": (), "all": self.SCENE.choices(name)}
+            key = field_key(name)
+            values[key] = _expand(key, values[key], {word: meanings[word] for word in SPECIAL[name]})
         return values
+
+
+def of_problem(command: type, scene: type[Scene], **kinds: Any) -> type:
+    """A command for one problem: the flags of its scene, then the command's own; ``kinds`` replace types of flags."""
+    flags = [(field_key(f.name), described(scene, f, kinds.get(f.name)), field(default=f.default))
+             for f in fields(scene) if f.name != "problem"]
+    bases = (command, make_dataclass("Flags", flags, bases=(SceneFlags,), frozen=True, kw_only=True))
+    return _made(command, scene, bases)
+
+
+def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
+    """A command for one problem in which some of its own flags are those of the scene: every one that the command
+    names. ``kinds`` are types, with the command's own default, where they are not those of the scene."""
+    own = {f.name: f.default for f in fields(command)}
+    given = [f for f in fields(scene) if f.name in own]
+    flags = [(f.name, kinds.get(f.name, described(scene, f)),
+              field(default=own[f.name] if f.name in kinds else f.default)) for f in given]
+    return _made(command, scene, (make_dataclass("Flags", flags, bases=(command,), frozen=True, kw_only=True),))
+
+
+def described(scene: type[Scene], f: Field, kind: Any = None) -> Any:
+    """The type of a field's flag, with its help and, where its default is None or stands for many, what that means."""
+    text, separator, rest = f.metadata["help"].partition(";")
+    unit = f", {f.metadata['unit']}" if f.metadata["unit"] else ""
+    about = {"help": f"{text}{unit}{separator}{rest}."}
+    if f.metadata["hint"] and kind is None:
+        about["help_behavior_hint"] = f"(default: {f.metadata['hint'].format(scene=scene)})"
+    return Annotated[kind or _kind(scene, f), tyro.conf.arg(**about)]
+
+
+def _kind(scene: type[Scene], f: Field) -> Any:
+    choices = scene.choices(f.name)
+    if f.name in SPECIAL:
+        return list_flag((*choices, *SPECIAL[f.name]))
+    if choices:
+        return choice_flag(choices)
+    return bool if f.type == "bool" else NumberFlag if "int" in str(f.type) else RealFlag
+
+
+def _made(command: type, scene: type[Scene], bases: tuple[type, ...]) -> type:
+    text = command.HELP.format(title=scene.TITLE, setting=scene.SETTING,
+                               methods=" ".join(scene.choices("method")[1:3]))
+    kind = type(f"{command.__name__}{scene.problem.capitalize()}", bases, {"SCENE": scene, "__doc__": text})
+    return dataclass(frozen=True, kw_only=True)(kind)
 
 
 def _expand(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...]]) -> tuple[str, ...]:

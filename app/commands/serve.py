@@ -25,7 +25,7 @@ class Serve:
             raise BadInput("host", self.host, "give the name or the address of this machine")
         _require_whole("port", self.port, 1, 65535)
         _require_whole("max-sessions", self.max_sessions, 1, 10_000)
-        from app.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
+        from app.page.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
         try:
             serve(self.host, self.port, self.max_sessions)
         except ServeError as error:

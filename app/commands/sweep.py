@@ -1,4 +1,4 @@
-"""What ``mpm-lab sweep bar`` and ``mpm-lab sweep ring`` share: every combination of values, one row each."""
+"""``mpm-lab sweep PROBLEM``: every combination of values, one row each."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app import __version__
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_text, say
 from solvers.scene import Scene
-from solvers.study import table
+from solvers.study import summary as table
 from solvers.study.grid import MOST_ROWS, Task, plan
 from solvers.study.row import FAILED as LOST
 from solvers.study.row import OK as STOOD
@@ -28,12 +28,18 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """The flags of a sweep beside those of its scenes: goes before a problem's ``SceneFlags``.
+    """The flags of a sweep beside those of its scenes.
 
     Every flag of a scene may hold several values; those that are lists in one scene already (estimator, effects)
     are not swept over.
     """
 
+    HELP: ClassVar[str] = """Run the {title} for every combination of the values given: what accuracy costs in time.
+
+    Give any flag of a scene several values: --cells 20 40 80 --method {methods}. Each combination is a row with its
+    errors, estimates, times and status; rows are kept as they finish. Tables and pictures follow at the end.
+    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
+    """
     SCENE: ClassVar[type[Scene]]
     OUTPUT: ClassVar[frozenset[str]] = frozenset({"out", "workers", "scheduler", "resume", "repeats", "each_effect",
                                                   "quiet", "no_linearity_preserving"})
@@ -155,8 +161,8 @@ class Sweep:
 
     def _write(self, problem: str, rows: list[dict]) -> int:
         """Tables, pictures and summary; a picture that fails costs nothing else."""
-        from app.plots import png_bytes
-        from app.plots_study import FIGURES
+        from app.pictures.run import png_bytes
+        from app.pictures.study import FIGURES
 
         drawn, status = [], OK
         for name, figure in FIGURES.items():

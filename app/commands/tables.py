@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
@@ -14,12 +13,12 @@ import tyro
 
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Progress, Target, json_text, noted_interrupts, say, stdout_to_stderr
-from solvers.scene import ESTIMATORS
+from solvers.problems import PROBLEMS
 from solvers.tables import plan
 from solvers.tables.document import Results, document
 
 if TYPE_CHECKING:
-    from app.tables.store import Store
+    from app.commands.tables_store import Store
 
 OK, UNSTABLE = 0, 3
 KINDS = ("md", "json", "png")
@@ -45,7 +44,7 @@ class Tables:
         numbers = _numbers(self.table)
         targets = _targets(self.out, numbers)
         with stdout_to_stderr(), noted_interrupts() as check_interrupts:
-            from app.tables.store import Store
+            from app.commands.tables_store import Store
             made = [plan.make(number, _estimators()) for number in numbers]
             results = _run_rows(made, Store(self.out), self.quiet, check_interrupts)
             tables = [document(table, results) for table in made]
@@ -81,10 +80,7 @@ def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Targ
 
 def _estimators() -> dict[str, tuple[str, ...]]:
     """The estimators of each problem, in the order of the scenes."""
-    warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
-    from solvers.run import SOLVERS  # here: bad input and --help must not wait for Taichi
-    return {problem: tuple(name for name in ESTIMATORS if name in solver.ESTIMATORS)
-            for problem, solver in SOLVERS.items()}
+    return {name: problem.estimators for name, problem in PROBLEMS.items()}
 
 
 def _run_rows(tables: Iterable[plan.Table], store: Store, quiet: bool, check_interrupts) -> dict[str, Results]:
@@ -121,9 +117,9 @@ def run_row(row: plan.Row, show) -> Results:
 
 
 def _write(table: Mapping, targets: Mapping[str, Target]) -> None:
-    from app.plots import png_bytes
-    from app.tables.markdown import markdown
-    from app.tables.picture import figure
+    from app.commands.tables_text import markdown
+    from app.pictures.run import png_bytes
+    from app.pictures.tables import figure
 
     targets["json"].write(json_text(table, lines=True).encode())
     targets["md"].write(markdown(table).encode())

@@ -12,6 +12,14 @@ from solvers.shapes import weights_1d
 
 
 @ti.func
+def update_grid(bar: ti.template(), t, on: ti.template()):
+    """The first half of a step, from time t: weights, particles to nodes, and the nodes' new motion."""
+    find_weights(bar, on)
+    particles_to_nodes(bar, t, on)
+    update_nodes(bar, t, on)
+
+
+@ti.func
 def half_width(bar: ti.template(), p, on: ti.template()):
     """Half the particle's domain, in cells: constant for uGIMP, stretched by F for cpGIMP."""
     width = bar.half_width

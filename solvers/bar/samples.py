@@ -6,7 +6,7 @@ compared at that step's time, one step before the rest.
 
 import taichi as ti
 
-from solvers.bar.estimators import ESTIMATORS
+from solvers.bar.state import HOOKS
 from solvers.estimators import running
 from solvers.samples import BASE, EACH, column
 
@@ -53,7 +53,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
         for q in ti.static(range(3 + on.acceleration)):  # what is off stays NaN
             out[row, ti.static(column("error_x")) + q] = squares[q]
         out[row, ti.static(column("error_extra"))] = extra
-    running.report(bar, step, ESTIMATORS, on)
+    running.report(bar, step, HOOKS, on)
     for e in range(ti.static(len(on.estimators))):
         squares, apart = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(bar.particles):

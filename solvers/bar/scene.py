@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal, get_args
 
-from solvers.scene import Scene, SceneError, require_number
-
-Problem = Literal["bar"]
-Method = Literal["mpm", "ugimp", "cpgimp", "bspline"]
-BodyForce = Literal["material", "node", "none", "two-tone"]
-PositionUpdate = Literal["grid", "particle", "corners"]
+from solvers.bar import validity
+from solvers.rules import SceneError, require_number
+from solvers.scene import Scene, option
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
@@ -21,21 +17,30 @@ BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
 class BarScene(Scene):
     """One run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.Scene`)."""
 
-    problem: Problem = "bar"
-    method: Method = "ugimp"
-    cells: int = 40
-    particles_per_cell: int = 4
-    amplitude: float = 0.025
-    modulus: float = 4.0
-    density: float = 1.0
-    body_force: BodyForce = "material"
-    velocity: PositionUpdate = "grid"
+    problem: str = option("bar", choices=("bar",))
+    method: str = option("ugimp", "Shape functions of the particles", choices=("mpm", "ugimp", "cpgimp", "bspline"))
+    cells: int = option(40, "Cells of the grid; h = 1 m / cells")
+    ppc: int = option(4, "Particles per cell")
+    amplitude: float = option(0.025, "Amplitude A of the displacement", "m")
+    modulus: float = option(4.0, "Young's modulus E", "Pa")
+    density: float = option(1.0, "Density", "kg/m3")
+    body_force: str = option(
+        "material", "Body force: at material points, at nodes, none, or two tones that have no built-in solution",
+        choices=("material", "node", "none", "two-tone"))
+    velocity: str = option("grid", "Velocity that moves the particles (corners: cpgimp only)",
+                           choices=("grid", "particle", "corners"))
 
-    CHOICES: ClassVar[dict[str, tuple[str, ...]]] = {
-        **Scene.CHOICES, "problem": get_args(Problem), "method": get_args(Method),
-        "body_force": get_args(BodyForce), "velocity": get_args(PositionUpdate)}
-    EXTRA_ERROR: ClassVar[str] = "sigma_log"
-    STRAIN_PER_AMPLITUDE: ClassVar[float] = 1 / BAR_AMPLITUDE_LIMIT
+    TITLE = "vibrating bar"
+    SETTING = "The bar is 1 m long."
+    EXTRA_ERROR = "sigma_log"
+    VALIDITY = validity.RULES
+    STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT
+    GENTLE_AMPLITUDE = 1e-3
+
+    @classmethod
+    def candidates(cls) -> tuple[tuple[str, bool], ...]:
+        """uGIMP with linearity preservation too."""
+        return (*super().candidates(), ("ugimp", True))
 
     @property
     def spacing(self) -> float:
@@ -44,7 +49,7 @@ class BarScene(Scene):
 
     @property
     def particles(self) -> int:
-        return self.cells * self.particles_per_cell
+        return self.cells * self.ppc
 
     @property
     def angular_frequency(self) -> float:

@@ -8,18 +8,18 @@ import numpy as np
 
 from solvers import runtime
 from solvers.bar import exact
-from solvers.bar.estimators import ESTIMATORS
 from solvers.bar.scene import BarScene
-from solvers.bar.state import allocate, farthest, pack, switches
+from solvers.bar.state import HOOKS, BarState, allocate, farthest
 from solvers.bar.step import advance, measure, report
 from solvers.result import Snapshot
 from solvers.solver import Solver
+from solvers.switches import switches
 
 
 class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
-    ESTIMATORS = ESTIMATORS
+    HOOKS = HOOKS
 
     def __init__(self, scene: BarScene):
         super().__init__(scene)
@@ -27,8 +27,7 @@ class BarSolver(Solver):
         begun = time.perf_counter()
         self._switches = switches(scene)
         self._arrays = allocate(scene)
-        self._arrays.samples[:] = np.nan
-        self._pack = pack(scene, self._arrays)
+        self._pack = BarState(**self._arrays.members())
         self.setup_seconds = time.perf_counter() - begun
 
     def compile(self) -> None:

@@ -2,10 +2,9 @@
 
 import taichi as ti
 
-from solvers.bar.estimators import ESTIMATORS
-from solvers.bar.phases import find_weights, nodes_to_particles, particles_to_nodes, update_nodes
+from solvers.bar.phases import nodes_to_particles, update_grid
 from solvers.bar.samples import sample
-from solvers.bar.state import BarState
+from solvers.bar.state import HOOKS, BarState
 from solvers.estimators import running
 from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
 
@@ -39,12 +38,10 @@ def advance(start: ti.i32, steps: ti.i32, bar: BarState, on: ti.template()):
     for k in range(steps):
         if bar.verdict[0] == SOUND:
             step = start + k
-            find_weights(bar, on)
-            particles_to_nodes(bar, step * bar.dt, on)
-            update_nodes(bar, step * bar.dt, on)
-            running.in_step(bar, step + 1, ESTIMATORS, on)
+            update_grid(bar, step * bar.dt, on)
+            running.in_step(bar, step + 1, HOOKS, on)
             nodes_to_particles(bar, step + 1, on)
-            running.after_step(bar, step + 1, ESTIMATORS, on)
+            running.after_step(bar, step + 1, HOOKS, on)
             if (step + 1) % CHECK_EVERY == 0:
                 check(bar, step + 1)
             if (step + 1) % bar.sample_interval == 0:
@@ -67,4 +64,4 @@ def report(step: ti.i32, bar: BarState, on: ti.template()):
     """Bring the estimates up to date with the state, for whoever looks at the particles."""
     ti.loop_config(serialize=True)
     for _ in range(1):
-        running.report(bar, step, ESTIMATORS, on)
+        running.report(bar, step, HOOKS, on)

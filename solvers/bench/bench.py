@@ -12,7 +12,7 @@ from solvers import runtime
 from solvers.bench import apart, measure
 from solvers.bench.example import example
 from solvers.bench.start import start_times
-from solvers.problems import SCENES
+from solvers.problems import PROBLEMS
 
 SCHEMA = "mpm-lab/bench/1"
 COMMAND_TURNS = 3
@@ -24,11 +24,11 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
     effort = measure.QUICK if quick else measure.FULL
     parts = {"start": [lambda: _start(command)], "example": [example]}
     rates = [lambda p=problem, m=method: measure.rates(p, m, effort)
-             for problem, scene in SCENES.items() for method in scene.CHOICES["method"]]
+             for problem in PROBLEMS for method in PROBLEMS[problem].scene.choices("method")]
     parts |= {"rates": rates}
     for name, what in (("estimators", measure.estimator_prices), ("effects", measure.effect_prices),
                        ("off", measure.off)):
-        parts[name] = [lambda p=problem, w=what: w(p, effort) for problem in SCENES]
+        parts[name] = [lambda p=problem, w=what: w(p, effort) for problem in PROBLEMS]
     total, done, found = sum(len(tasks) for tasks in parts.values()), 0, {}
     for name, tasks in parts.items():
         for task in tasks:

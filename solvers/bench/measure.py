@@ -14,53 +14,55 @@ from typing import Any
 
 import numpy as np
 
-from solvers.bench.stripped_bar import StrippedBar
-from solvers.bench.stripped_ring import StrippedRing
-from solvers.problems import SCENES
-from solvers.run import SOLVERS, build
+from solvers.problems import PROBLEMS
+from solvers.rules import SceneError
+from solvers.run import build
 from solvers.scene import Scene
 from solvers.solver import Solver
+from solvers.study.row import PRICED
 from solvers.study.timing import Stretch, rate, take_turns
 
-AMPLITUDES = {"bar": 1e-3, "ring": 1e-2}
-STRIPPED: Mapping[str, type[Solver]] = {"bar": StrippedBar, "ring": StrippedRing}
-#: Effects, each as the inputs that switch it on and those that it is compared with; the rest is bare.
-EFFECTS: dict[str, dict[str, tuple[dict[str, Any], dict[str, Any]]]] = {
-    "bar": {"truth": ({"effects": ("truth",)}, {}),
-            "acceleration": ({"effects": ("truth", "acceleration")}, {"effects": ("truth",)}),
-            "crossings": ({"effects": ("crossings",)}, {}),
-            "energy": ({"effects": ("energy",)}, {}),
-            "body force": ({}, {"body_force": "none"}),
-            "linearity preserving": ({"linearity_preserving": True}, {})}}
-EFFECTS["ring"] = {name: inputs for name, inputs in EFFECTS["bar"].items() if name != "linearity preserving"}
+
+def priced(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+    """What is optional in a problem's step: the inputs that switch it on and those that it is compared with; the rest
+    is bare."""
+    found: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+        name: ({"effects": (*needed, name)}, {"effects": needed}) for name, needed in PRICED.items()}
+    found["body force"] = ({}, {"body_force": "none"})
+    try:
+        scene(linearity_preserving=True)
+        found["linearity preserving"] = ({"linearity_preserving": True}, {})
+    except SceneError:
+        pass  # not offered
+    return found
 
 
 @dataclass(frozen=True)
 class Effort:
     """How much is measured: sizes, turns, and seconds of a stretch."""
 
-    cells: Mapping[str, tuple[int, ...]]
-    priced_cells: Mapping[str, int]  # for prices and for what is off
+    cells: Mapping[int, tuple[int, ...]]  # by dimension
+    priced_cells: Mapping[int, int]  # for prices and for what is off
     rate_turns: int
     price_turns: int
     off_turns: int
     off_seconds: float  # longer, for a finer difference
 
 
-FULL = Effort({"bar": (40, 160, 640), "ring": (24, 96)}, {"bar": 160, "ring": 48}, 5, 7, 15, 0.04)
-QUICK = Effort({"bar": (40, 160), "ring": (24,)}, {"bar": 40, "ring": 24}, 3, 3, 5, 0.02)
+FULL = Effort({1: (40, 160, 640), 2: (24, 96)}, {1: 160, 2: 48}, 5, 7, 15, 0.04)
+QUICK = Effort({1: (40, 160), 2: (24,)}, {1: 40, 2: 24}, 3, 3, 5, 0.02)
 
 
 def bare(problem: str, cells: int, **inputs: Any) -> Scene:
     """A scene with nothing but the method."""
-    return SCENES[problem](**{"cells": cells, "effects": (), "estimators": (), "amplitude": AMPLITUDES[problem],
-                              **inputs})
+    kind = PROBLEMS[problem].scene
+    return kind(**{"cells": cells, "effects": (), "estimators": (), "amplitude": kind.GENTLE_AMPLITUDE, **inputs})
 
 
 def rates(problem: str, method: str, effort: Effort) -> list[dict]:
     """Million particle-steps per second at each size."""
     rows = []
-    for cells in effort.cells[problem]:
+    for cells in effort.cells[_dimensions(problem)]:
         scene = bare(problem, cells, method=method)
         rows.append({**_identity(scene), "particles": scene.particles,
                      "rate": _number(rate(build(scene), effort.rate_turns))})
@@ -69,7 +71,7 @@ def rates(problem: str, method: str, effort: Effort) -> list[dict]:
 
 def estimator_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each estimator, all four quantities, over a bare one; null with a reason where it is not valid."""
-    with_it = {name: _scene_for(problem, name, effort) for name in SOLVERS[problem].ESTIMATORS}
+    with_it = {name: _scene_for(problem, name, effort) for name in PROBLEMS[problem].estimators}
     without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
     valid = [name for name, scene in with_it.items() if not scene.not_valid]
     seconds = _fastest([scenes[name] for name in valid for scenes in (with_it, without)], effort.price_turns)
@@ -80,16 +82,17 @@ def estimator_prices(problem: str, effort: Effort) -> list[dict]:
 
 def _scene_for(problem: str, estimator: str, effort: Effort) -> Scene:
     """A scene with the estimator: of the default method, or the first for which the estimator is valid."""
-    scenes = [bare(problem, effort.priced_cells[problem], method=method, effects=("estimate", "acceleration"),
+    kind = PROBLEMS[problem].scene
+    scenes = [bare(problem, effort.priced_cells[kind.DIMENSIONS], method=method, effects=("estimate", "acceleration"),
                    estimators=(estimator,))
-              for method in (SCENES[problem].method, *SCENES[problem].CHOICES["method"])]
+              for method in (kind.method, *kind.choices("method"))]
     return next((scene for scene in scenes if not scene.not_valid), scenes[0])
 
 
 def effect_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each effect over one without it."""
-    scene = bare(problem, effort.priced_cells[problem])
-    pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in EFFECTS[problem].items()}
+    scene = bare(problem, effort.priced_cells[_dimensions(problem)])
+    pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in priced(type(scene)).items()}
     seconds = _fastest([one for pair in pairs.values() for one in pair], effort.price_turns)
     return [{**_identity(scene), "name": name, "ratio": _number(seconds[on] / seconds[off])}
             for name, (on, off) in pairs.items()]
@@ -104,8 +107,9 @@ def off(problem: str, effort: Effort) -> dict:
     and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
     part of a step, but more arguments, used or not, make a call longer.
     """
-    scene = bare(problem, effort.priced_cells[problem])
-    kinds = (STRIPPED[problem], SOLVERS[problem], STRIPPED[problem], SOLVERS[problem])
+    scene = bare(problem, effort.priced_cells[_dimensions(problem)])
+    own, stripped = PROBLEMS[problem].solver, PROBLEMS[problem].stripped
+    kinds = (stripped, own, stripped, own)
     solvers = [kind(scene) for kind in kinds]
     stretches = [Stretch(solver, effort.off_seconds) for solver in solvers]
     steps = max(stretch.steps for stretch in stretches)
@@ -135,6 +139,10 @@ def _call_seconds(solver: Solver) -> float:
         solver.advance(0)
         took.append(time.thread_time() - begun)
     return min(took)
+
+
+def _dimensions(problem: str) -> int:
+    return PROBLEMS[problem].scene.DIMENSIONS
 
 
 def _identity(scene: Scene) -> dict:

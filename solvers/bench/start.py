@@ -25,17 +25,17 @@ def start_times() -> dict:
 def _measure() -> dict:
     clock = _Clock()
     from solvers import runtime
-    from solvers.problems import SCENES
+    from solvers.problems import PROBLEMS
     from solvers.run import build
     imported = clock.lap()
     runtime.start()
     started = clock.lap()
     compiled = {}
-    for problem, scene in SCENES.items():
-        solver = build(scene())
+    for name, problem in PROBLEMS.items():
+        solver = build(problem.scene())
         clock.lap()
         solver.compile()
-        compiled[problem] = clock.lap()
+        compiled[name] = clock.lap()
     return {"import": imported, "taichi": started, "compile": compiled}
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
 from typing import Protocol
 
-from solvers.engine import memory
-from solvers.engine.memory import FrameArrays
+from solvers.engine import frames as memory
+from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport, Goodbye, Seen, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
 from solvers.scene import Scene

@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from solvers.engine import memory
+from solvers.engine import frames as memory
 from solvers.engine.messages import FrameReport, Wish
 from solvers.run import build
 from solvers.scene import MOST_STEPS

@@ -1,7 +1,8 @@
 """What an error estimator is to a solver: its memory, its moments in a step, and its report.
 
-An estimator of a problem is one :class:`Estimator`, made at the end of its file. Several can run in one scene; number
-e reports the estimated errors of particle p in entry ``e * particles + p`` of the state's ``estimate`` arrays. It may
+An estimator of a problem is one :class:`EstimatorHooks`, called ``HOOKS``, at the end of its file. Several can run in
+one scene; number e reports the estimated errors of particle p in entry ``e * particles + p`` of the state's
+``estimate`` arrays. It may
 use whatever the method itself computes, the body force and the initial state; never the exact solution.
 """
 
@@ -12,14 +13,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.estimators.pool import Pool
+from solvers.estimators.packing import Pool
 from solvers.scene import Scene
 
 NEVER = 2**31 - 1  # an interval that no step is a multiple of: the estimator rests
 
 
 @dataclass(frozen=True)
-class Estimator:
+class EstimatorHooks:
     """The hooks of one estimator for one problem.
 
     ``memory`` names its numbers and arrays, each with the estimator's name in front, and gives their Taichi types;
@@ -46,17 +47,17 @@ class Estimator:
     verdict: Callable[[Scene, Mapping], str | None] = field(default=lambda scene, memory: None)
 
 
-def members(estimators: Mapping[str, Estimator]) -> dict[str, object]:
+def members(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
     """The memory of all estimators, by name, with types."""
     return {name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()}
 
 
-def memory_types(estimators: Mapping[str, Estimator]) -> dict[str, object]:
-    """The types of the members of the state that hold all estimators' memory (see ``solvers.estimators.pool``)."""
+def memory_types(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
+    """The types of the members of the state that hold all estimators' memory (see ``solvers.estimators.packing``)."""
     return Pool(members(estimators)).types
 
 
-def allocate_memory(estimators: Mapping[str, Estimator], scene: Scene) -> dict:
+def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
     """What these hold: the active estimators' own values, and for the others the least that a kernel accepts."""
     values = {}
     for name, estimator in estimators.items():
@@ -68,12 +69,12 @@ def allocate_memory(estimators: Mapping[str, Estimator], scene: Scene) -> dict:
     return Pool(members(estimators)).values(values)
 
 
-def memory_parts(estimators: Mapping[str, Estimator], memory: Mapping) -> dict[str, np.ndarray]:
+def memory_parts(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
     """All estimators' arrays by name, out of what holds them."""
     return Pool(members(estimators)).parts(memory)
 
 
-def intervals(estimators: Mapping[str, Estimator], scene: Scene) -> np.ndarray:
+def intervals(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> np.ndarray:
     """Steps between two steps of each active estimator; one entry at least."""
     return np.array([estimators[name].interval(scene) for name in scene.active_estimators] or [NEVER], np.int32)
 

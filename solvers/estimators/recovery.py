@@ -47,7 +47,7 @@ def numbers(scene, steps):
 
 def fit_width(scene):
     """Particles along a line that a fit goes over: four cells, which the method's own kinks are shorter than."""
-    return min(4 * scene.particles_per_cell + 1, WIDEST_FIT)
+    return min(4 * scene.ppc + 1, WIDEST_FIT)
 
 
 @ti.func

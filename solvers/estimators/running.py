@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.estimators.interface import NEVER, members
-from solvers.estimators.pool import look
+from solvers.estimators.packing import look
 
 
 def whole(state, estimators):
@@ -11,7 +11,7 @@ def whole(state, estimators):
     return look(state, members(estimators))
 
 
-whole._is_taichi_function = False  # see ``solvers.estimators.pool``
+whole._is_taichi_function = False  # see ``solvers.estimators.packing``
 
 
 @ti.func

@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.scene import Scene
+from solvers.switches import Switches
 
 WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid
@@ -45,14 +46,14 @@ def gain(scene: Scene) -> float:
     return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
 
 
-def windows(particles_per_cell: int) -> tuple[int, int]:
+def windows(ppc: int) -> tuple[int, int]:
     """Lattice points in the two kinds of fits."""
-    return WINDOWS[0] * particles_per_cell, WINDOWS[1] * particles_per_cell
+    return WINDOWS[0] * ppc, WINDOWS[1] * ppc
 
 
-def bare(on: tuple) -> tuple:
+def bare(on: Switches) -> Switches:
     """The switches of the second run: the method as it is, nothing measured but the acceleration."""
-    return on._replace(truth=False, crossings=False, energy=False, acceleration=True, estimators=())
+    return on._replace(effects=("acceleration",), estimators=())
 
 
 def verdict(determinant: np.ndarray, displacement: np.ndarray, farthest: float) -> str | None:

@@ -10,17 +10,17 @@ import numpy as np
 
 from solvers.ring import exact
 from solvers.ring.scene import RingScene
-from solvers.ring.state import Arrays
+from solvers.ring.state import WatchedRing
 
 #: Components of the errors of x, v, sigma and a: (x, y) of vectors, (xx, xy, yy) of tensors, None where unknown.
 Fields = list[tuple[np.ndarray, ...] | None]
 
 
-def true_fields(scene: RingScene, a: Arrays, step: int, with_acceleration: bool) -> Fields:
+def true_fields(scene: RingScene, a: WatchedRing, step: int, with_acceleration: bool) -> Fields:
     """The true errors of x, v, sigma and a after ``step`` steps, in components."""
     time = step * scene.time_step
     shift, speed, _ = exact.time_factors(scene, time)
-    w = a.shape[a.radius]
+    w = a.radii[a.radius, 1]
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         position = _beyond(a.motion[:, 0] - a.material_position[:, 0], a.motion[:, 1] - a.material_position[:, 1],
                            shift * w, a.direction)
@@ -33,7 +33,7 @@ def true_fields(scene: RingScene, a: Arrays, step: int, with_acceleration: bool)
     return [position, velocity, stress, acceleration]
 
 
-def estimated_fields(a: Arrays, estimator: int) -> Fields:
+def estimated_fields(a: WatchedRing, estimator: int) -> Fields:
     """What the estimator of this number reports of the same errors."""
     part = slice(estimator * len(a.motion), (estimator + 1) * len(a.motion))
     motion = a.estimate[part].T
@@ -65,11 +65,11 @@ def _beyond(x: np.ndarray, y: np.ndarray, radial: np.ndarray, direction: np.ndar
     return x - radial * direction[:, 0], y - radial * direction[:, 1]
 
 
-def _stress_error(scene: RingScene, a: Arrays, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _stress_error(scene: RingScene, a: WatchedRing, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The error (xx, xy, yy) of the Cauchy stress."""
     F, mu = np.ascontiguousarray(a.deformation_gradient.T), 0.5 * scene.modulus
     scale = mu / (F[0] * F[3] - F[1] * F[2])
-    along, across = exact.principal_stresses(scene, a.radii, time)
+    along, across = exact.principal_stresses(scene, a.radii[:, 0], time)
     mean, half = (0.5 * (along + across))[a.radius], (0.5 * (along - across))[a.radius]
     c, s = np.ascontiguousarray(a.direction.T)
     turned = half * (c * c - s * s)

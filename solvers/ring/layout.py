@@ -33,7 +33,7 @@ def particle_layout(scene: RingScene) -> Layout:
 
 
 def _polar(scene: RingScene) -> Layout:
-    around, across = polar_counts(scene.cells, scene.particles_per_cell)
+    around, across = polar_counts(scene.cells, scene.ppc)
     d_angle, d_radius = 0.5 * np.pi / around, (OUTER - INNER) / across
     radii = INNER + (np.arange(across) + 0.5) * d_radius
     angle, radius = (g.ravel() for g in np.meshgrid((np.arange(around) + 0.5) * d_angle, np.arange(across),
@@ -44,7 +44,7 @@ def _polar(scene: RingScene) -> Layout:
 
 
 def _cartesian(scene: RingScene) -> Layout:
-    side = scene.spacing / scene.particles_per_cell
+    side = scene.spacing / scene.ppc
     line = (np.arange(int(np.ceil(OUTER / side))) + 0.5) * side
     y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
     R = np.hypot(x, y)

@@ -18,21 +18,22 @@ def kirchhoff_stress(ring: ti.template(), p):
 
 
 @ti.func
-def radial_force_at(ring: ti.template(), R, shape, t, on: ti.template()):
-    """The body force per mass at the material radius R, where ``shape`` is (w, w', w''), at time t.
+def radial_force_at(ring: ti.template(), known, t, on: ti.template()):
+    """The body force per mass at time t where ``known`` is (R, w, w', w''), radius and exact solution.
 
     For "material" see ``solvers.ring.exact.body_force``. "two-tone" adds w^2 A/2 cos(pi (R - a)/(b - a)) sin(1.7 wt),
     for which no exact solution is built in: there an estimate has to stand alone.
     """
+    R, shape, slope, curvature = known[0], known[1], known[2], known[3]
     T = ring.amplitude * ti.sin(ring.angular_frequency * t)
     mu, w, per_R = ring.shear_modulus, ring.angular_frequency, 1 / R
-    radial = 1 + T * shape[1]
-    hoop = 1 + T * shape[0] * per_R
+    radial = 1 + T * slope
+    hoop = 1 + T * shape * per_R
     per_radial = 1 / radial
     difference = mu * (radial - per_radial - hoop + 1 / hoop)
-    bending = mu * (1 + per_radial * per_radial) * T * shape[2]
-    force = -w * w * T * shape[0] - (bending + difference * per_R) / ring.density
-    if ti.static(on.two_tone):
+    bending = mu * (1 + per_radial * per_radial) * T * curvature
+    force = -w * w * T * shape - (bending + difference * per_R) / ring.density
+    if ti.static(on.body_force == "two-tone"):
         across = ti.cos(ti.math.pi * (R - INNER) / (OUTER - INNER))
         force += SECOND_SIZE * w * w * ring.amplitude * across * ti.sin(SECOND_FREQUENCY * w * t)
     return force
@@ -41,10 +42,9 @@ def radial_force_at(ring: ti.template(), R, shape, t, on: ti.template()):
 @ti.func
 def radial_forces(ring: ti.template(), t, on: ti.template()):
     """The body force per mass at every material radius that a particle has."""
-    if ti.static(on.body_force):
+    if ti.static(on.body_force != "none"):
         for k in range(ring.radius_count):
-            shape = ti.Vector([ring.shape[k], ring.shape_slope[k], ring.shape_curvature[k]])
-            ring.radial_force[k] = radial_force_at(ring, ring.radii[k], shape, t, on)
+            ring.radial_force[k] = radial_force_at(ring, ring.radii[k], t, on)
 
 
 @ti.func
@@ -52,7 +52,7 @@ def force_moment(ring: ti.template(), p, on: ti.template()):
     """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yy) by gradient of the weight."""
     q, mass = ring.motion[p], ring.mass[p]
     push = ti.Vector([0.0, 0.0])
-    if ti.static(on.body_force):
+    if ti.static(on.body_force != "none"):
         push = mass * ring.radial_force[ring.radius[p]] * ring.direction[p]
     tau = (mass / ring.density) * kirchhoff_stress(ring, p)  # V sigma = V0 J sigma
     return ti.Vector([mass * q[2], mass * q[3], push[0], push[1], mass, 0.0, 0.0, 0.0]), tau

@@ -8,8 +8,20 @@ import taichi as ti
 
 from solvers.ring import cpdi, gimp
 from solvers.ring.layout import GHOSTS
+from solvers.ring.material import radial_forces
 
 EMPTY = 1e-12  # share of a particle's mass below which a node carries nothing
+
+
+@ti.func
+def update_grid(ring: ti.template(), t, on: ti.template()):
+    """The first half of a step on one thread, from time t: particles to nodes, and the nodes' new motion."""
+    radial_forces(ring, t, on)
+    particles_to_nodes(ring, 0, on)
+    fold(ring)
+    for j in range(GHOSTS, ring.active):
+        update_nodes(ring, j, on)
+    mirror(ring)
 
 
 # ---- particles ------------------------------------------------------------------------------------------------
@@ -55,7 +67,7 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
             ring.last_crossing[p] = ti.select(jump > 0, step, ring.last_crossing[p])
         if ti.static(on.acceleration):
             ring.acceleration[p] = ti.Vector([here[2], here[3]])
-        if ti.static(on.energy and on.body_force):  # the force's power with the velocity in the middle of the step
+        if ti.static(on.energy and on.body_force != "none"):  # the power, with the velocity in the middle of the step
             push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
             work += dt * (push[0] * (here[0] - 0.5 * dt * here[2]) + push[1] * (here[1] - 0.5 * dt * here[3]))
         ring.motion[p] = moved
@@ -125,7 +137,7 @@ def update_nodes(ring: ti.template(), j, on: ti.template()):
         sums = ring.node_sums[node]
         mass = sums[4]
         if ti.static(on.truth or len(on.estimators) > 0):
-            ring.node_mass[node] = mass  # for those who look on
+            ring.node_mass[node] = mass  # for samples and estimators
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
             q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass

@@ -8,10 +8,10 @@ time. ``error_extra`` is the paper's "Err A": the error of the acceleration at t
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.exact import C1, C2, C3, INNER
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
+from solvers.ring.state import HOOKS
 from solvers.samples import BASE, EACH, column
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
@@ -28,7 +28,7 @@ def phase(ring: ti.template(), step):
 @ti.func
 def vector_errors(ring: ti.template(), p, expansion, speed, before, on: ti.template()):
     """Errors of x and v as one vector of four, and of a, at particle p. ``expansion`` is T, ``speed`` T'."""
-    w = ring.shape[ring.radius[p]]
+    w = ring.radii[ring.radius[p]][1]
     X, e, q = ring.material_position[p], ring.direction[p], ring.motion[p]
     motion = ti.Vector([q[0] - X[0] - expansion * w * e[0], q[1] - X[1] - expansion * w * e[1],
                         q[2] - speed * w * e[0], q[3] - speed * w * e[1]])
@@ -42,9 +42,9 @@ def vector_errors(ring: ti.template(), p, expansion, speed, before, on: ti.templ
 @ti.func
 def stress_error(ring: ti.template(), p, expansion):
     """Error of the Cauchy stress, as xx, xy, yy."""
-    k = ring.radius[p]
-    radial = 1 + expansion * ring.shape_slope[k]
-    hoop = 1 + expansion * ring.shape[k] / ring.radii[k]
+    known = ring.radii[ring.radius[p]]  # R, w, w', w''
+    radial = 1 + expansion * known[2]
+    hoop = 1 + expansion * known[1] / known[0]
     scale = ring.shear_modulus / (radial * hoop)
     along, across = scale * (radial * radial - 1), scale * (hoop * hoop - 1)
     c, s = ring.direction[p][0], ring.direction[p][1]
@@ -123,7 +123,7 @@ def sample_truth(ring: ti.template(), row, step, on: ti.template()):
 @ti.func
 def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth."""
-    running.report(ring, step, ESTIMATORS, on)
+    running.report(ring, step, HOOKS, on)
     expansion, speed, before = phase(ring, step)
     for e in range(ti.static(len(on.estimators))):
         squares, apart = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])

@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal, get_args
 
-from solvers.scene import Scene, SceneError, require_number, require_whole
-
-Problem = Literal["ring"]
-Method = Literal["ugimp", "cpgimp", "cpdi", "mpm"]
-BodyForce = Literal["material", "none", "two-tone"]
-PositionUpdate = Literal["grid", "particle"]
-ParticleLayout = Literal["polar", "cartesian"]
-Plan = Literal["auto", "serial", "parallel"]
+from solvers.ring import validity
+from solvers.rules import SceneError, require_number, require_whole
+from solvers.scene import Scene, option
 
 INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A min w' reaches 0
 WRINKLING = 0.198  # amplitude at which the surface of the compressed ring wrinkles (Biot)
@@ -21,33 +15,36 @@ WRINKLING = 0.198  # amplitude at which the surface of the compressed ring wrink
 
 @dataclass(frozen=True)
 class RingScene(Scene):
-    """One run of the ring: h = 1.2 m/``cells``, ``particles_per_cell`` counts per direction.
+    """One run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
 
     ``plan`` says how the step is spread over threads: one serial kernel, slabs side by side, or whichever is faster.
     """
 
-    problem: Problem = "ring"
-    method: Method = "cpdi"
-    cells: int = 24
-    particles_per_cell: int = 2
-    amplitude: float = 0.1
-    modulus: float = 1e7
-    density: float = 1000.0
-    body_force: BodyForce = "material"
-    velocity: PositionUpdate = "grid"
-    layout: ParticleLayout = "polar"
-    plan: Plan = "auto"
+    problem: str = option("ring", choices=("ring",))
+    method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
+    cells: int = option(24, "Cells of the grid along a side; h = 1.2 m / cells")
+    ppc: int = option(2, "Particles per cell and direction")
+    amplitude: float = option(0.1, "Amplitude A of the outer surface's displacement", "m")
+    modulus: float = option(1e7, "Young's modulus E; Poisson's ratio is 0", "Pa")
+    density: float = option(1000.0, "Density", "kg/m3")
+    body_force: str = option(
+        "material", "Body force: at material points, none, or two tones; only the first has a built-in solution",
+        choices=("material", "none", "two-tone"))
+    linearity_preserving: bool = option(False, "Not offered for the ring: only off is accepted")
+    layout: str = option("polar", "Lattice on which the particles begin", choices=("polar", "cartesian"))
+    plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
+                       "particles", choices=("auto", "serial", "parallel"))
 
-    CHOICES: ClassVar[dict[str, tuple[str, ...]]] = {
-        **Scene.CHOICES, "problem": get_args(Problem), "method": get_args(Method),
-        "body_force": get_args(BodyForce), "velocity": get_args(PositionUpdate),
-        "layout": get_args(ParticleLayout), "plan": get_args(Plan)}
-    EXTRA_ERROR: ClassVar[str] = "a_nodes"
-    STRAIN_PER_AMPLITUDE: ClassVar[float] = 1 / INVERSION
-    DIMENSIONS: ClassVar[int] = 2
-    FEWEST_CELLS: ClassVar[int] = 8
-    DEFAULT_PERIODS: ClassVar[float] = 1.0
-    SAMPLES_A_PERIOD: ClassVar[int] = 50  # a sample of a ring costs more than a step
+    TITLE = "expanding ring"
+    SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
+    EXTRA_ERROR = "a_nodes"
+    VALIDITY = validity.RULES
+    STRAIN_PER_AMPLITUDE = 1 / INVERSION
+    GENTLE_AMPLITUDE = 1e-2
+    DIMENSIONS = 2
+    FEWEST_CELLS = 8
+    DEFAULT_PERIODS = 1.0
+    SAMPLES_A_PERIOD = 50  # a sample of a ring costs more than a step
 
     @property
     def solution_known(self) -> bool:
@@ -62,7 +59,7 @@ class RingScene(Scene):
     @property
     def particles(self) -> int:
         """Number of particles in the polar layout; close to it in the Cartesian one."""
-        return math.prod(polar_counts(self.cells, self.particles_per_cell))
+        return math.prod(polar_counts(self.cells, self.ppc))
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()
@@ -80,7 +77,7 @@ class RingScene(Scene):
                              f"the exact ring turns inside out from {INVERSION} on; {allowed}")
 
     def _check_combinations(self) -> None:
-        require_whole("particles_per_cell", self.particles_per_cell, 1, 6)
+        require_whole("ppc", self.ppc, 1, 6)
         if self.cells > 10_000:
             raise SceneError("cells", self.cells, "give a whole number from 8 to 10,000")
         if self.linearity_preserving:
@@ -95,6 +92,6 @@ class RingScene(Scene):
                              "the serial plan runs on one; give 1, or the plan parallel or auto")
 
 
-def polar_counts(cells: int, particles_per_cell: int) -> tuple[int, int]:
+def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
     """Particles around the quarter and across the ring: as many as make their domains about h/ppc wide."""
-    return max(1, round(2 * cells * particles_per_cell / 3)), max(1, round(cells * particles_per_cell / 6))
+    return max(1, round(2 * cells * ppc / 3)), max(1, round(cells * ppc / 6))

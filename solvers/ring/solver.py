@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import time
 
-import numpy as np
-
 from solvers import runtime
 from solvers.result import Snapshot
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
-from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.scene import RingScene
-from solvers.ring.state import allocate, farthest, pack, switches
+from solvers.ring.state import HOOKS, RingState, allocate, farthest
 from solvers.ring.step import CHECK_EVERY, advance, inspect, report, step_in_slabs
 from solvers.solver import SOUND, Solver
+from solvers.switches import switches
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
 
@@ -21,7 +19,7 @@ PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a paral
 class RingSolver(Solver):
     """Owns the arrays of one ring. Two plans: one serial kernel for many steps, or slabs side by side."""
 
-    ESTIMATORS = ESTIMATORS
+    HOOKS = HOOKS
 
     def __init__(self, scene: RingScene):
         super().__init__(scene)
@@ -32,8 +30,7 @@ class RingSolver(Solver):
         begun = time.perf_counter()
         self._switches = switches(scene)
         self._arrays = allocate(scene, self.threads)
-        self._arrays.samples[:] = np.nan
-        self._pack = pack(scene, self._arrays, self.threads)
+        self._pack = RingState(**self._arrays.members())
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False) -> Snapshot:

@@ -6,7 +6,6 @@
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.ring.estimators import ESTIMATORS
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.phases import (
@@ -16,10 +15,11 @@ from solvers.ring.phases import (
     particles_to_nodes,
     slab_range,
     sum_slabs,
+    update_grid,
     update_nodes,
 )
 from solvers.ring.samples import sample
-from solvers.ring.state import RingState
+from solvers.ring.state import HOOKS, RingState
 from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
 
 FLATTEST = 1e-3  # det F below which a particle counts as crushed
@@ -52,15 +52,10 @@ def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
     for k in range(steps):
         if ring.verdict[0] == SOUND:
             step = start + k
-            radial_forces(ring, step * ring.dt, on)
-            particles_to_nodes(ring, 0, on)
-            fold(ring)
-            for j in range(GHOSTS, ring.active):
-                update_nodes(ring, j, on)
-            mirror(ring)
-            running.in_step(ring, step + 1, ESTIMATORS, on)
+            update_grid(ring, step * ring.dt, on)
+            running.in_step(ring, step + 1, HOOKS, on)
             nodes_to_particles(ring, 0, step + 1, on)
-            running.after_step(ring, step + 1, ESTIMATORS, on)
+            running.after_step(ring, step + 1, HOOKS, on)
             if (step + 1) % CHECK_EVERY == 0:
                 check(ring, step + 1)
             if (step + 1) % ring.sample_interval == 0:
@@ -90,12 +85,12 @@ def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template(
                 update_nodes(ring, GHOSTS + j, on)
     for _ in range(ti.min(slabs, 1)):
         mirror(ring)
-        running.in_step(ring, step + 1, ESTIMATORS, on)
+        running.in_step(ring, step + 1, HOOKS, on)
     for task in range(TASK * slabs):
         if task % TASK == 0:
             nodes_to_particles(ring, task // TASK, step + 1, on)
     for _ in range(ti.min(slabs, 1)):
-        running.after_step(ring, step + 1, ESTIMATORS, on)
+        running.after_step(ring, step + 1, HOOKS, on)
 
 
 @ti.kernel
@@ -114,4 +109,4 @@ def report(step: ti.i32, ring: RingState, on: ti.template()):
     """Bring the estimates up to date with the state, for whoever looks at the particles."""
     ti.loop_config(serialize=True)
     for _ in range(1):
-        running.report(ring, step, ESTIMATORS, on)
+        running.report(ring, step, HOOKS, on)

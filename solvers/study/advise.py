@@ -13,7 +13,8 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from solvers.scene import Scene, SceneError
+from solvers.rules import SceneError
+from solvers.scene import Scene
 from solvers.study.family import Family
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
@@ -70,16 +71,16 @@ class Advice:
     looks: int
 
 
-def families(base: Scene, methods: Iterable[tuple[str, bool]], particles_per_cell: Iterable[int],
+def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterable[int],
              courant_numbers: Iterable[float], quantity: str) -> list[Family]:
     """Every combination that makes a valid scene. ``methods`` pairs a method with linearity preservation."""
     found = []
     multiple = 6 if base.DIMENSIONS == 2 else 2  # so that the ring's lattice divides evenly
     for method, preserving in methods:
-        for ppc in particles_per_cell:
+        for ppc in per_cell:
             for cfl in courant_numbers:
                 try:
-                    scene = replace(base, method=method, linearity_preserving=preserving, particles_per_cell=ppc,
+                    scene = replace(base, method=method, linearity_preserving=preserving, ppc=ppc,
                                     dt=None, cfl=cfl)
                 except SceneError:
                     continue
@@ -186,7 +187,7 @@ def _runner_up(choices: list[Family], best: Candidate, goal: Goal, met: bool) ->
                        "further within the budget")
     if not met:
         return other, f"{name} comes down to {other.error:.2g} only"
-    size = f"{other.cells} cells with {other.scene.particles_per_cell} particles per cell, cfl {other.scene.cfl:g}"
+    size = f"{other.cells} cells with {other.scene.ppc} particles per cell, cfl {other.scene.cfl:g}"
     return other, f"{name} needs {size}: {other.seconds / best.seconds:.2g} times the time"
 
 

@@ -20,7 +20,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
-from solvers.scene import EFFECTS, Scene
+from solvers.effects import EFFECTS
+from solvers.scene import Scene
 from solvers.study.apart import end_process, how_it_ended, pipes, start_process
 from solvers.study.grid import Task, task_of
 
@@ -50,7 +51,7 @@ class SearchJob:
 
     base: dict
     methods: Sequence[tuple[str, bool]]
-    particles_per_cell: Sequence[int]
+    ppc: Sequence[int]
     courant_numbers: Sequence[float]
     quantity: str
     tolerance: float
@@ -60,7 +61,7 @@ class SearchJob:
         from solvers.study.advise import COARSE, Goal, advise, families
 
         base = Task(**self.base).scene()
-        choices = families(base, self.methods, self.particles_per_cell, self.courant_numbers, self.quantity)
+        choices = families(base, self.methods, self.ppc, self.courant_numbers, self.quantity)
         if not choices:
             tell(trouble=NO_CHOICE)
             return
@@ -83,7 +84,7 @@ def _advice(advice: Advice) -> dict:
     from solvers.study.family import ESTIMATOR
 
     chosen = advice.chosen
-    scene = replace(chosen.scene, estimators=(ESTIMATOR,), effects=EFFECTS)
+    scene = replace(chosen.scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS))
     return {"met": advice.met, "task": task_of(scene).to_dict(), "measured": chosen.measured,
             "error": chosen.error if math.isfinite(chosen.error) else None,
             "seconds": chosen.seconds, "why": advice.why, "looks": advice.looks}

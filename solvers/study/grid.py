@@ -9,10 +9,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 
-from solvers.problems import SCENES
-from solvers.scene import FLAGS, Scene, SceneError, field_key
+from solvers.problems import PROBLEMS
+from solvers.rules import FIELDS, SceneError, field_key
+from solvers.scene import Scene
 
-FIELDS = {key: field for field, key in FLAGS.items()}
 MOST_ROWS = 10_000
 
 
@@ -33,8 +33,9 @@ class Task:
 
     def scene(self) -> Scene:
         """The scene of this combination; :class:`SceneError` where there is none."""
-        return SCENES[self.problem](**{FIELDS.get(name, name): tuple(value) if isinstance(value, list) else value
-                                       for name, value in self.inputs.items()})
+        inputs = {FIELDS.get(name, name): tuple(value) if isinstance(value, list) else value
+                  for name, value in self.inputs.items()}
+        return PROBLEMS[self.problem].scene(**inputs)
 
     def refusal(self) -> SceneError | None:
         """Why there is no such scene, or None."""

@@ -19,8 +19,10 @@ import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from solvers.effects import EFFECTS
 from solvers.result import Result
-from solvers.scene import Scene, SceneError
+from solvers.rules import SceneError
+from solvers.scene import Scene
 from solvers.study.grid import Task
 
 SCHEMA = "mpm-lab/row/1"
@@ -29,8 +31,8 @@ TIMINGS = ("seconds", "rate", "host")  # what differs from one measurement of a 
 WARM_UP_STEPS = 256
 TIMED_SECONDS = 0.05  # that the timed runs of a scene take together at least,
 MOST_TIMES = 10  # unless that needs more than so many times the runs asked for
-#: Effects that can be timed alone, each with those that it needs.
-PRICED = {"truth": (), "crossings": (), "energy": (), "acceleration": ("truth",)}
+#: Effects that can be timed alone, each with one that it needs.
+PRICED = {name: effect.needs[:1] for name, effect in EFFECTS.items() if effect.timed_alone}
 BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particles", "particle_steps"))
 
 

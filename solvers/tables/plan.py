@@ -118,7 +118,7 @@ def table_3(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING
 
 def _bar_row(case: str, force: str, cells: int, estimators: tuple[str, ...], end: float, long: float) -> Row:
     modulus, amplitude = BAR_CASES[case]
-    scene = BarScene(method="ugimp", linearity_preserving=True, cells=cells, particles_per_cell=4, modulus=modulus,
+    scene = BarScene(method="ugimp", linearity_preserving=True, cells=cells, ppc=4, modulus=modulus,
                      amplitude=amplitude, dt=2.5e-5, t_end=end, body_force=force, estimators=estimators)
     crossings = replace(scene, t_end=long, estimators=(), effects=("crossings",))
     return Row(f"bar-{case}-{force}-{cells}", f"E = {modulus:g} Pa, A = {short(amplitude)} m, {BAR_FORCES[force]}",
@@ -133,7 +133,7 @@ def _ring_rows(printed, estimators: Mapping[str, Iterable[str]], cells: Iterable
 
 def _ring_row(name: str, method: str, cells: int, estimators: tuple[str, ...], end: float, printed: dict) -> Row:
     amplitude, modulus, ppc, what = RING_SETUPS[name]
-    scene = RingScene(method=method, cells=cells, particles_per_cell=ppc, amplitude=amplitude, modulus=modulus,
+    scene = RingScene(method=method, cells=cells, ppc=ppc, amplitude=amplitude, modulus=modulus,
                       dt=2e-5, t_end=end, estimators=estimators)
     part = f"A = {amplitude:g} m, E = {short(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
     return Row(f"ring-{name}-{method}-{cells}", part, _errors_and_cost(scene), printed)

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from solvers.scene import ESTIMATORS
+from solvers.estimators.registry import ESTIMATORS
 from tests.browser.driving import choose, click, coloured, drawn, number, readout, row, stage, time, until
 
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name

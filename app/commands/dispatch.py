@@ -1,0 +1,144 @@
+"""From words to a command: finds the command, reads its flags, and turns every mistake into one line.
+
+Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable run, 130 stopped by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import inspect
+import io
+import os
+import sys
+from collections.abc import Iterable
+from dataclasses import fields
+
+import tyro
+
+from app import __version__
+from app.commands import DEFAULT_COMMAND, commands
+from app.commands.flags import BadInput, shown
+from app.commands.output import say
+from solvers.rules import SceneError, field_key
+
+PROGRAM = "mpm-lab"
+FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
+
+
+def dispatch(arguments: list[str]) -> int:
+    """Run the command line and return its exit status; only Ctrl-C is raised, so nobody sees a traceback.
+
+    ``python -X dev -m app ...`` shows the traceback of what should not happen.
+    """
+    try:
+        status = _main(arguments)
+        sys.stdout.flush()  # here, where a reader that has gone is still ours to handle
+        return status
+    except BadInput as error:
+        say(error)
+        return BAD_INPUT
+    except SceneError as error:
+        say(BadInput(field_key(error.field).replace("_", "-"), error.value, error.sentence))
+        return BAD_INPUT
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends
+        return BROKEN_PIPE
+    except Exception as error:
+        if _wants_traceback():
+            raise
+        say(f"failed: {type(error).__name__}: {error}")
+        return FAILED
+
+
+def _wants_traceback() -> bool:
+    return sys.flags.dev_mode
+
+
+def _main(arguments: list[str]) -> int:
+    if arguments and arguments[0] == "--version":
+        print(f"{PROGRAM} {__version__}")
+        return 0
+    name, rest = _find_command(arguments)
+    if name not in commands():
+        print(_overview(name))
+        return 0
+    command = _read_flags(commands()[name], f"{PROGRAM} {' '.join(name)}", rest)
+    return 0 if command is None else command.execute()
+
+
+def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
+    """The command's name and what follows it. A name that is only the beginning of one asks for help."""
+    if not arguments or (arguments[0].startswith("-") and arguments[0] not in ("-h", "--help")):
+        return DEFAULT_COMMAND, arguments
+    name: tuple[str, ...] = ()
+    for position, word in enumerate(arguments):
+        if word in ("-h", "--help"):
+            return name, []
+        if word not in _next_words(name):
+            raise BadInput("", word, f"is not a command{_meant(word, _next_words(name))}; {_give(name)}")
+        name += (word,)
+        if name in commands():
+            return name, arguments[position + 1:]
+    raise BadInput("", " ".join(name), f"what? {_give(name)}")
+
+
+def _give(name: tuple[str, ...]) -> str:
+    return f"give {' or '.join(' '.join((PROGRAM, *name, word)) for word in _next_words(name))}"
+
+
+def _next_words(name: tuple[str, ...]) -> list[str]:
+    """The words that may follow the beginning of a command's name."""
+    return list(dict.fromkeys(known[len(name)] for known in commands()
+                              if known[:len(name)] == name and len(known) > len(name)))
+
+
+def _overview(name: tuple[str, ...]) -> str:
+    """The help above the commands: their names and what they do."""
+    rows = [(" ".join((PROGRAM, *known)), inspect.getdoc(kind).splitlines()[0])
+            for known, kind in commands().items() if known[:len(name)] == name]
+    width = max(len(row[0]) for row in rows)
+    lines = [f"usage: {' '.join((PROGRAM, *name))} COMMAND [flags]", ""]
+    if not name:
+        lines += ["A numerical laboratory for error estimates of the material point method.", ""]
+    lines += [f"  {command:<{width}}  {what}" for command, what in rows]
+    lines += ["", f"{' '.join((PROGRAM, *name))} COMMAND --help explains the flags of a command."]
+    if not name:
+        lines += [f"Without a command: {' '.join((PROGRAM, *DEFAULT_COMMAND))}.",
+                  f"{PROGRAM} --version prints the version."]
+    return "\n".join(lines)
+
+
+def _read_flags(kind: type, program: str, arguments: list[str]) -> object | None:
+    """The command with its flags filled in; None after its help was shown."""
+    complaints = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(complaints):
+            command, unknown = tyro.cli(kind, prog=program, args=arguments, return_unknown_args=True)
+    except SystemExit as end:
+        if not end.code:
+            return None
+        raise BadInput("", program, _condensed(complaints.getvalue())) from None
+    if unknown:
+        raise _unexpected(unknown[0], kind, program)
+    return command
+
+
+def _unexpected(word: str, kind: type, program: str) -> BadInput:
+    flags = ["--" + field.name.replace("_", "-") for field in fields(kind)]
+    flag = word.partition("=")[0]
+    if not word.startswith("-") or word == "-" or flag in flags:
+        return BadInput("", word, f"is not expected here; {program} --help shows the flags")
+    return BadInput("", flag, f"is not a flag of {program}{_meant(flag, flags)}; --help shows them all")
+
+
+def _meant(word: str, known: Iterable[str]) -> str:
+    close = difflib.get_close_matches(word, list(known), n=1)
+    return f" (did you mean {close[0]}?)" if close else ""
+
+
+def _condensed(box: str) -> str:
+    """tyro's boxed complaint as one sentence: the first line between the borders."""
+    lines = [line.strip(" │|╭╮╰╯─-") for line in box.splitlines()]
+    said = [line for line in lines if line and not line.startswith(("Missing", "Parsing", "For full"))]
+    return shown(said[0] if said else "the flags could not be read; --help shows them")

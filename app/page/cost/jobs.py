@@ -1,0 +1,138 @@
+"""One visitor's sweep or search in the background: at most one at a time, and few on the whole server."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from app import __version__
+from app.page.cost.runs import LIVE, SWEEP, Run, Runs
+from solvers.rules import SceneError
+from solvers.scene import Scene
+from solvers.study.aside import Aside, SearchJob, SweepJob
+from solvers.study.grid import Task, task_of
+
+MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
+#: Cells of a small sweep, by dimension.
+SMALL = {1: (10, 20, 40, 80), 2: (12, 24, 36, 48)}
+REPEATS = 2
+PARTICLES_PER_CELL, COURANT_NUMBERS = (2, 3, 4), (0.1, 0.3, 0.5)  # that a search chooses from
+BUSY = ("Other visitors' sweeps and searches keep this server busy: it does {} at a time. Try again in a while.")
+PLACES = threading.BoundedSemaphore(MOST_JOBS)
+
+
+def small_sweep(scene: Scene) -> list[Task]:
+    """A scene on four grids with each of its methods; what does not go together is left out."""
+    if scene.velocity == "corners":  # goes with one method only
+        scene = replace(scene, velocity="grid")
+    effects = tuple(dict.fromkeys((*scene.effects, "truth", "estimate")))
+    tasks = []
+    for method in scene.choices("method"):
+        for cells in SMALL[scene.DIMENSIONS]:
+            try:
+                other = replace(scene, method=method, cells=cells, effects=effects)
+            except SceneError:
+                continue
+            tasks.append(task_of(other, repeats=REPEATS, version=__version__))
+    return tasks
+
+
+def timings(runs: Sequence[Run]) -> list[Task]:
+    """The scenes of those runs that were timed on the stage only: there they go in small pieces, with every effect."""
+    return [Task(run.row["problem"], run.row["asked"], repeats=REPEATS, version=__version__)
+            for run in runs if run.source == LIVE]
+
+
+def search(scene: Scene, tolerance: float, budget: float) -> SearchJob:
+    """The job of finding the cheapest run of this problem with an error of x of ``tolerance`` times A at most."""
+    base = replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
+    return SearchJob(task_of(base).to_dict(), scene.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, "x",
+                     tolerance * scene.size_of("x"), budget)
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How a visitor's job goes. ``kind`` is "", "sweep" or "search"; the last one's outcome stays until the next.
+
+    ``total`` counts a sweep's runs, or those of a search that are certain; ``task`` is what a search looks at;
+    ``trouble`` is a sentence about what went wrong.
+    """
+
+    kind: str = ""
+    running: bool = False
+    cancelled: bool = False
+    done: int = 0
+    total: int = 0
+    task: Task | None = None
+    advice: dict | None = None
+    trouble: str | None = None
+
+
+class Jobs:
+    """Starts and ends one visitor's jobs. Rows of a sweep go to ``runs``. Any thread may call."""
+
+    def __init__(self, runs: Runs, places: threading.BoundedSemaphore = PLACES):
+        self._runs, self._places = runs, places
+        self._lock = threading.Lock()
+        self._aside: Aside | None = None
+        self._closed = False
+        self.progress = Progress()
+
+    @property
+    def process_id(self) -> int | None:
+        """Of the process that runs, if one does."""
+        aside = self._aside
+        return aside.process_id if aside else None
+
+    def sweep(self, tasks: list[Task]) -> None:
+        self._start("sweep", SweepJob([task.to_dict() for task in tasks]), len(tasks))
+
+    def search(self, job: SearchJob) -> None:
+        self._start("search", job, 0)
+
+    def cancel(self) -> None:
+        """End the job that runs; what it has found so far stays."""
+        with self._lock:
+            if self._aside is not None:
+                self.progress = replace(self.progress, cancelled=True)
+                self._aside.cancel()
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        with self._lock:
+            self._closed = True
+        self.cancel()
+
+    def _start(self, kind: str, job: SweepJob | SearchJob, total: int) -> None:
+        with self._lock:
+            if self.progress.running or self._closed:
+                return
+            if not self._places.acquire(blocking=False):
+                self.progress = Progress(kind, trouble=BUSY.format(MOST_JOBS))
+                return
+            try:
+                self._aside = Aside(job, self._hear)
+                self.progress = Progress(kind, running=True, total=total)
+            except OSError as error:
+                self._places.release()
+                self.progress = Progress(kind, trouble=f"No process could be started: {error.strerror or error}.")
+
+    def _hear(self, message: dict) -> None:
+        """A message of the job that runs; there is no other, because the next waits for this one's last."""
+        with self._lock:
+            before = self.progress
+            if "done" in message:
+                trouble = None if before.cancelled else message.get("trouble") or before.trouble
+                self.progress = replace(before, running=False, trouble=trouble)
+                self._aside = None
+                self._places.release()
+            elif "row" in message:
+                self._runs.add(message["row"], SWEEP)
+                self.progress = replace(before, done=before.done + 1)
+            elif "look" in message:
+                self.progress = replace(before, done=message["look"] - 1, total=message["coarse"],
+                                        task=Task(**message["task"]))
+            else:
+                self.progress = replace(before, **message)  # advice or trouble

@@ -1,0 +1,131 @@
+"""Error against seconds, one dot a run, as a drawing in SVG: dots that can be clicked and have a number.
+
+The viewer's charts report no clicks and mark no single points; a drawing of our own does, and each dot is a button for
+the keyboard too. What is clicked is named by ``data-run`` (see ``app.page.panels.cost``).
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+from collections.abc import Iterable, Sequence
+
+from app.colours import METHOD_COLOURS, METHOD_MARKS
+from app.page.cost.runs import LIVE, SWEEP, Run
+from app.page.cost.words import METHOD_NAMES, sentence
+from app.scale import power_text
+from solvers.study.row import UNSTABLE
+
+WIDTH, HEIGHT = 330, 216
+LEFT, RIGHT, TOP, BOTTOM = 40, 318, 10, 182
+MOST_NUMBERS = 40  # dots that have their number beside them; of more it is in their title only
+ROOM = 0.15  # decades around the dots
+FEW = 1.7  # decades below which 2 and 5 have a tick as well
+#: Marks of radius about 4 around (0, 0); the circle is a path too, so that all are drawn alike.
+SHAPES = {"o": "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", "s": "M-3.6 -3.6h7.2v7.2h-7.2z", "^": "M0 -4.6L4.4 3.4H-4.4z",
+          "D": "M0 -4.8L4.6 0L0 4.8L-4.6 0z", "v": "M0 4.6L4.4 -3.4H-4.4z"}
+CROSS = "M-4 -4L4 4M-4 4L4 -4"
+
+
+class Axis:
+    """A logarithmic axis from the decade ``low`` to ``high``, drawn from pixel ``start`` to ``end``."""
+
+    def __init__(self, values: Iterable[float], start: float, end: float):
+        logs = [math.log10(value) for value in values] or [0.0]
+        middle, half = 0.5 * (min(logs) + max(logs)), max(0.5 * (max(logs) - min(logs)) + ROOM, 0.5)
+        self.low, self.high, self._start, self._end = middle - half, middle + half, start, end
+
+    def at(self, value: float) -> float:
+        part = (math.log10(value) - self.low) / (self.high - self.low)
+        return round(self._start + part * (self._end - self._start), 1)
+
+    def ticks(self) -> list[tuple[float, str]]:
+        """Values and labels: powers of ten, and where those are few 2 and 5 times them."""
+        factors = (1, 2, 5) if self.high - self.low < FEW else (1,)
+        found = [(factor * 10.0**power, _label(factor, power))
+                 for power in range(math.floor(self.low), math.ceil(self.high) + 1) for factor in factors]
+        return [(value, label) for value, label in found if self.low <= math.log10(value) <= self.high]
+
+
+def picture(runs: Sequence[Run]) -> str:
+    """The drawing of those of the runs that have both an error and a time; "" if there are none."""
+    dots = [run for run in runs if run.drawable]
+    if not dots:
+        return ""
+    across = Axis((run.seconds for run in dots), LEFT, RIGHT)
+    # From unstable runs no scale is taken: their error may be anything.
+    up = Axis((run.size for run in dots if run.status != UNSTABLE), BOTTOM, TOP)
+    numbered = len(dots) <= MOST_NUMBERS
+    inside = "".join([_frame(across, up), _lines(dots, across, up),
+                      *(_dot(run, across, up, numbered) for run in dots)])
+    return (f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' width='100%' role='group' aria-label='error against seconds'>{inside}"
+            f"</svg>{_legend(dots)}")
+
+
+def _frame(across: Axis, up: Axis) -> str:
+    """Grid, ticks and what the axes are."""
+    parts = []
+    for value, label in across.ticks():
+        x = across.at(value)
+        parts.append(f"<path d='M{x} {TOP}V{BOTTOM}' class='lab-grid'/>"
+                     f"<text x='{x}' y='{BOTTOM + 13}' text-anchor='middle'>{label}</text>")
+    for value, label in up.ticks():
+        y = up.at(value)
+        parts.append(f"<path d='M{LEFT} {y}H{RIGHT}' class='lab-grid'/>"
+                     f"<text x='{LEFT - 4}' y='{y + 3.5}' text-anchor='end'>{label}</text>")
+    middle = (TOP + BOTTOM) / 2
+    parts.append(f"<path d='M{LEFT} {TOP}V{BOTTOM}H{RIGHT}' class='lab-axis'/>"
+                 f"<text x='{(LEFT + RIGHT) / 2}' y='{HEIGHT - 6}' text-anchor='middle'>seconds for one run</text>"
+                 f"<text transform='translate(9 {middle}) rotate(-90)' text-anchor='middle'>error of x / A</text>")
+    return "".join(parts)
+
+
+def _lines(dots: Sequence[Run], across: Axis, up: Axis) -> str:
+    """Runs of sweeps that differ in their cells alone are joined."""
+    groups: dict[str, list[Run]] = {}
+    for run in dots:
+        if run.source == SWEEP and run.status != UNSTABLE:
+            groups.setdefault(json.dumps({**run.row["asked"], "cells": 0}, sort_keys=True), []).append(run)
+    drawn = []
+    for group in groups.values():
+        group.sort(key=lambda run: run.row["scene"]["cells"])
+        points = " ".join(f"{across.at(run.seconds)},{up.at(run.size)}" for run in group)
+        drawn.append(f"<polyline points='{points}' class='lab-line' stroke='{_colour(group[0])}'/>")
+    return "".join(drawn)
+
+
+def _dot(run: Run, across: Axis, up: Axis, numbered: bool) -> str:
+    unstable, colour = run.status == UNSTABLE, _colour(run)
+    x, y = across.at(run.seconds), TOP + 5 if unstable else up.at(run.size)
+    shape = CROSS if unstable else SHAPES[METHOD_MARKS[run.row["scene"]["method"]]]
+    fill = "none" if unstable else "#fff" if run.source == LIVE else colour
+    words = html.escape(sentence(run), quote=True)
+    number = f"<text x='5.5' y='-3.5' class='lab-number'>{run.number}</text>" if numbered else ""
+    return (f"<g class='lab-dot' data-run='{run.number}' tabindex='0' role='button' aria-label='load {words}' "
+            f"transform='translate({x} {y})'><title>{words} Click to load.</title><circle r='8' fill='transparent'/>"
+            f"<path d='{shape}' fill='{fill}' stroke='{colour}' stroke-width='1.8'/>{number}</g>")
+
+
+def _legend(dots: Sequence[Run]) -> str:
+    """The methods that occur, and what hollow marks and crosses are if there are any."""
+    methods = [name for name in METHOD_NAMES if any(run.row["scene"]["method"] == name for run in dots)]
+    entries = [(SHAPES[METHOD_MARKS[name]], METHOD_COLOURS[name], METHOD_COLOURS[name], METHOD_NAMES[name])
+               for name in methods]
+    if any(run.source == LIVE for run in dots):
+        entries.append((SHAPES["o"], "#fff", "#6b7480", "as timed on the stage"))
+    if any(run.status == UNSTABLE for run in dots):
+        entries.append((CROSS, "none", "#6b7480", "unstable"))
+    return "<div class='lab-legend'>" + "".join(
+        f"<span><svg width='12' height='12' viewBox='-6 -6 12 12'><path d='{shape}' fill='{fill}' stroke='{stroke}' "
+        f"stroke-width='1.6'/></svg> {words}</span>" for shape, fill, stroke, words in entries) + "</div>"
+
+
+def _colour(run: Run) -> str:
+    return METHOD_COLOURS[run.row["scene"]["method"]]
+
+
+def _label(factor: int, power: int) -> str:
+    if -3 <= power <= 3:
+        return f"{factor * 10.0**power:g}"
+    return f"{factor}·" * (factor > 1) + power_text(power).strip()

@@ -1,0 +1,104 @@
+"""A visitor's runs: those seen on the stage and those of small sweeps, one row each, numbered."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from solvers.scene import Scene
+from solvers.study import summary as table
+from solvers.study.grid import Task
+from solvers.study.row import FAILED, OK, UNSTABLE
+
+MOST_RUNS = 200  # then the oldest is forgotten
+LIVE, SWEEP = "live", "sweep"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A row (``solvers.study.row``) with its number and where it comes from."""
+
+    number: int
+    source: str
+    row: dict
+
+    @property
+    def scene(self) -> Scene:
+        return Task(self.row["problem"], self.row["asked"]).scene()
+
+    @property
+    def error(self) -> float | None:
+        """The largest RMS error of x over A, None if it is not known."""
+        return self._relative(self.row.get("error") or {})
+
+    @property
+    def estimate(self) -> float | None:
+        """The same by the first of the estimators that hold."""
+        return next((self._relative(norms) for norms in (self.row.get("estimate") or {}).values()), None)
+
+    @property
+    def size(self) -> float | None:
+        """Where its dot goes: the error, or the estimate where no error is known."""
+        return self.estimate if self.error is None else self.error
+
+    @property
+    def seconds(self) -> float | None:
+        """Of a sweep's row the bare run's, of a live one those of everything that was computed."""
+        seconds = self.row.get("seconds") or {}
+        return seconds.get("min") or seconds.get("full")
+
+    @property
+    def status(self) -> str:
+        return self.row["status"]
+
+    @property
+    def drawable(self) -> bool:
+        """Whether it can be a dot: an unstable run whose error is out of bounds goes to the edge."""
+        return bool(self.seconds) and (self.status == UNSTABLE or (self.status == OK and bool(self.size)))
+
+    def _relative(self, norms: dict) -> float | None:
+        largest = (norms.get("x") or {}).get("max")
+        return None if largest is None or not math.isfinite(largest) else largest / self.scene.size_of("x")
+
+
+class Runs:
+    """The rows of one visitor. Any thread may add and read; ``version`` grows with every change."""
+
+    def __init__(self, most: int = MOST_RUNS):
+        self._lock = threading.Lock()
+        self._most = most
+        self._runs: dict[str, Run] = {}
+        self._numbers = 0
+        self.version = 0
+
+    def add(self, row: dict, source: str) -> None:
+        """Take a row in. A scene that is there keeps its number.
+
+        A live row does not replace a sweep's, and one that was lost replaces none.
+        """
+        key = row["key"]
+        with self._lock:
+            before = self._runs.get(key)
+            if before and ((before.source == SWEEP and source == LIVE) or row["status"] == FAILED):
+                return
+            if before is None:
+                self._numbers += 1
+                if len(self._runs) >= self._most:
+                    del self._runs[next(iter(self._runs))]
+            self._runs[key] = Run(before.number if before else self._numbers, source, row)
+            self.version += 1
+
+    def all(self) -> list[Run]:
+        """Every run, by number."""
+        with self._lock:
+            return sorted(self._runs.values(), key=lambda run: run.number)
+
+    def find(self, number: int) -> Run | None:
+        return next((run for run in self.all() if run.number == number), None)
+
+
+def csv_bytes(runs: Sequence[Run]) -> bytes:
+    """The rows as ``mpm-lab sweep`` writes them, after the number and the source."""
+    return table.csv_text({"run": run.number, "source": run.source, **run.row} for run in runs).encode()

@@ -1,0 +1,141 @@
+"""Runs, jobs and advice in words: sentences and the table of the Cost tab."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+
+from app.page.cost.jobs import Progress
+from app.page.cost.runs import MOST_RUNS, Run
+from app.page.panels.choices import PROBLEMS
+from app.scale import number
+from app.words import command_line
+from solvers.scene import Scene
+from solvers.study.grid import Task
+from solvers.study.row import FAILED, UNSTABLE
+
+METHOD_NAMES = {"mpm": "MPM", "ugimp": "uGIMP", "cpgimp": "cpGIMP", "bspline": "B-spline", "cpdi": "CPDI"}
+EMPTY = ("No run of the {} yet. A run becomes a dot when it has gone through its {} on the stage. A small sweep makes "
+         "{} dots at once.")
+NOTHING = "–"
+LONGEST_BUDGET = 60.0
+MOST_WATCHED = 40_000  # particles: the sliders reach no further, and browsers not much
+
+
+class NoNumber(ValueError):
+    """What was typed cannot be used; the message says why."""
+
+
+def typed(name: str, text: str, most: float = math.inf) -> float:
+    """A positive number that a visitor typed."""
+    try:
+        value = float(text.strip())
+    except ValueError:
+        value = math.nan
+    if not 0 < value <= most or math.isinf(value):
+        allowed = f"above 0 and up to {most:g}" if math.isfinite(most) else "above 0, such as 1e-3"
+        raise NoNumber(f"{name} {text.strip()[:20]!r}: give a number {allowed}.")
+    return value
+
+
+def setting(scene: Scene) -> str:
+    """A scene in short."""
+    preserving = "linearity-preserving " * scene.linearity_preserving
+    return (f"{preserving}{METHOD_NAMES[scene.method]}, {scene.cells} cells, {scene.ppc} particles per "
+            f"cell, CFL {scene.courant_number:.3g}")
+
+
+def sentence(run: Run) -> str:
+    """A run in a sentence."""
+    scene = run.scene
+    text = f"run {run.number}: {setting(scene)}, A {scene.amplitude:.3g} m, E {scene.modulus:.3g} Pa; "
+    if run.status in (UNSTABLE, FAILED):
+        return f"{text}{run.status}: {run.row['reason']}."
+    return f"{text}error of x {relative(run.error)}, estimated {relative(run.estimate)} of A in {seconds(run.seconds)}."
+
+
+def relative(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.2e}"
+
+
+def too_large(scene: Scene) -> str:
+    """What to do with a scene that the stage cannot show."""
+    return (f"{scene.particles:,} particles are too many to watch; at most {MOST_WATCHED:,} go on the stage. "
+            f"Run it in a terminal: {command_line(scene)}")
+
+
+def seconds(value: float | None) -> str:
+    if value is None:
+        return NOTHING
+    return f"{1e3 * value:.2g} ms" if value < 0.0995 else f"{value:.2g} s" if value < 99.5 else f"{value:.0f} s"
+
+
+def table(runs: Sequence[Run]) -> str:
+    """The runs as a table, the newest first; their numbers are buttons."""
+    if not runs:
+        return ""
+    heads = ("run", "method", "cells", "p/c", "CFL", "error", "estim.", "time")
+    lines = [_line(run) for run in reversed(runs)]
+    return ("<table class='lab-runs'><tr>" + "".join(f"<th>{head}</th>" for head in heads) + "</tr>" + "".join(lines)
+            + f"</table><p>Errors of x over A, the RMS, largest over time. The newest {MOST_RUNS} runs are kept.</p>")
+
+
+def _line(run: Run) -> str:
+    scene, words = run.scene, html.escape(sentence(run), quote=True)
+    method = METHOD_NAMES[scene.method] + "*" * scene.linearity_preserving
+    cells = [method, scene.cells, scene.ppc, f"{scene.courant_number:.3g}"]
+    if run.status in (UNSTABLE, FAILED):
+        end = f"<td colspan=2 class='lab-bad'>{run.status}</td><td>{seconds(run.seconds)}</td>"
+    else:
+        end = "".join(f"<td>{text}</td>" for text in
+                      (relative(run.error), relative(run.estimate), seconds(run.seconds)))
+    return (f"<tr title='{words}'><td><button data-run='{run.number}' aria-label='load run {run.number}'>{run.number}"
+            "</button></td>" + "".join(f"<td>{cell}</td>" for cell in cells) + f"{end}</tr>")
+
+
+def empty(problem: str, sweep: int) -> str:
+    """Why there is no picture yet."""
+    return EMPTY.format(PROBLEMS[problem], "one period", sweep)
+
+
+def others(runs: Sequence[Run], problem: str) -> str:
+    """That there are runs of another problem than the one on the stage, if so."""
+    hidden = [run for run in runs if run.row["problem"] != problem]
+    if not hidden:
+        return ""
+    name = PROBLEMS[hidden[0].row["problem"]]
+    count = f"{len(hidden)} runs" if len(hidden) > 1 else "1 run"
+    return f"And {count} of the {name}: shown when that problem is chosen; the CSV file has all."
+
+
+def going(progress: Progress) -> str:
+    """How a job goes, or how it ended."""
+    if progress.running:
+        if progress.kind == "sweep":
+            return f"Sweep: {progress.done} of {progress.total} runs." if progress.done else "Sweep: starting."
+        if progress.task is None:
+            return "Search: starting."
+        coarse = f" of {progress.total} on coarse grids" if progress.done < progress.total else ""
+        return f"Search, run {progress.done + 1}{coarse}: {setting(progress.task.scene())}."
+    if progress.cancelled:
+        kept = f" The {progress.done} runs that were done are kept." if progress.kind == "sweep" else ""
+        return f"The {progress.kind} was cancelled.{kept}"
+    if progress.trouble:
+        return progress.trouble if progress.trouble.endswith(".") else f"The {progress.kind} ended: {progress.trouble}."
+    if progress.advice:
+        return found(progress.advice)
+    return f"The sweep is done: {progress.done} runs." if progress.kind == "sweep" else ""
+
+
+def found(advice: dict) -> str:
+    """The recommendation."""
+    scene = Task(**advice["task"]).scene()
+    size = scene.size_of("x")
+    error = "no usable error" if advice["error"] is None else \
+        f"error {number(advice['error'])} m, {number(advice['error'] / size)} of A"
+    known = "by its own estimate" if advice["measured"] else "expected, not run"
+    run = f"{setting(scene)}: {error} ({known}), {seconds(advice['seconds'])} for the bare run"
+    runner_up = f"Runner-up: {advice['why']}." if advice["why"] else ""
+    start = "Take" if advice["met"] else "Nothing within reach meets that. The closest is"
+    return f"{start} {run}. {runner_up} ({advice['looks']} runs were tried.)"

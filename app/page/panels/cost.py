@@ -1,0 +1,164 @@
+"""The Cost tab: what accuracy costs in time, out of a visitor's own runs."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+
+import viser
+
+from app.page.cost import words
+from app.page.cost.jobs import Jobs, Progress, search, small_sweep, timings
+from app.page.cost.live import LiveRows
+from app.page.cost.picture import picture
+from app.page.cost.runs import LIVE, Runs, csv_bytes
+from app.page.history import History
+from app.page.session import Session
+from solvers.engine.messages import FrameReport
+from solvers.scene import Scene
+from solvers.study.grid import Task
+
+FILE_NAME = "mpm-lab-runs.csv"
+#: Put before the text field through which a click arrives: the style hides that field.
+PICKED = "<i class='lab-picked'></i>"
+# A drawing has no callbacks. One handler finds what was clicked and types its number into the hidden field, as a
+# visitor would; the time makes every click another text.
+_PICK = ("const d=event.target.closest('[data-run]');if(d&&(event.type=='click'||event.key=='Enter')){"
+         "const i=document.querySelector('div:has(> .lab-picked) + div input');"
+         "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,d.dataset.run+' '+Date.now());"
+         "i.dispatchEvent(new Event('input',{bubbles:true}))}")
+
+
+class CostTab:
+    """Make it inside its tab. :meth:`follow` hears every frame; :meth:`refresh` shows what is new, from one thread.
+
+    ``load`` puts a scene on the stage.
+    """
+
+    def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
+        self._client, self._session, self._load = client, session, load
+        self.runs = Runs()
+        self.jobs = Jobs(self.runs)
+        self._live = LiveRows()
+        self._shown: tuple | None = None
+        self._said: tuple | None = None
+        self._remark = ""
+        self._build(client.gui)
+
+    def follow(self, report: FrameReport, history: History) -> None:
+        """A frame has come: take its run's row when it is complete."""
+        row = self._live.follow(report, history)
+        if row is not None:
+            self.runs.add(row, LIVE)
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        self.jobs.close()
+
+    def refresh(self) -> None:
+        """Show what has changed."""
+        problem = self._session.scene.problem
+        shown = (self.runs.version, problem)
+        if shown != self._shown:
+            self._shown = shown
+            self._show_runs(problem)
+        going = self.jobs.progress
+        if (going, self._remark) != self._said:
+            self._said = (going, self._remark)
+            self._show_progress(going)
+
+    # ---- widgets ------------------------------------------------------------------------------------------
+
+    def _build(self, gui: viser.GuiApi) -> None:
+        gui.add_html(PICKED)
+        picked = gui.add_text("Run to load", "")
+        picked.on_update(lambda event: self._pick(event.target.value))
+        self._picture = gui.add_html("")
+        self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
+                                     "grids with each of its methods, timed in the background")
+        self._sweep.on_click(lambda _: self._start_sweep())
+        self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="hollow dots "
+                                    "are timed on the stage, in small pieces and with every effect; this runs them "
+                                    "bare and in one go, in the background")
+        self._time.on_click(lambda _: self._start_timing())
+        self._tolerance = gui.add_text("Tolerance / A", "1e-3", hint="largest RMS error of x that is allowed at any "
+                                       "time of one period, as a part of the amplitude A")
+        self._budget = gui.add_text("Longest run, s", "10", hint="longest bare run that may be recommended")
+        self._search = gui.add_button("Find the cheapest run", icon=viser.Icon.TARGET_ARROW, hint="tries methods, "
+                                      "cells, particles per cell and steps in the background, on estimates alone")
+        self._search.on_click(lambda _: self._start_search())
+        self._bar = gui.add_progress_bar(0.0, visible=False, animated=True)
+        self._status = gui.add_html("")
+        self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
+        self._cancel.on_click(lambda _: self.jobs.cancel())
+        self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False)
+        self._take.on_click(lambda _: self._load_advice())
+        self._table = gui.add_html("")
+        self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True, color="gray")
+        self._download.on_click(lambda _: self._send())
+
+    def _show_runs(self, problem: str) -> None:
+        runs = self.runs.all()
+        of_problem = [run for run in runs if run.row["problem"] == problem]
+        drawing = picture(of_problem) or f"<p>{words.empty(problem, len(small_sweep(self._session.scene)))}</p>"
+        hidden = words.others(runs, problem)
+        self._picture.content = _clickable(drawing + (f"<p>{hidden}</p>" if hidden else ""))
+        self._table.content = _clickable(words.table(of_problem))
+        self._download.disabled = not runs
+        self._time.visible = bool(timings(runs))
+
+    def _show_progress(self, going: Progress) -> None:
+        self._sweep.disabled = self._time.disabled = self._search.disabled = going.running
+        self._cancel.visible = self._bar.visible = going.running
+        if going.running:
+            self._bar.value = min(100.0, 100.0 * going.done / going.total) if going.total else 0.0
+        self._take.visible = bool(going.advice) and not going.running
+        texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(going), self._remark) if text]
+        self._status.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
+
+    # ---- what the visitor does (from the viewer's threads) ------------------------------------------------
+
+    def _pick(self, text: str) -> None:
+        number = text.partition(" ")[0]
+        run = self.runs.find(int(number)) if number.isdecimal() else None
+        if run is not None:
+            self._put(run.scene, f"Run {run.number}")
+
+    def _start_sweep(self) -> None:
+        self._remark = ""
+        self.jobs.sweep(small_sweep(self._session.scene))
+
+    def _start_timing(self) -> None:
+        self._remark = ""
+        self.jobs.sweep(timings(self.runs.all()))
+
+    def _start_search(self) -> None:
+        try:
+            job = search(self._session.scene, words.typed("Tolerance", self._tolerance.value),
+                         words.typed("Longest run", self._budget.value, words.LONGEST_BUDGET))
+        except words.NoNumber as refusal:
+            self._remark = str(refusal)
+            return
+        self._remark = ""
+        self.jobs.search(job)
+
+    def _load_advice(self) -> None:
+        """Put the advice on the stage."""
+        advice = self.jobs.progress.advice
+        if advice:
+            self._put(Task(**advice["task"]).scene(), "The advice")
+
+    def _put(self, scene: Scene, name: str) -> None:
+        """Put a scene on the stage if a browser can show it."""
+        if scene.particles > words.MOST_WATCHED:
+            self._remark = words.too_large(scene)
+            return
+        self._load(scene)
+        self._remark = f"{name} is on the stage."
+
+    def _send(self) -> None:
+        self._client.send_file_download(FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True)
+
+
+def _clickable(content: str) -> str:
+    return f"<div class='lab-cost' onclick=\"{_PICK}\" onkeydown=\"{_PICK}\">{content}</div>" if content else ""

@@ -1,0 +1,65 @@
+"""Which estimators run, which of them the stage shows, and against what: a part of the control panel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import viser
+
+from app.page.panels.furniture import PAIRED
+from app.page.session import Session
+from app.page.view import DIFFERENCE, SIDE_BY_SIDE, VIEWS
+from solvers.estimators.registry import ESTIMATORS
+
+NONE = "none"
+
+
+class EstimatorChoice:
+    """Boxes for the estimators and two dropdowns for the stage. ``on_view`` is called when only the drawing changes."""
+
+    def __init__(self, session: Session, on_view: Callable[[], None]):
+        self._session, self._on_view = session, on_view
+        self._drawn = NONE
+        self.difference = False
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """The estimators whose boxes are ticked."""
+        return tuple(name for name, box in self._boxes.items() if box.value)
+
+    @property
+    def drawn(self) -> str | None:
+        """The estimator on the stage, if any."""
+        return None if self._drawn == NONE else self._drawn
+
+    def build(self, gui: viser.GuiApi) -> None:
+        """Make the widgets, for the session's present scene."""
+        wished = self._session.scene.estimators
+        gui.add_html(PAIRED)
+        self._boxes = {name: gui.add_checkbox(name, name in wished, hint=ESTIMATORS[name].summary) for name in ESTIMATORS}
+        options = wished or (NONE,)
+        self._drawn = self._drawn if self._drawn in options else options[0]
+        self._shown = gui.add_dropdown("On the stage", options, initial_value=self._drawn,
+                                       hint="the estimator whose errors are drawn, of those that run")
+        stage = gui.add_dropdown("Compare", VIEWS, initial_value=DIFFERENCE if self.difference else SIDE_BY_SIDE,
+                                 hint="estimate − truth is drawn as the size of what the estimate misses, direction "
+                                      "and all; its norm over that of the truth is the distance")
+        for box in self._boxes.values():
+            box.on_update(lambda _: self._choose())
+        self._shown.on_update(lambda _: self._draw(self._shown.value))
+        stage.on_update(lambda e: self._compare(e.target.value == DIFFERENCE))
+
+    def _choose(self) -> None:
+        options = self.chosen or (NONE,)
+        self._shown.options = options  # a value that is not among them gives way to the first
+        self._draw(self._shown.value)
+        self._session.set(estimators=self.chosen)
+
+    def _draw(self, name: str) -> None:
+        self._drawn = name
+        self._on_view()
+
+    def _compare(self, difference: bool) -> None:
+        self.difference = difference
+        self._session.compare(difference)
+        self._on_view()

@@ -1,0 +1,58 @@
+"""The left panel: numbers of the run and three plots over time."""
+
+from __future__ import annotations
+
+import viser
+
+from app.page.panels.choices import QUANTITIES
+from app.page.panels.controls import Controls
+from app.page.panels.furniture import MEASUREMENTS_WIDTH
+from app.page.panels.plots import LEAST_HEIGHT, Plots
+from app.page.panels.readout import LINE, extra_lines, readout
+from app.page.session import Session
+from app.page.view import why_no_truth
+from app.page.worst import WorstPlaces
+
+READOUT_HEIGHT = 434  # pixels of the window that are not plot: heading, numbers, titles and axes, with one estimator
+MOST_HEIGHT = 240  # of a plot
+
+
+class Measurements:
+    """Readout and plots of one visitor's session. Call :meth:`refresh` a few times a second."""
+
+    def __init__(self, client: viser.ClientHandle):
+        self._client, gui = client, client.gui
+        panel = gui.add_panel()
+        with panel.add_tab("Measurements", viser.Icon.CHART_LINE) as tab:
+            self._readout = gui.add_html("<div class='lab-readout'>waiting for the first frame</div>")
+        self._plots = Plots(client, tab)
+        panel.dock_left()
+        panel.set_width(MEASUREMENTS_WIDTH)
+
+    def refresh(self, session: Session, controls: Controls, probed: str | None, places: WorstPlaces) -> None:
+        """Show what has come in since the last time."""
+        report, history = session.report, session.history
+        if report is None or report.scene != history.scene:
+            return
+        scene, quantity = report.scene, controls.quantity
+        key, unit = QUANTITIES[quantity]
+        self._readout.content = readout(session, quantity, controls.estimators.drawn, probed, places)
+        self._plots.have(scene.active_estimators, self._height(extra_lines(session, quantity)))
+        if len(history.series.get("time", ())) < 2:
+            self._plots.clear()
+        else:
+            self._plots.show(history, session.valid_estimators, key, unit, _why_no_index(session, quantity))
+
+    def _height(self, lines: int) -> int:
+        """Let the three plots share what the window leaves below the readout with so many lines more than usual."""
+        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * lines
+        return max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3))
+
+
+def _why_no_index(session: Session, quantity: str) -> str:
+    scene = session.report.scene
+    if not scene.solution_known:
+        return "empty: no exact solution is built in"
+    if why_no_truth(scene, quantity):
+        return "empty: the true error is not computed"
+    return "" if session.valid_estimators else "empty: no valid estimate" if scene.estimators else "empty: no estimate"

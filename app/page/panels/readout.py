@@ -1,0 +1,139 @@
+"""The numbers of the left panel: the run, each estimator beside the truth, and where the error is worst."""
+
+from __future__ import annotations
+
+import html
+import math
+
+import numpy as np
+
+from app.colours import ESTIMATE, ESTIMATOR_LINES, TRUTH
+from app.page.panels.choices import QUANTITIES, SYMBOLS
+from app.page.session import Session
+from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
+from app.page.worst import Place, WorstPlaces
+from app.scale import with_unit
+
+LINE = 18  # pixels that a line of the readout is high
+SHORT = 30  # characters of a reason that fit beside a name
+SILENCE_LINE = 40  # and of one that begins with it, on a line
+TRUE = "true"
+
+
+def readout(session: Session, quantity: str, drawn: str | None, probed: str | None, places: WorstPlaces) -> str:
+    """The readout as html, and what it shows of ``quantity`` (its label) with the estimator ``drawn`` on the stage."""
+    series = session.history.series
+    tables = (_run(session, series, probed), _estimates(session, series, quantity), _worst(places, drawn, quantity))
+    return f"<div class='lab-readout'>{''.join(tables)}</div>"
+
+
+def extra_lines(session: Session, quantity: str) -> int:
+    """Lines that the readout has more than that of one estimator beside the truth."""
+    scene, silences = session.report.scene, _silences(session, quantity)
+    wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
+                  for silence in silences.values() if len(silence) > SHORT)
+    return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known)
+
+
+def _run(session: Session, series: dict[str, np.ndarray], probed: str | None) -> str:
+    report = session.report
+    scene = report.scene
+    real = "–" if report.real_speed is None or not report.playing else f"{report.real_speed:.3g}"
+    capped = " <span class='lab-capped'>CAPPED</span>" if session.capped else ""
+    state = "" if report.playing else " <b>stopped</b>" if report.reason else " <b>paused</b>"
+    rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
+            ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
+            ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
+            ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
+    drift = _energy_drift(series)
+    if drift is not None:
+        rows.append(("energy", f"out of balance by {drift:+.2%}"))
+    rows.append(("region", html.escape(probed) if probed else "drag a rectangle on the stage"))
+    return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+
+
+def _estimates(session: Session, series: dict[str, np.ndarray], quantity: str) -> str:
+    """A line for the truth and one for each estimator: its norm now, its index and its distance so far."""
+    key, unit = QUANTITIES[quantity]
+    rows = [_row("head", f"error of {SYMBOLS[key]}", "norm", "index", "distance")]
+    for name, silence in _silences(session, quantity).items():
+        if len(silence) > SHORT:
+            rows.append(_row("", f"<span class='lab-name'>{_named(name)}</span>: {html.escape(silence)}"))
+        elif silence:
+            rows.append(_row("", _named(name), html.escape(silence)))
+        elif name == TRUE:
+            rows.append(_row("", _named(name), _norm(series, f"error_{key}", unit), "", ""))
+        else:
+            rows.append(_row("", _named(name), _norm(series, f"{name}/estimate_{key}", unit),
+                             _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/apart_{key}")))
+    return _table("".join(rows), "lab-numbers lab-estimates")
+
+
+def _silences(session: Session, quantity: str) -> dict[str, str]:
+    """For the truth and each estimator asked for, why there is no number of it; "" where there is."""
+    report, series = session.report, session.history.series
+    scene, key = report.scene, QUANTITIES[quantity][0]
+    silences = {TRUE: why_no_truth(scene, quantity)}
+    for name in scene.estimators:
+        norms = series.get(f"{name}/estimate_{key}", np.zeros(0))
+        silent = len(norms) and not np.isfinite(norms).any()
+        silences[name] = report.not_valid.get(name) or why_no_estimate(scene, report.not_valid, name, quantity) \
+            or f"does not estimate the {quantity}" * bool(silent)
+    return silences if scene.estimators else {**silences, "estimated": NONE_CHOSEN}
+
+
+def _worst(places: WorstPlaces, drawn: str | None, quantity: str) -> str:
+    """Where the error is worst, by the estimate on the stage and by the truth, with both errors there."""
+    unit = QUANTITIES[quantity][1]
+    by = [(drawn, places.by_estimate)] if drawn else []
+    rows = [_row("head", "worst region, by", "", "estimated", "true"),
+            *(_row("", html.escape(name), *_place(place, unit)) for name, place in (*by, (TRUE, places.by_truth)))]
+    return _table("".join(rows), "lab-numbers lab-worst")
+
+
+def _place(place: Place | None, unit: str) -> tuple[str, str, str]:
+    if place is None:
+        return "unknown", "", ""
+    return (html.escape(place.name), *("–" if value is None else with_unit(value, unit, 2)
+                                       for value in (place.estimated, place.true)))
+
+
+def _table(rows: str, kind: str = "") -> str:
+    return f"<table class='{kind}'>{rows}</table>"
+
+
+def _row(kind: str, *cells: str) -> str:
+    """A row of four cells; a last one that stands for several takes their room."""
+    span = 5 - len(cells)
+    first = "".join(f"<td>{cell}</td>" for cell in cells[:-1])
+    last = f"<td colspan={span} class='lab-silence'>" if span > 1 else "<td>"
+    return f"<tr class='lab-{kind}'>{first}{last}{cells[-1]}</td></tr>"
+
+
+def _named(name: str) -> str:
+    """A name behind a piece of its line in the plots."""
+    colour, dash = ESTIMATOR_LINES.get(name, (TRUTH, ()) if name == TRUE else (ESTIMATE, ()))
+    dashes = f" stroke-dasharray='{','.join(map(str, dash))}'" if dash else ""
+    return (f"<svg width='18' height='8'><path d='M0 4h18' stroke='{colour}' stroke-width='3'{dashes}/></svg>"
+            f" {html.escape(name)}")
+
+
+def _norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
+    values = series.get(name, np.zeros(0))
+    return with_unit(float(values[-1]), unit) if len(values) and np.isfinite(values[-1]) else "–"
+
+
+def _ratio(series: dict[str, np.ndarray], name: str) -> str:
+    values = series.get(name, np.zeros(0))
+    if not len(values) or not np.isfinite(values[-1]):
+        return "–"
+    return f"{values[-1]:.2f}" if values[-1] > 0.095 else f"{values[-1]:.1g}"
+
+
+def _energy_drift(s: dict[str, np.ndarray]) -> float | None:
+    """(E - W - E0)/E0 now, W the body force's work, or None where the energy is not followed."""
+    if "kinetic" not in s or not len(s["kinetic"]):
+        return None
+    total = s["kinetic"] + s["strain"]
+    drift = (total[-1] - s["work"][-1] - total[0]) / total[0] if total[0] > 0 else np.nan
+    return float(drift) if np.isfinite(drift) else None

@@ -1,0 +1,189 @@
+"""Serving the page: engines, the web server and one :class:`~app.page.page.Page` per visitor."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+import os
+import socket
+import sys
+import threading
+import warnings
+from collections.abc import Callable
+from typing import Protocol
+
+from app.page.session import FIRST_SCENE
+from solvers.engine.pool import EnginePool, Listener, SessionLink
+
+MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
+
+
+class ServeError(Exception):
+    """The page cannot be served; the message says why."""
+
+
+class Client(Protocol):
+    """What is known of a visitor here."""
+
+    client_id: int
+
+
+class Closable(Protocol):
+    """What is known of a page here."""
+
+    def close(self) -> None: ...
+
+
+class Lines:
+    """The pool as one page sees it. Knows what the page opened, so that one that fails leaves nothing behind."""
+
+    def __init__(self, pool: EnginePool):
+        self._pool, self._links = pool, []
+
+    def open(self, listener: Listener) -> SessionLink:
+        link = self._pool.open(listener)
+        self._links.append(link)
+        return link
+
+    def close(self) -> None:
+        for link in self._links:
+            link.close()
+
+
+class Visitors:
+    """Who is here: a page for each of at most ``places`` visitors, closed when its visitor leaves.
+
+    The web server calls from many threads: a visitor may leave while the page is being made, or even before
+    :meth:`connect` is called.
+    """
+
+    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Client, Lines], Closable],
+                 show: Callable[[Client, str], None]):
+        self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
+        self._lock = threading.Lock()
+        self._pages: dict[int, Closable | None] = {}  # places taken; None while the page is being made
+        self._pageless: set[int] = set()  # here, but refused or with a page that failed
+        self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
+
+    def connect(self, client: Client) -> None:
+        """Take a visitor in, or say why not."""
+        visitor = client.client_id
+        with self._lock:
+            if visitor in self._left:
+                self._left.remove(visitor)
+                return
+            admitted = len(self._pages) < self._places
+            if admitted:
+                self._pages[visitor] = None
+            else:
+                self._pageless.add(visitor)
+        if admitted:
+            self._admit(client)
+        else:
+            self._show(client, "Every place on this server is taken. Reload the page in a while.")
+
+    def disconnect(self, client: Client) -> None:
+        """Close the visitor's page, now or as soon as it is made."""
+        visitor = client.client_id
+        with self._lock:
+            if visitor in self._pageless:
+                self._pageless.remove(visitor)
+                return
+            page = self._pages.get(visitor)
+            if page is None:
+                self._left.add(visitor)
+                return
+            del self._pages[visitor]
+        page.close()
+
+    def _admit(self, client: Client) -> None:
+        """Make the page of a visitor who has a place."""
+        visitor = client.client_id
+        page = self._try_page(client)
+        with self._lock:
+            left = visitor in self._left
+            self._left.discard(visitor)
+            if page is not None and not left:
+                self._pages[visitor] = page
+                return
+            del self._pages[visitor]
+            if not left:
+                self._pageless.add(visitor)
+        if page is not None:
+            page.close()
+        elif not left:
+            self._show(client, "The page could not be made. Reload it, or see the terminal for the reason.")
+
+    def _try_page(self, client: Client) -> Closable | None:
+        lines = Lines(self._pool)
+        try:
+            return self._make_page(client, lines)
+        except Exception:
+            logging.getLogger(__name__).exception("the page of visitor %d could not be made", client.client_id)
+            lines.close()
+            return None
+
+
+def serve(host: str, port: int, max_sessions: int) -> None:
+    """Serve the page until interrupted. Raises :class:`ServeError` when host and port cannot be had."""
+    _require_free(host, port)
+    # The engines start before the page's imports: they need longest.
+    pool, server = EnginePool(FIRST_SCENE, engines=_engine_count()), None
+    try:
+        server = _start_server(host, port, pool, max_sessions)
+        address = f"http://{_address(host)}:{server.get_port()}"
+        print(f"mpm-lab is at {address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+        threading.Event().wait()
+    finally:
+        pool.close()
+        if server is not None:
+            with contextlib.redirect_stdout(io.StringIO()):
+                server.stop()
+
+
+def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
+    import viser
+
+    from app.page.page import Page
+    from app.page.panels.furniture import add_head, furnish
+
+    # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+    with contextlib.redirect_stdout(io.StringIO()):  # it would announce itself in a box of its own
+        server = viser.ViserServer(host=host, port=port, verbose=False)
+    furnish(server.gui)
+    visitors = Visitors(pool, max_sessions, Page, lambda client, sentence: _show(client, sentence, add_head))
+    server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
+    server.on_client_connect(visitors.connect)
+    return server
+
+
+def _show(client, sentence: str, add_head: Callable) -> None:
+    """Nothing but a sentence: whatever had been put on the page goes."""
+    client.gui.reset()
+    client.scene.reset()
+    add_head(client.gui)
+    client.gui.add_html(f"<div class='lab-notice lab-refused'>{sentence}</div>")
+
+
+def _engine_count() -> int:
+    """One engine fewer than the processors that this process may use, so that the page keeps one."""
+    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
+    processors = len(affinity(0)) if affinity else os.cpu_count() or 2
+    return min(MOST_ENGINES, max(1, processors - 1))
+
+
+def _address(host: str) -> str:
+    return "127.0.0.1" if host in ("", "0.0.0.0") else host
+
+
+def _require_free(host: str, port: int) -> None:
+    """The web server would silently take the next port; a person who typed a number means it."""
+    try:
+        with socket.socket() as trial:
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            trial.bind((host, port))
+    except OSError as error:
+        raise ServeError(f"cannot listen on {host}:{port} ({(error.strerror or str(error)).lower()}); "
+                         "choose another with --port or --host") from error

@@ -1,0 +1,90 @@
+"""What the stage's two halves show of a frame: which sizes of errors, under which title, or why there is nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.scene import Scene
+
+SIDE_BY_SIDE, DIFFERENCE = "estimate | truth", "estimate − truth | truth"
+VIEWS = (SIDE_BY_SIDE, DIFFERENCE)
+
+UNKNOWN = "true error unknown here: no exact solution is built in"
+TRUTH_OFF = "true error not computed: its effect is off"
+ESTIMATE_OFF = "not estimated: the effect \"estimate\" is off"
+NONE_CHOSEN = "no estimator is chosen"
+ACCELERATION_OFF = "not computed: the effect \"acceleration error\" is off"
+
+
+@dataclass(frozen=True)
+class Half:
+    """One lane of the bar or half of the ring: ``sizes`` (P,) of errors, or None and the reason in ``silence``."""
+
+    title: str
+    sizes: np.ndarray | None
+    silence: str = ""
+
+
+@dataclass(frozen=True)
+class View:
+    """Both halves and what the scale measures; and the estimated and true sizes (P,) for whoever reads off numbers."""
+
+    left: Half
+    right: Half
+    measures: str
+    estimated: np.ndarray | None
+    true: np.ndarray | None
+
+
+def look(report: FrameReport, arrays: FrameArrays, quantity: str, column: int, estimator: str | None,
+         difference: bool) -> View:
+    """The view of a frame: ``column`` of the errors, called ``quantity``, by ``estimator`` and in truth."""
+    scene, measures = report.scene, f"size of the error of {quantity}"
+    no_truth = why_no_truth(scene, quantity)
+    no_estimate = why_no_estimate(scene, report.not_valid, estimator, quantity)
+    true = None if no_truth else np.abs(arrays.error[:, column])
+    estimated = None if no_estimate else _known(np.abs(arrays.estimate[estimator][:, column]))
+    if estimated is None and not no_estimate:
+        no_estimate = f"{estimator} does not estimate the {quantity}"
+    named = f" by {estimator}" if estimator else ""
+    left = Half(f"estimated error{named}", estimated, no_estimate)
+    if difference:
+        measures = f"size of the error, and of estimate − truth, of {quantity}"
+        silence = no_estimate or no_truth
+        apart = None if silence or not arrays.difference else arrays.difference[estimator][:, column]
+        left = Half(f"estimate{named} − truth", apart, silence)
+    return View(left, Half("true error", true, no_truth), measures, estimated, true)
+
+
+def why_no_truth(scene: Scene, quantity: str) -> str:
+    """Why a scene has no true error of a quantity; "" where it has."""
+    if not scene.solution_known:
+        return UNKNOWN
+    if not scene.has("truth"):
+        return TRUTH_OFF
+    return _why_no_acceleration(scene, quantity)
+
+
+def why_no_estimate(scene: Scene, not_valid: dict[str, str], estimator: str | None, quantity: str) -> str:
+    """Why an estimator says nothing of a quantity; "" where it should."""
+    if estimator is None:
+        return NONE_CHOSEN
+    if "estimate" not in scene.effects:
+        return ESTIMATE_OFF
+    if estimator in not_valid:
+        return f"{estimator}: {not_valid[estimator]}"
+    if estimator not in scene.active_estimators:
+        return f"{estimator} is being prepared"  # the frame is still one of the scene before
+    return _why_no_acceleration(scene, quantity)
+
+
+def _why_no_acceleration(scene: Scene, quantity: str) -> str:
+    return ACCELERATION_OFF if quantity.startswith("acceleration") and not scene.has("acceleration") else ""
+
+
+def _known(sizes: np.ndarray) -> np.ndarray | None:
+    return sizes if np.isfinite(sizes).any() else None

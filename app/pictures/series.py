@@ -1,0 +1,122 @@
+"""The panels that a picture of any problem has: error norms and the error index over time."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from app.colours import ESTIMATE, TRUTH
+from app.figures import say, styled
+from solvers.result import Result
+
+#: The quantities drawn, as they are written, and their units.
+DRAWN = {"x": ("position x", "m"), "v": ("velocity v", "m/s"), "sigma": ("stress σ", "Pa")}
+INDEX_STYLES = {"x": "-", "v": "--", "sigma": ":"}
+INDEX_COLOUR = "#333333"
+FEW_SAMPLES = 10  # fewer are marked one by one: a line through one point shows nothing
+HIGHEST_INDEX = 10.0  # a run that blows up must not squeeze the 1 out of sight
+MOST_DECADES = 8  # nor its errors everything that came before
+
+
+def draw_norm(axes: Axes, result: Result, quantity: str) -> None:
+    """The truth and each estimate of one quantity's error norm over time."""
+    lines = [("truth", f"error_{quantity}", TRUTH, "-")]
+    lines += [(f"estimate ({name})", f"{name}/estimate_{quantity}", ESTIMATE, style)
+              for name, style in styled(result)]
+    drawn = []
+    for label, key, colour, style in lines:
+        values = _positive(result.series[key])
+        if np.isfinite(values).any():
+            axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=1.3,
+                      label=label, marker=_marker(values), markersize=4)
+            drawn.append(values)
+    _time_axis(axes, result)
+    name, unit = DRAWN[quantity]
+    axes.set_ylabel(f"{name} ({unit})")
+    silent = not_estimated(result, quantity)
+    if not drawn:
+        axes.set_yticks([])
+        say(axes, f"nothing to show: not estimated by {', '.join(silent)}, and no true error was computed" if silent
+            else "nothing to show: every error is zero, or was not computed")
+        return
+    if silent:
+        axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
+                  color=ESTIMATE, ha="right")
+    axes.set_yscale("log")
+    axes.set_ylim(*_span(np.concatenate(drawn)))
+    axes.grid(alpha=0.3)
+    if quantity == "x":
+        axes.legend(loc="lower right", fontsize=8, framealpha=0.9)
+
+
+def draw_index(axes: Axes, result: Result) -> None:
+    """The error index of the run so far (eq 35): summed estimate over summed truth."""
+    axes.set_title("error index so far: sum of estimates / sum of true errors", fontsize=10)
+    axes.set_xlabel("time t (s)")
+    axes.axhline(1.0, color=TRUTH, linewidth=1.2)
+    highest, silent = 1.0, []
+    several = len(result.scene.active_estimators) > 1
+    for name, _ in styled(result):
+        for quantity, style in INDEX_STYLES.items():
+            symbol = "σ" if quantity == "sigma" else quantity
+            ratio = _running_ratio(result, name, quantity)
+            if not np.isfinite(ratio).any():
+                silent += [f"{symbol} by {name}"] * (name in not_estimated(result, quantity))
+                continue
+            highest = max(highest, float(np.nanpercentile(ratio, 90)))
+            axes.plot(result.series["time"], ratio, color=_estimator_shade(result, name), linestyle=style,
+                      linewidth=1.4, label=f"{symbol} ({name})" if several else symbol, marker=_marker(ratio),
+                      markersize=4)
+    _time_axis(axes, result)
+    if not axes.get_legend_handles_labels()[0]:
+        axes.set_yticks([])
+        say(axes, "nothing to show: the index needs an estimate and a true error")
+        return
+    axes.set_ylim(0, 1.35 * min(highest, HIGHEST_INDEX))
+    axes.grid(alpha=0.3)
+    axes.text(0.99, 1.0, "perfect ", transform=axes.get_yaxis_transform(), color=TRUTH, fontsize=8,
+              ha="right", va="bottom")
+    if silent:
+        axes.text(0.01, 0.97, f"not estimated: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
+                  color=ESTIMATE, va="top")
+    axes.legend(loc="upper right", fontsize=8, ncols=3, framealpha=0.9)
+
+
+def not_estimated(result: Result, quantity: str) -> list[str]:
+    """The active estimators that say nothing about a quantity."""
+    return [name for name in result.scene.active_estimators
+            if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
+
+
+def _estimator_shade(result: Result, name: str) -> str:
+    """Black for one estimator; greys for several, whose quantities share the line styles."""
+    names = result.scene.active_estimators
+    return INDEX_COLOUR if len(names) == 1 else str(0.65 * names.index(name) / (len(names) - 1))
+
+
+def _running_ratio(result: Result, estimator: str, quantity: str) -> np.ndarray:
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        ratio = np.cumsum(result.series[f"{estimator}/estimate_{quantity}"]) \
+            / np.cumsum(result.series[f"error_{quantity}"])
+    return np.where(np.isfinite(ratio), ratio, np.nan)
+
+
+def _positive(values: np.ndarray) -> np.ndarray:
+    """What a logarithmic axis can show; the rest leaves a gap."""
+    return np.where(np.isfinite(values) & (values > 0), values, np.nan)
+
+
+def _span(values: np.ndarray) -> tuple[float, float]:
+    """Limits of a logarithmic axis: the first steps, where errors begin at nothing, may leave it below."""
+    low = float(np.nanpercentile(values, 2)) / 2
+    return low, min(2 * float(np.nanmax(values)), low * 10.0**MOST_DECADES)
+
+
+def _marker(values: np.ndarray) -> str | None:
+    return "o" if np.isfinite(values).sum() <= FEW_SAMPLES else None
+
+
+def _time_axis(axes: Axes, result: Result) -> None:
+    """The run's whole time, with room for the marks of the first and the last sample."""
+    end = float(result.series["time"][-1]) or result.scene.time_step
+    axes.set_xlim(-0.02 * end, 1.02 * end)

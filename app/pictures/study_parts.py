@@ -1,0 +1,125 @@
+"""What the pictures of a study share: frames, how a series looks, unstable points, legends, words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from app.colours import METHOD_COLOURS, METHOD_MARKS
+from app.figures import ESTIMATOR_STYLES, say
+from app.pictures.run import METHODS
+from app.pictures.series import DRAWN
+from solvers.samples import QUANTITIES
+from solvers.study.row import UNSTABLE
+from solvers.study.series import Series, measured, series
+
+NAMES = {**DRAWN, "a": ("acceleration a", "m/s²")}
+MOST_LEGEND_ENTRIES = 12
+LEGEND_WIDTH = 190  # letters
+MOST_TICKS = 8
+NARROW = 100.0  # an axis that spans less gets labels between the powers of ten
+UNSTABLE_ROOM = 30.0  # times the largest error of a stable run: up to there an unstable one is drawn where it is
+TOP = 0.97  # of the axes: where an unstable run goes whose error is beyond that, or not a number
+UNSTABLE_LOOK = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
+
+
+def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
+    """A figure with rows by columns of axes."""
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title, fontsize=12)
+    return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def nothing(title: str, sentence: str) -> Figure:
+    """A figure that says why it is empty."""
+    figure, axes = frame(title, 1, 1, (8.0, 2.5))
+    axes[0, 0].set_axis_off()
+    say(axes[0, 0], f"nothing to show: {sentence}")
+    return figure
+
+
+def known(rows: Iterable[dict], problem_norm: str = "error") -> list[str]:
+    """The quantities of which some row knows an error (or an estimate)."""
+    rows = measured(rows)
+    return [q for q in QUANTITIES if any((row[problem_norm].get(q) or {}).get("max") for row in rows)]
+
+
+def looks(lines: Sequence[Series]) -> list[dict]:
+    """How each series is drawn: colour and mark say the method, the line style and the filling what else differs."""
+    numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
+    return [{"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
+             "linewidth": 1.3, "linestyle": ESTIMATOR_STYLES[(k := numbers[line.variant]) % len(ESTIMATOR_STYLES)],
+             "fillstyle": ("full", "none")[k // len(ESTIMATOR_STYLES) % 2]} for line in lines]
+
+
+def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, dict]]:
+    """Each series with its look."""
+    lines = series(rows, along)
+    return list(zip(lines, looks(lines), strict=True))
+
+
+def mark_unstable(axes: Axes, points: Iterable[tuple[float, float | None, str]], limit: float) -> None:
+    """Crosses for runs that went unstable, at (abscissa, error, colour); at the top edge where the error is far out."""
+    for x, error, colour in points:
+        inside = error is not None and np.isfinite(error) and 0 < error <= limit
+        place = {} if inside else {"transform": axes.get_xaxis_transform(), "clip_on": False}
+        axes.plot([x], [error if inside else TOP], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
+
+
+def split(line: Series) -> tuple[list[dict], list[dict]]:
+    """The rows that stood, and those that went unstable."""
+    unstable = [row for row in line.rows if row["status"] == UNSTABLE]
+    return [row for row in line.rows if row["status"] != UNSTABLE], unstable
+
+
+def legend_below(figure: Figure, entries: Sequence[tuple[Series, dict]], extra: Sequence[Line2D] = (),
+                 unstable: bool = False) -> None:
+    """One legend for all panels, below them, where it hides nothing."""
+    shown = entries[:MOST_LEGEND_ENTRIES]
+    handles = [Line2D([], [], label=line.label(METHODS), **look) for line, look in shown] + list(extra)
+    if len(entries) > len(shown):
+        handles.append(Line2D([], [], linestyle="none", label=f"and {len(entries) - len(shown)} more"))
+    if unstable:
+        handles.append(Line2D([], [], color="0.3", label="went unstable (at the top edge: error beyond the scale)",
+                              **UNSTABLE_LOOK))
+    lengths = [len(handle.get_label()) + 7 for handle in handles]
+    columns = len(handles) if sum(lengths) < LEGEND_WIDTH else max(1, LEGEND_WIDTH // max(lengths))
+    figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=columns)
+
+
+def logarithmic(axes: Axes) -> None:
+    """Both axes logarithmic, with a grid, and readable when they span less than a decade."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.grid(alpha=0.3, which="major")
+    axes.grid(alpha=0.12, which="minor")
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        few = low > 0 and high / low < NARROW
+        axis.set_minor_formatter(FuncFormatter(_two_or_five) if few else NullFormatter())
+        axis.set_tick_params(which="both", labelsize=8.5)
+
+
+def ticks_at(axes: Axes, values: Sequence[float]) -> None:
+    """The abscissae that there are as the only ticks, if they are few."""
+    if len(values) <= MOST_TICKS:
+        axes.set_xticks(values, [f"{value:.3g}" if value < 1 else f"{value:,.6g}" for value in values])
+        axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def room(axes: Axes, values: Sequence[float], above: float = 1.6, below: float = 1.6) -> None:
+    """Limits of the error axis around the values, whatever unstable runs did."""
+    axes.set_ylim(min(values) / below, max(values) * above)
+
+
+def _two_or_five(value: float, position: int) -> str:
+    """Labels between powers of ten where there are few of those: 2 and 5 times one."""
+    power = int(np.floor(np.log10(value) + 1e-9)) if value > 0 else 0
+    return f"${round(value / 10.0**power)}\\times10^{{{power}}}$" if round(value / 10.0**power) in (2, 5) else ""

@@ -1,0 +1,1 @@
+"""How the bar is shown: on the stage, in pictures, in regions."""

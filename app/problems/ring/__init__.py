@@ -1,0 +1,1 @@
+"""How the ring is shown: on the stage, in pictures, in regions."""

@@ -1,0 +1,151 @@
+"""The ring's own panels: its particles, estimate on the left half and truth on the right, and a profile over R."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PathCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
+
+from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
+from app.figures import MOST_CELL_LINES, MOST_DOTS, colour_bar, robust_size, say, shared_scale, styled
+from solvers.result import Result
+from solvers.ring import exact
+
+UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
+LEFT, RIGHT = -1, 1  # the sign of x
+LEGEND_ROOM = 0.3  # above the data, as a part of their decades
+MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
+RIM_ANGLES = np.linspace(0, 0.5 * np.pi, 181)
+
+
+def draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
+    """The ring at the end, once an estimator: the estimate mirrored about x = 0, the truth beside it, one scale."""
+    final = result.final
+    few = _thinned(len(final.position))
+    few = few[np.isfinite(final.position[few]).all(axis=1)]  # an unstable run leaves NaN
+    truth = None if final.error is None else final.error[few, 0]
+    estimates = {name: final.estimate[name][few, 0] for name, _ in styled(result)}
+    scale = shared_scale(truth, list(estimates.values()))
+    names = list(estimates) or [""]
+    panels = [figure.add_subplot(part) for part in place.subgridspec(1, len(names))]
+    for axes, name in zip(panels, names, strict=True):
+        _frame(axes, result)
+        _half(axes, result, few, LEFT, estimates.get(name), scale)
+        _half(axes, result, few, RIGHT, truth, scale)
+        _name_half(axes, LEFT, f"estimate ({name})" if name else "not estimated", ESTIMATE if name else "0.3")
+        _name_half(axes, RIGHT, "truth" if truth is not None else "truth not computed",
+                   TRUTH if truth is not None else "0.3")
+        if not len(few):
+            say(axes, "no particle is left")
+        coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
+        axes.set_title(f"particles at t = {final.time:.4g} s{coloured}", fontsize=10)
+    panels[0].set_ylabel("y (m)")
+    if len(few) and (estimates or truth is not None):
+        colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), panels, "|error of x| (m), one scale for both halves",
+                   aspect=60, shrink=0.75)
+
+
+def draw_profile(axes: Axes, result: Result) -> None:
+    """Where between the inner and the outer surface the error is: each particle, and the RMS over a thin shell."""
+    final = result.final
+    radius = np.linalg.norm(final.material_position, axis=1)
+    lines = [] if final.error is None else [("truth", final.error[:, 0], TRUTH, "-")]
+    lines += [(f"estimate ({name})", final.estimate[name][:, 0], ESTIMATE, style) for name, style in styled(result)]
+    few, drawn = _thinned(len(radius)), []
+    for label, sizes, colour, style in lines:
+        shown = np.where(np.isfinite(sizes) & (sizes > 0), sizes, np.nan)
+        if not np.isfinite(shown).any():
+            continue
+        size = float(np.clip(2000 / len(few), 1.0, 8.0))
+        axes.scatter(radius[few], shown[few], s=size, color=colour, alpha=0.25, linewidths=0)
+        axes.plot(*_shells(result, radius, shown), color=colour, linestyle=style, linewidth=1.6, label=label, zorder=3)
+        drawn.append(shown)
+    axes.set_title(f"error of the position at t = {final.time:.4g} s, over the thickness", fontsize=10)
+    axes.set_xlabel(f"material radius R (m), from the inner surface {exact.INNER} to the outer {exact.OUTER}")
+    axes.set_ylabel("|error of x| (m)")
+    axes.set_xlim(exact.INNER, exact.OUTER)
+    if not drawn:
+        axes.set_yticks([])
+        say(axes, "nothing to show: every error is zero, or was not computed")
+        return
+    axes.set_yscale("log")
+    values = np.concatenate(drawn)
+    low, high = np.nanpercentile(values, 1) / 2, 2 * np.nanmax(values)
+    axes.set_ylim(low, high * (high / low) ** LEGEND_ROOM)
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper right", fontsize=8, ncols=2, framealpha=0.9, title="dots: particles, lines: RMS at R",
+                title_fontsize=8)
+
+
+def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
+    scene = result.scene
+    thickness = exact.OUTER - exact.INNER
+    count = int(np.clip(round(thickness * scene.ppc / scene.spacing), 2, MOST_BINS))
+    shell = np.clip(((radius - exact.INNER) / thickness * count).astype(int), 0, count - 1)
+    known = np.isfinite(sizes)
+    shell, radius, sizes = shell[known], radius[known], sizes[known]
+    held = np.bincount(shell, minlength=count)
+    there = held > 0
+    with np.errstate(over="ignore"):  # a run gone bad
+        squares = np.bincount(shell, weights=sizes**2, minlength=count)
+    return (np.bincount(shell, weights=radius, minlength=count)[there] / held[there],
+            np.sqrt(squares[there] / held[there]))
+
+
+def _frame(axes: Axes, result: Result) -> None:
+    """Cell lines, the exact surfaces and the plane of mirroring; equal scales, so that a circle is one."""
+    scene, final = result.scene, result.final
+    outer = exact.OUTER + abs(float(exact.displacement(scene, np.array([[exact.OUTER, 0.0]]), final.time)[0, 0]))
+    reach = float(np.clip(robust_size(np.linalg.norm(final.position, axis=1)), outer, 2 * outer)) * 1.06
+    if scene.cells <= MOST_CELL_LINES:
+        lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing
+        lines = lines[np.abs(lines) <= reach]
+        width = min(0.7, 20 / scene.cells)
+        axes.vlines(lines, 0, reach, color="0.8", linewidth=width, zorder=0)
+        axes.hlines(lines[lines >= 0], -reach, reach, color="0.8", linewidth=width, zorder=0)
+    for R in (exact.INNER, exact.OUTER):
+        rim = R * np.stack([np.cos(RIM_ANGLES), np.sin(RIM_ANGLES)], axis=1)
+        x, y = (rim + exact.displacement(scene, rim, final.time)).T
+        for side in (LEFT, RIGHT):
+            axes.plot(side * x, y, color="0.25", linewidth=0.9, zorder=3)
+    axes.axvline(0, color="0.25", linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(0, reach)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (m), the estimate mirrored" + ("; grey lines: cells" * (scene.cells <= MOST_CELL_LINES))
+                    + "; dark lines: exact surfaces")
+
+
+def _half(axes: Axes, result: Result, few: np.ndarray, side: int, sizes: np.ndarray | None,
+          scale: Normalize) -> PathCollection:
+    """The particles on one side, coloured by ``sizes``, or grey where there are none."""
+    x, y = result.final.position[few].T
+    look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes, "cmap": COLOUR_MAP, "norm": scale}
+    return axes.scatter(side * x, y, s=_dot_area(result, len(few)), linewidths=0, zorder=2, **look)
+
+
+def _name_half(axes: Axes, side: int, name: str, colour: str) -> None:
+    axes.text(0.5 + 0.485 * side, 0.95, name, transform=axes.transAxes, color=colour, fontsize=11, va="top",
+              ha="right" if side == RIGHT else "left", fontweight="bold",
+              bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2})
+
+
+def _dot_area(result: Result, shown: int) -> float:
+    """Area of a dot in points squared: about as wide as the particles are apart, not so wide that they merge."""
+    apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, shown))
+    return float(np.clip((0.8 * apart * POINTS_PER_METRE) ** 2, 0.5, 64.0))
+
+
+POINTS_PER_METRE = 400  # of the picture of the ring, roughly
+
+
+def _thinned(count: int) -> np.ndarray:
+    """Indices of the particles to draw: all, or some by chance, for every k-th may all lie at one radius."""
+    if count <= MOST_DOTS:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).choice(count, MOST_DOTS, replace=False))

@@ -1,0 +1,103 @@
+"""What kernels work on: numbers and arrays of a run, as one dataclass whose annotations are their Taichi types.
+
+Numpy arrays, because a scene can then be rebuilt any number of times without growth (Taichi's own arrays keep their
+memory for ever), and because the view and the tests read them as they are. They are placed so that compiled code may
+move a whole vector at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, get_type_hints
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators.interface import EstimatorHooks, allocate_memory, intervals
+from solvers.kinds import Integer, Integers, Matrix, Quads, Real
+from solvers.samples import ROWS, column_count
+from solvers.scene import Scene
+from solvers.switches import Switches
+
+ALIGNMENT = 64  # bytes: a cache line, and the widest vector, of eight numbers
+
+
+@dataclass
+class Members:
+    """Numbers and arrays by name; arrays are replaced by aligned copies when they come in."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            setattr(self, field.name, _aligned(getattr(self, field.name)))
+
+    @classmethod
+    def types(cls) -> dict[str, object]:
+        """The Taichi type of each member, in order."""
+        hints = get_type_hints(cls, include_extras=True)
+        return {f.name: hints[f.name].__metadata__[0] for f in fields(cls) if hasattr(hints[f.name], "__metadata__")}
+
+    def members(self) -> dict[str, object]:
+        """Every number and array, by name."""
+        return {name: getattr(self, name) for name in self.types()}
+
+
+def part_types(kind: type[Members], names: tuple[str, ...]) -> type:
+    """The kernel argument that holds some of the members of a kind of state."""
+    types = kind.types()
+    return ti.types.argpack(**{name: types[name] for name in names})
+
+
+def part_of(pack: Any, kind: Any) -> Any:
+    """Those members of a state that a smaller kind of argument has, in its order."""
+    return kind(**{name: pack[name] for name in kind.members})
+
+
+@dataclass
+class Watch(Members):
+    """What watches a run and is no part of the method: checks, samples, marks and estimates. P particles, E estimators.
+
+    ``memory`` is what the estimators keep, numbers and arrays by name (see ``solvers.estimators.interface``).
+    """
+
+    sample_interval: Integer  # steps
+    farthest: Real  # how far a particle may be in a run that is sound, m
+    last_crossing: Integers  # step of the particle's last cell change, -1 for never (P,)
+    estimate: Quads  # estimated errors (E*P, 4): of the bar x, v, sigma, a; of the ring x and v, vectors
+    estimate_intervals: Integers  # steps between two steps of each estimator (E,)
+    samples: Matrix  # one row a sample (ROWS, columns)
+    verdict: Integers  # 0 or the kind of failure, its step, its particle (3,)
+    memory: dict
+
+    def members(self) -> dict[str, object]:
+        return {**super().members(), **self.memory}
+
+
+def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
+    """The members of a :class:`Watch` at the start of a run of so many particles."""
+    return {
+        "sample_interval": scene.sample_interval, "farthest": farthest,
+        "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
+        "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
+        "estimate_intervals": intervals(hooks, scene), "samples": np.full((ROWS, column_count(on.estimators)), np.nan),
+        "verdict": np.zeros(3, np.int32), "memory": allocate_memory(hooks, scene)}
+
+
+def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:
+    """Zeros, of length one where nobody needs them."""
+    length = length if when else 1
+    return np.zeros(length if width is None else (length, width), kind)
+
+
+def aligned(array: np.ndarray) -> np.ndarray:
+    """A copy that starts at a multiple of ``ALIGNMENT``; numpy itself promises 16 bytes only."""
+    buffer = np.empty(array.nbytes + ALIGNMENT, np.uint8)
+    start = -buffer.ctypes.data % ALIGNMENT
+    copy = buffer[start:start + array.nbytes].view(array.dtype).reshape(array.shape)
+    copy[...] = array
+    return copy
+
+
+def _aligned(value: object) -> object:
+    if isinstance(value, dict):
+        return {name: _aligned(item) for name, item in value.items()}
+    return aligned(value) if isinstance(value, np.ndarray) else value

@@ -1,0 +1,1 @@
+"""The bar's estimators: one file each."""

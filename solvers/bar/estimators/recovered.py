@@ -1,0 +1,245 @@
+"""The recovered estimator on the bar: the run's own particles, made smooth, against the equation of motion.
+
+In weak form on the material line, with N the quadratic B-splines of an *error grid* of spacing h and m = int rho N, the
+exact displacement obeys
+
+    (M u)'' = M b - D P / rho,    M f = int N f / int N,    D P = int N' P / int N,
+
+whatever the grid. The estimator integrates this for U = M u_exact from the initial state on, and the error is
+
+    e = M u - U,    E = sum_i N_i (2 e - C e)_i + (u - fit u),    C = M sum_j N_j,
+
+u = x_p - X_p of the run; ``fit`` is a moving least-squares cubic over four cells and 2 - C undoes what M and N smooth.
+The stress that drives U is not the run's, which is only piecewise smooth, but
+
+    P = E (F - 1),    F = 1 + fit' u - sum_i N_i' e*_i,    e* = 2 e - C e + tau (1 - C)^2 e':
+
+the recovered gradient less that of the error itself, so that the error feeds back on itself as it does in the run. The
+last term, with tau = 0.4 h/c, damps waves as short as the grid; a second factor 1 - C spares the longer ones, which
+have to ring for as long as the run's own error does. The errors of v and a are formed likewise, from v_g, the
+grid's velocity at the particle (v_p - v_g is added as it is), and from the last step's a. The error of the stress is
+E (F_p - 1 - fit' u + sum_i N_i' (2 e - C e)_i).
+
+In time: steps H of about 0.8 h/c by Stoermer's method with Numerov's correction H^2/12 U'''' from past accelerations,
+so that the error in time, of order H^4, stays far below the run's.
+
+Assumptions: b(X, t) and v(X, 0) are known, the material is elastic, the particles began on a uniform lattice.
+It fails where the solution varies within the four cells of the fit: what the fit cannot follow counts as error. With
+one particle per cell the fit has no more than five particles, and x may come out a quarter too large.
+Source: derived for this program.
+"""
+
+import numpy as np
+import taichi as ti
+
+from solvers.bar import exact
+from solvers.bar.forces import tones
+from solvers.bar.nodes import stencil_of
+from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.lattice_lines import Line, Rows
+from solvers.estimators.recovery import (
+    TAU,
+    H,
+    fit_width,
+    next_reference,
+    not_finite,
+    numbers,
+    pack_tables,
+    reference_at,
+    row_of,
+    steps_between,
+    time_since,
+)
+from solvers.kinds import integers, pairs, quads, reals
+
+WAVE_CFL = 0.8  # H c/h; stable to 1.2
+DEGREE = 3  # of the fits
+PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
+
+FIT, SPREAD, GATHER, SMOOTHING = range(4)  # tables: weights (value, slope)
+#: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
+#: M sin 2 pi X and M sin 4 pi X.
+MOTION, GATHERED, ERRORS, FORCE = range(4)
+
+
+# ---- from particles to the error grid and back --------------------------------------------------------------------
+
+
+@ti.func
+def block(bar: ti.template(), kind: ti.template(), i):
+    """Entry i of a block of the nodal array."""
+    return kind * bar.cells + i
+
+
+@ti.func
+def gather(bar: ti.template(), i):
+    """M of the fields kept at particles, at node i, and D of them."""
+    value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    p, begin, end = row_of(bar.recovered_index, GATHER, i, 0)
+    for k in range(begin, end):
+        value += bar.recovered_weights[k][0] * bar.recovered_field[p]
+        slope += bar.recovered_weights[k][1] * bar.recovered_field[p]
+        p = ti.select(p + 1 < bar.particles, p + 1, 0)
+    return value, slope
+
+
+@ti.func
+def smooth(bar: ti.template(), i):
+    """C of the gathered nodal values at node i."""
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    j, begin, end = row_of(bar.recovered_index, SMOOTHING, i, 0)
+    for k in range(begin, end):
+        total += bar.recovered_weights[k][0] * bar.recovered_nodes[block(bar, GATHERED, j)]
+        j = ti.select(j + 1 < bar.cells, j + 1, 0)
+    return total
+
+
+@ti.func
+def spread(bar: ti.template(), p, q):
+    """The nodal errors interpolated to particle p, the q-th of its cell, and their slopes."""
+    value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    i, begin, _ = row_of(bar.recovered_index, SPREAD, p, q)
+    for k in ti.static(range(3)):
+        weight, error = bar.recovered_weights[begin + k], bar.recovered_nodes[block(bar, ERRORS, i)]
+        value += weight[0] * error
+        slope += weight[1] * error
+        i = ti.select(i + 1 < bar.cells, i + 1, 0)
+    return value, slope
+
+
+@ti.func
+def fit(bar: ti.template(), p):
+    """The fields recovered at particle p, and their slopes."""
+    value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    other, begin, end = row_of(bar.recovered_index, FIT, p, 0)
+    for k in range(begin, end):
+        weight, field = bar.recovered_weights[k], bar.recovered_field[other]
+        value += weight[0] * field
+        slope += weight[1] * field
+        other = ti.select(other + 1 < bar.particles, other + 1, 0)
+    return value, slope
+
+
+@ti.func
+def fit_slope(bar: ti.template(), p):
+    """The slope alone, of the displacement alone."""
+    slope = 0.0
+    other, begin, end = row_of(bar.recovered_index, FIT, p, 0)
+    for k in range(begin, end):
+        slope += bar.recovered_weights[k][1] * bar.recovered_field[other][0]
+        other = ti.select(other + 1 < bar.particles, other + 1, 0)
+    return slope
+
+
+# ---- a step of the reference --------------------------------------------------------------------------------------
+
+
+@ti.func
+def after_step(bar: ti.template(), base, step, on: ti.template()):
+    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
+    for p in range(bar.particles):
+        bar.recovered_field[p] = ti.Vector([bar.position[p] - bar.material_position[p], bar.velocity[p], 0.0, 0.0])
+    for i in range(bar.cells):
+        motion = bar.recovered_nodes[block(bar, MOTION, i)]
+        motion[0] += bar.recovered_numbers[H] * motion[1]
+        bar.recovered_nodes[block(bar, MOTION, i)] = motion
+        mean, _ = gather(bar, i)
+        e = mean[0] - motion[0]
+        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([e, mean[1] - motion[1], 0.0, 0.0])
+    for i in range(bar.cells):
+        e = bar.recovered_nodes[block(bar, GATHERED, i)]
+        bar.recovered_nodes[block(bar, ERRORS, i)] = e - smooth(bar, i) + ti.Vector([e[0], 0.0, 0.0, 0.0])
+    for i in range(bar.cells):
+        bar.recovered_nodes[block(bar, GATHERED, i)] = bar.recovered_nodes[block(bar, ERRORS, i)]
+    for i in range(bar.cells):
+        e = bar.recovered_nodes[block(bar, ERRORS, i)]
+        e[0] += bar.recovered_numbers[TAU] * (e[1] - smooth(bar, i)[1])
+        bar.recovered_nodes[block(bar, ERRORS, i)] = e
+    per_cell = bar.particles // bar.cells
+    for i in range(bar.cells):
+        for q in range(per_cell):
+            p = i * per_cell + q
+            _, error_slope = spread(bar, p, q)
+            field = bar.recovered_field[p]
+            field[3] = bar.modulus * (fit_slope(bar, p) - error_slope[0])
+            bar.recovered_field[p] = field
+    size = tones(bar, step * bar.dt, on)
+    first = step * bar.dt < 1.5 * bar.recovered_numbers[H]
+    for i in range(bar.cells):
+        shape = bar.recovered_nodes[block(bar, FORCE, i)]
+        _, divergence = gather(bar, i)
+        a = size[0] * shape[0] + size[1] * shape[1] - divergence[3] / bar.density
+        bar.recovered_nodes[block(bar, MOTION, i)] = next_reference(
+            bar.recovered_nodes[block(bar, MOTION, i)], a, bar.recovered_numbers[H], first)
+
+
+# ---- the report ---------------------------------------------------------------------------------------------------
+
+
+@ti.func
+def report(bar: ti.template(), base, step, on: ti.template()):
+    """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
+    for p in range(bar.particles):
+        S, _ = stencil_of(bar, p)
+        i = bar.first_node[p]
+        v_g = S[0] * bar.node_motion[i][0] + S[1] * bar.node_motion[i + 1][0] + S[2] * bar.node_motion[i + 2][0]
+        a = 0.0
+        if ti.static(on.acceleration):
+            a = bar.acceleration[p]
+        bar.recovered_field[p] = ti.Vector([bar.position[p] - bar.material_position[p], v_g, a, 0.0])
+    since = time_since(step, bar.dt, bar.recovered_numbers[H])
+    for i in range(bar.cells):
+        U, V, A = reference_at(bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_numbers[H], since, bar.dt)
+        mean, _ = gather(bar, i)
+        bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, 0.0])
+    for i in range(bar.cells):
+        bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * bar.recovered_nodes[block(bar, GATHERED, i)] - smooth(bar, i)
+    for p in range(bar.particles):
+        field = bar.recovered_field[p]
+        fitted, slope = fit(bar, p)
+        error, error_slope = spread(bar, p, p % (bar.particles // bar.cells))
+        E = error + field - fitted
+        E[1] += bar.velocity[p] - field[1]
+        if ti.static(not on.acceleration):
+            E[2] = ti.math.nan
+        E_sigma = bar.modulus * (bar.deformation_gradient[p] - 1 - slope[0] + error_slope[0])
+        estimate = ti.Vector([E[0], E[1], E_sigma, E[2]])
+        bar.estimate[base + p] = estimate if step > 0 else ti.Vector([0.0, 0.0, 0.0, 0.0])
+
+
+# ---- set-up -------------------------------------------------------------------------------------------------------
+
+
+def interval(scene):
+    return steps_between(scene, WAVE_CFL * scene.spacing)
+
+
+def allocate(scene):
+    """Operators of the material line, and the reference in the initial configuration."""
+    cells, per_cell = scene.cells, scene.ppc
+    few = min(cells, PATTERN_CELLS)
+    line = Line(few * per_cell, few, few * scene.spacing, "periodic")
+    tables = [line.fit(fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1),
+              line.spread().repeated(cells, per_cell, 1),
+              line.gather(4, 2).repeated(cells, 1, per_cell),
+              line.smoothing().repeated(cells, 1, 1)]
+    tables = [Rows(rows.first, rows.weights[:, :, 0, :2]) for rows in tables]  # one component; value and slope
+    index, weights = pack_tables(tables)
+    X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
+    nodes = np.zeros((4, cells, 4))
+    for k in (0, 1):
+        nodes[FORCE, :, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
+    nodes[MOTION, :, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]  # the body force is zero at the start
+    return {"recovered_numbers": numbers(scene, interval(scene)),
+            "recovered_index": index, "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_field": np.zeros((scene.particles, 4))}
+
+
+HOOKS = EstimatorHooks(
+    memory={
+        "recovered_numbers": reals,  # H, tau
+        "recovered_index": integers, "recovered_weights": pairs,  # the tables, packed
+        "recovered_nodes": quads,  # nodal values, block by block
+        "recovered_field": quads,  # u, v, a, P at particles
+    },
+    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=not_finite)

@@ -1,0 +1,37 @@
+"""Where an estimator of the bar is known, before anything has run, not to hold.
+
+What only a run can show is the business of the estimator's own ``verdict``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from solvers.scene import Scene
+
+#: Two-grid: the error of a mapping or a force that is off by the displacement is a share of the motion, whatever the
+#: grid; from this many h^2 (per unit length) on it outweighs the error that falls like h^2. Measured: with uGIMP the
+#: index of x is .95 at 2, .85 at 40, .65 at 160; with the force at nodes .98 at 2, .80 at 6, .52 at 40.
+MOST_MOTION = 5.0
+FEWEST_ON_A_WAVE = 16  # cells; the second run has 8. With 12 the index of x is 1.2 and its distance 1.4
+
+
+def two_grid(scene: Scene) -> str | None:
+    """Richardson's argument needs an error that falls like h^2 on both grids."""
+    far = scene.motion_amplitude > MOST_MOTION * scene.spacing**2
+    # The second tone has half the wavelength. Measured for far motion: index of x .42 with 40 cells, 1.06 with 80.
+    needed = FEWEST_ON_A_WAVE * ((4 if far else 2) if scene.body_force == "two-tone" else 1)
+    reach = scene.spacing / (2 * scene.ppc)  # from the outermost particle of a cell to the next cell
+    if scene.cells < needed:
+        return f"the second run has half the cells, and half of {scene.cells} is too few; give {needed} or more"
+    if scene.body_force == "node" and far:
+        return "the force at the nodes is off by the displacement, an error that both grids share and none shows"
+    if scene.method == "mpm" and not (scene.linearity_preserving and scene.motion_amplitude < reach):
+        return "with hat functions the error of particles that cross cells does not fall with the cell size"
+    if scene.method in ("ugimp", "bspline") and not scene.linearity_preserving and far:
+        return ("the domains do not follow the material, which leaves an error that does not fall with the cell size; "
+                "switch linearity preservation on")
+    return None
+
+
+RULES: dict[str, Callable[[Scene], str | None]] = {"two-grid": two_grid}

@@ -1,0 +1,115 @@
+"""Every estimator there is, known once: how it is called and drawn, what it says of itself, and where it is built.
+
+A problem has the estimators of this list for which its folder has a file: ``solvers/bar/estimators/two_grid.py`` is the
+bar's "two-grid", and its ``HOOKS`` are what the solver calls. So an estimator is one file and one line here. Others can
+be registered from outside (:func:`register`), in modules that the environment variable ``MPM_LAB_EXTENSIONS`` names,
+which every process imports. Needs no Taichi, so that the command line and the page can ask.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import importlib.util
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from solvers.estimators.interface import EstimatorHooks
+
+EXTENSIONS = "MPM_LAB_EXTENSIONS"
+EXPLANATIONS = Path(__file__).parent / "explanations"
+
+
+class ExtensionError(Exception):
+    """A module that ``MPM_LAB_EXTENSIONS`` names cannot be imported; the message says which and why."""
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """One estimator, whatever the problem.
+
+    ``colour`` is its shade of the estimate's colour, ``dashes`` are pixels drawn and left out (none: unbroken),
+    ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``, ``P``, ``X``, ``*``). ``summary`` is a line,
+    ``page`` is html that explains it in full, by default that of the file ``explanations/NAME.html``. ``hooks`` are
+    given here only where they are not in a file of the problem's folder.
+    """
+
+    name: str
+    summary: str
+    colour: str
+    dashes: tuple[int, ...] = ()
+    symbol: str = "o"
+    label: str = ""
+    page: str = ""
+    hooks: Mapping[str, EstimatorHooks] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """What people call it."""
+        return self.label or self.name
+
+    @property
+    def explanation(self) -> str:
+        """Html for a student: what it is, assumes, sees and misses."""
+        path = EXPLANATIONS / f"{self.name}.html"
+        return self.page or (path.read_text(encoding="utf-8") if path.exists() else f"<p>{self.summary}</p>")
+
+    def module(self, problem: str) -> str:
+        """Where a problem's own file is, or would be."""
+        return f"solvers.{problem}.estimators.{self.name.replace('-', '_')}"
+
+    def exists_for(self, problem: str) -> bool:
+        return problem in self.hooks or importlib.util.find_spec(self.module(problem)) is not None
+
+    def hooks_for(self, problem: str) -> EstimatorHooks:
+        """What the problem's solver calls; imports Taichi."""
+        return self.hooks[problem] if problem in self.hooks else importlib.import_module(self.module(problem)).HOOKS
+
+
+ESTIMATORS: dict[str, Estimator] = {}
+
+
+def register(estimator: Estimator) -> None:
+    """Make an estimator known, before any solver is imported."""
+    ESTIMATORS[estimator.name] = estimator
+    names.cache_clear()
+
+
+@functools.cache
+def names(problem: str) -> tuple[str, ...]:
+    """The estimators that a problem has."""
+    load_extensions()
+    return tuple(name for name, estimator in ESTIMATORS.items() if estimator.exists_for(problem))
+
+
+def hooks_of(problem: str) -> dict[str, EstimatorHooks]:
+    """The hooks of all estimators that a problem has, by name."""
+    return {name: ESTIMATORS[name].hooks_for(problem) for name in names(problem)}
+
+
+@functools.cache
+def load_extensions() -> None:
+    """Import what the environment names; :class:`ExtensionError` where that fails."""
+    for module in filter(None, os.environ.get(EXTENSIONS, "").replace(",", " ").split()):
+        try:
+            importlib.import_module(module)
+        except Exception as error:
+            raise ExtensionError(f"{EXTENSIONS} names {module}, which cannot be imported "
+                                 f"({type(error).__name__}: {error}); correct it or leave it out") from error
+
+
+for _estimator in (
+    Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
+              colour="#D55E00", symbol="o"),
+    Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
+              colour="#8A3C00", dashes=(9, 4), symbol="s"),
+    Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
+              "against", colour="#F08A24", dashes=(3, 3), symbol="^"),
+    Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
+              colour="#A85A3A", dashes=(9, 3, 2, 3), symbol="D"),
+):
+    register(_estimator)

@@ -1,0 +1,1 @@
+"""The ring's estimators: one file each."""

@@ -1,0 +1,304 @@
+"""The recovered estimator on the ring: as on the bar (``recovered_bar``), on the polar material lattice.
+
+The weak form, in the material frame with the error grid's functions N = N_b(R) N_a(angle) and Cartesian components,
+
+    (M u)'' = M b - D P / rho,    M f = int N f / int N,    D P = int P grad N / int N,
+
+leaves the free surfaces natural: a traction on them would be seen. Here P = mu (F - F^-T), and P grad N
+= (P e_R) N_b' N_a + (P e_angle) N_b N_a'/R. Every operator is a product of one along the radius and one along the angle
+(``lattice_lines``); symmetry planes are mirrors, with signs of their own for each component.
+
+All else is as on the bar: U = M u_exact is integrated from the initial state, driven by P at the recovered gradient
+less that of the error; E = sum_i N_i (2 e - C e)_i + (u - fit u), e = M u - U; and sigma is compared with the stress at
+the recovered gradient less that of the error. In a step the gradient is recovered on one line each way; for a report
+over a patch.
+
+Assumptions: as on the bar; the particles began on a polar lattice, of four particles or more across, with lambda = 0.
+It fails where the solution varies within a fit of four cells, and sigma (not x and v) where the particles are so uneven
+that the fit follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
+"""
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.lattice_lines import Line, Rows
+from solvers.estimators.recovery import (
+    TAU,
+    H,
+    fit_width,
+    next_reference,
+    not_finite,
+    numbers,
+    pack_tables,
+    reference_at,
+    steps_between,
+    time_since,
+)
+from solvers.kinds import integers, quads, reals
+from solvers.ring import cpdi, exact, gimp
+from solvers.ring.estimators.recovered_operators import (
+    DIRECTION,
+    ERRORS,
+    FIELD,
+    FORCE,
+    GATHERED,
+    MOTION,
+    PARTICLE_BLOCKS,
+    RATE,
+    STRESS,
+    across,
+    angular_fit,
+    angular_gather,
+    angular_gather_stress,
+    angular_smoothing,
+    angular_spread,
+    gather_force,
+    line_slopes,
+    node_at,
+    node_count,
+    particle_at,
+    radial_fit,
+    radial_gather,
+    radial_gather_stress,
+    radial_smoothing,
+    radial_spread,
+)
+from solvers.ring.material import kirchhoff_stress
+from solvers.ring.scene import polar_counts
+
+WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed
+
+
+# ---- a step of the reference --------------------------------------------------------------------------------------
+
+
+@ti.func
+def after_step(ring: ti.template(), base, step, on: ti.template()):
+    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
+    for p in range(ring.particles):
+        q, X = ring.motion[p], ring.material_position[p]
+        ring.recovered_particles[particle_at(ring, FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
+    radial_gather(ring)
+    damped_errors(ring)
+    angular_spread(ring)
+    find_stress(ring)
+    gather_force(ring, step * ring.dt, on)
+    radial_gather_stress(ring)
+    move_reference(ring, step * ring.dt < 1.5 * ring.recovered_numbers[H])
+
+
+@ti.func
+def damped_errors(ring: ti.template()):
+    """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
+    B = across(ring)
+    for a in range(node_count(ring) // B):
+        for b in range(B):
+            i = a * B + b
+            r = ring.recovered_nodes[node_at(ring, MOTION, i)]
+            r += ring.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
+            ring.recovered_nodes[node_at(ring, MOTION, i)] = r
+            ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - r
+    radial_smoothing(ring)
+    for a in range(node_count(ring) // B):
+        for b in range(B):
+            e = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)]
+            rough = e - angular_smoothing(ring, a, b)
+            ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] = rough
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = ti.Vector(
+                [e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
+    radial_smoothing(ring)
+    for a in range(node_count(ring) // B):
+        for b in range(B):
+            rough = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
+            e = ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)]  # not +=, which would be an atomic addition
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = e + ring.recovered_numbers[TAU] * ti.Vector(
+                [rough[2], rough[3], 0.0, 0.0])
+
+
+@ti.func
+def find_stress(ring: ti.template()):
+    """P e_R and P e_angle at the particles, mu (F - F^-T), from slopes along the lattice's own lines."""
+    for line in range(ring.particles // ring.radius_count):
+        for j in range(ring.radius_count):
+            p = line * ring.radius_count + j
+            along, around = line_slopes(ring, line, j)
+            _, error_along, error_around = radial_spread(ring, line, j)
+            a, b, c, d = polar_gradient(ring, p, along - error_along, around - error_around)
+            per_J = 1 / (a * d - b * c)
+            ring.recovered_particles[particle_at(ring, STRESS, p)] = ring.shear_modulus * ti.Vector(
+                [a - per_J * d, c + per_J * b, b + per_J * c, d - per_J * a])
+
+
+@ti.func
+def polar_gradient(ring: ti.template(), p, along, around):
+    """F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes."""
+    e, per_R = ring.direction[p], 1 / ring.radii[ring.radius[p]][0]
+    return e[0] + along[0], per_R * around[0] - e[1], e[1] + along[1], per_R * around[1] + e[0]
+
+
+@ti.func
+def move_reference(ring: ti.template(), first):
+    """The acceleration of every node, and the rate that follows."""
+    B = across(ring)
+    for a in range(node_count(ring) // B):
+        e = ring.recovered_nodes[node_at(ring, DIRECTION, a)]
+        for b in range(B):
+            i = a * B + b
+            push = ring.recovered_nodes[node_at(ring, FORCE, b)][0]
+            divergence = angular_gather_stress(ring, a, b)
+            r, before = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
+            x = next_reference(ti.Vector([r[0], r[2], before[0], before[2]]),
+                               push * e[0] - divergence[0] / ring.density, ring.recovered_numbers[H], first)
+            y = next_reference(ti.Vector([r[1], r[3], before[1], before[3]]),
+                               push * e[1] - divergence[1] / ring.density, ring.recovered_numbers[H], first)
+            ring.recovered_nodes[node_at(ring, MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
+            ring.recovered_nodes[node_at(ring, RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
+
+
+# ---- the report ---------------------------------------------------------------------------------------------------
+
+
+@ti.func
+def report(ring: ti.template(), base, step, on: ti.template()):
+    """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
+    for p in range(ring.particles):
+        q, X, v_g = ring.motion[p], ring.material_position[p], grid_velocity(ring, p, on)
+        ring.recovered_particles[particle_at(ring, FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
+    find_errors(ring, step, False)
+    for p in range(ring.particles):
+        line, j = p // ring.radius_count, p % ring.radius_count
+        fitted, along, around = angular_fit(ring, line, j)
+        error, error_along, error_around = radial_spread(ring, line, j)
+        field, q = ring.recovered_particles[particle_at(ring, FIELD, p)], ring.motion[p]
+        ring.estimate[base + p] = error + field - fitted + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
+        ring.estimate_stress[base + p] = stress_error(ring, p, along - error_along, around - error_around)
+        ring.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
+    if ti.static(on.acceleration):
+        report_acceleration(ring, base, step)
+    if step == 0:
+        for p in range(ring.particles):
+            ring.estimate[base + p] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            ring.estimate_stress[base + p] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            ring.estimate_acceleration[base + p] = ti.Vector([0.0, 0.0])
+
+
+@ti.func
+def report_acceleration(ring: ti.template(), base, step):
+    """Estimated error of the last step's acceleration."""
+    for p in range(ring.particles):
+        a_p = ring.acceleration[p]
+        ring.recovered_particles[particle_at(ring, FIELD, p)] = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
+    find_errors(ring, step, True)
+    for p in range(ring.particles):
+        line, j = p // ring.radius_count, p % ring.radius_count
+        fitted, _, _ = angular_fit(ring, line, j)
+        error, _, _ = radial_spread(ring, line, j)
+        E = error + ring.recovered_particles[particle_at(ring, FIELD, p)] - fitted
+        ring.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
+
+
+@ti.func
+def grid_velocity(ring: ti.template(), p, on: ti.template()):
+    """The grid's velocity at the particle, with the last step's weights."""
+    v = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if ti.static(on.method == "cpdi"):
+        v, _, _ = cpdi.gather(ring, p)
+    else:
+        v, _, _ = gimp.gather(ring, p)
+    return v
+
+
+@ti.func
+def find_errors(ring: ti.template(), step, of_acceleration: ti.template()):
+    """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted along each radius."""
+    radial_gather(ring)
+    since, B = time_since(step, ring.dt, ring.recovered_numbers[H]), across(ring)
+    for a in range(node_count(ring) // B):
+        for b in range(B):
+            i = a * B + b
+            r, rate = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
+            U_x, V_x, A_x = reference_at(ti.Vector([r[0], r[2], rate[0], rate[2]]),
+                                         ring.recovered_numbers[H], since, ring.dt)
+            U_y, V_y, A_y = reference_at(ti.Vector([r[1], r[3], rate[1], rate[3]]),
+                                         ring.recovered_numbers[H], since, ring.dt)
+            true_mean = ti.Vector([U_x, U_y, V_x, V_y])
+            if ti.static(of_acceleration):
+                true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
+            ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - true_mean
+    radial_smoothing(ring)
+    for a in range(node_count(ring) // B):
+        for b in range(B):
+            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = \
+                2 * ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
+    angular_spread(ring)
+    radial_fit(ring)
+
+
+@ti.func
+def stress_error(ring: ti.template(), p, along, around):
+    """sigma_p less mu/J (F F^T - I) at the gradient with these slopes; as xx, xy, yy and nothing."""
+    a, b, c, d = polar_gradient(ring, p, along, around)
+    F = ring.deformation_gradient[p]
+    own = kirchhoff_stress(ring, p) / (F[0] * F[3] - F[1] * F[2])
+    scale = ring.shear_modulus / (a * d - b * c)
+    return ti.Vector([own[0] - scale * (a * a + b * b - 1), own[1] - scale * (a * c + b * d),
+                      own[2] - scale * (c * c + d * d - 1), 0.0])
+
+
+# ---- set-up -------------------------------------------------------------------------------------------------------
+
+
+def lines(scene):
+    """The lattice's lines, around the quarter and across the ring, with elements a cell wide at the inner radius."""
+    around, across = polar_counts(scene.cells, scene.ppc)
+    elements = round(0.5 * np.pi * exact.INNER / scene.spacing), round((exact.OUTER - exact.INNER) / scene.spacing)
+    return (Line(around, max(3, elements[0]), 0.5 * np.pi, "mirror"),
+            Line(across, max(1, elements[1]), exact.OUTER - exact.INNER, "free"))
+
+
+def interval(scene):
+    angle, radius = lines(scene)
+    return steps_between(scene, WAVE_CFL * min(exact.INNER / angle.per_element, 1 / radius.per_element))
+
+
+def allocate(scene):
+    """Operators along both lines, and the reference in the initial configuration."""
+    angle, radius = lines(scene)
+    width, R = fit_width(scene), exact.INNER + radius.quadrature()[0] / radius.per_point
+    angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
+    radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
+    index, weights = pack_tables([across_planes(rows) for rows in angular] + [of_four(rows) for rows in radial],
+                                 (angle.nodes * radius.nodes, radius.nodes))
+    theta = angle.particles() / angle.per_point
+    direction = np.stack([angular[2](wave)[:, c, 0] for c, wave in enumerate((np.cos(theta), np.sin(theta)))], axis=1)
+    # The initial velocity is radial, and the body force is zero at the start.
+    v0 = scene.amplitude * scene.angular_frequency * exact.shape(exact.INNER + radius.particles() / radius.per_point)[0]
+    nodes = np.zeros((7, angle.nodes * radius.nodes, 4))
+    nodes[MOTION, :, 2:] = (direction[:, None] * radial[2](v0)[:, 0, 0, None]).reshape(-1, 2)
+    nodes[DIRECTION, :angle.nodes, :2] = direction
+    return {"recovered_numbers": numbers(scene, interval(scene)), "recovered_index": index,
+            "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_particles": np.zeros((PARTICLE_BLOCKS * angle.points * radius.points
+                                             + 2 * angle.points * radius.nodes, 4))}
+
+
+def across_planes(rows):
+    """Weights as (value x, value y, slope x, slope y)."""
+    return Rows(rows.first, np.swapaxes(rows.weights[..., :2], 2, 3).reshape(*rows.weights.shape[:2], 4))
+
+
+def of_four(rows):
+    """Weights of the one component that a radius has, filled up to four."""
+    weights = rows.weights[:, :, 0]
+    return Rows(rows.first, np.concatenate([weights, np.zeros((*weights.shape[:2], 4 - weights.shape[2]))], axis=2))
+
+
+HOOKS = EstimatorHooks(
+    memory={
+        "recovered_numbers": reals,  # H, tau
+        "recovered_index": integers, "recovered_weights": quads,  # the tables, packed
+        "recovered_nodes": quads,  # nodal values, block by block
+        "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
+    },
+    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=not_finite)

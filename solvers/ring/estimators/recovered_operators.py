@@ -1,0 +1,257 @@
+"""The recovered estimator's operators on the ring: each along the radius first, then along the angle, or back.
+
+Particle (i, j), the j-th along the i-th radius, is number i K + j, K = ``radius_count``; node (a, b) of the error grid
+is number a B + b, B = ``recovered_across``. Fields are two vectors side by side, (x, y, x, y). Weights along the angle
+come for x and y, because a symmetry plane mirrors them differently: (value x, value y, slope x, slope y).
+"""
+
+import taichi as ti
+
+from solvers.estimators.recovery import row_of
+from solvers.ring.material import radial_force_at
+
+# Tables. Along the radius their weights are (value, slope, value over R, nothing).
+ANGULAR_FIT, ANGULAR_SPREAD, ANGULAR_GATHER, ANGULAR_SMOOTHING = 0, 1, 2, 3
+RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = 4, 5, 6, 7
+
+#: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
+#: along the radius; unsmoothed; M b along the radius, with unit direction; M e_R along the angle.
+MOTION, RATE, GATHERED, HALF_SMOOTHED, ERRORS, FORCE, DIRECTION = 0, 1, 2, 3, 4, 5, 6
+#: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and its slope.
+FIELD, FITTED, FITTED_SLOPE = 0, 1, 2
+PARTICLE_BLOCKS = 3
+VALUES, SLOPES = 0, 1  # blocks behind these, of radii with nodes on them: values, and slopes around
+STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for reports
+
+
+COUNT, ACROSS = 24, 25  # after the tables' headers: nodes of the error grid, and those on a radius
+
+
+@ti.func
+def node_count(ring: ti.template()):
+    return ring.recovered_index[COUNT]
+
+
+@ti.func
+def across(ring: ti.template()):
+    return ring.recovered_index[ACROSS]
+
+
+@ti.func
+def node_at(ring: ti.template(), block: ti.template(), i):
+    return block * node_count(ring) + i
+
+
+@ti.func
+def line_at(ring: ti.template(), block: ti.template(), line, b):
+    radii = ring.particles // ring.radius_count
+    return PARTICLE_BLOCKS * ring.particles + (block * radii + line) * across(ring) + b
+
+
+@ti.func
+def particle_at(ring: ti.template(), block: ti.template(), p):
+    return block * ring.particles + p
+
+
+@ti.func
+def values_of(weight):
+    """The angular weights of two vector fields."""
+    return ti.Vector([weight[0], weight[1], weight[0], weight[1]])
+
+
+@ti.func
+def slopes_of(weight):
+    return ti.Vector([weight[2], weight[3], weight[2], weight[3]])
+
+
+# ---- particles to nodes -------------------------------------------------------------------------------------------
+
+
+@ti.func
+def radial_gather(ring: ti.template()):
+    """Integrals of N_b f R along each radius, over that of N_b R."""
+    K = ring.radius_count
+    for line in range(ring.particles // K):
+        for b in range(across(ring)):
+            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
+            p = particle_at(ring, FIELD, line * K + j)
+            for k in range(begin, end):
+                total += ring.recovered_weights[k][0] * ring.recovered_particles[p]
+                p += 1
+            ring.recovered_particles[line_at(ring, VALUES, line, b)] = total
+
+
+@ti.func
+def radial_gather_stress(ring: ti.template()):
+    """Integrals along each radius of N_b' R P e_R and of N_b P e_angle, side by side, over that of N_b R."""
+    K = ring.radius_count
+    for line in range(ring.particles // K):
+        for b in range(across(ring)):
+            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
+            p = particle_at(ring, STRESS, line * K + j)
+            for k in range(begin, end):
+                w = ring.recovered_weights[k]
+                total += ti.Vector([w[1], w[1], w[2], w[2]]) * ring.recovered_particles[p]
+                p += 1
+            ring.recovered_particles[line_at(ring, VALUES, line, b)] = total
+
+
+@ti.func
+def angular_gather(ring: ti.template(), a, b):
+    """M f at node (a, b), from what the radii gathered."""
+    value = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
+    entry = line_at(ring, VALUES, line, b)
+    for k in range(begin, end):
+        value += values_of(ring.recovered_weights[k]) * ring.recovered_particles[entry]
+        entry += across(ring)
+    return value
+
+
+@ti.func
+def angular_gather_stress(ring: ti.template(), a, b):
+    """D P at node (a, b): the first vector of what the radii gathered with N_a, the second with N_a'."""
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
+    entry = line_at(ring, VALUES, line, b)
+    for k in range(begin, end):
+        total += ring.recovered_weights[k] * ring.recovered_particles[entry]
+        entry += across(ring)
+    return ti.Vector([total[0] + total[2], total[1] + total[3]])
+
+
+@ti.func
+def gather_force(ring: ti.template(), t, on: ti.template()):
+    """M b along the radius; the force at the particles' radii waits where the radii will gather."""
+    if ti.static(on.body_force != "none"):
+        for j in range(ring.radius_count):
+            b_j = radial_force_at(ring, ring.radii[j], t, on)
+            ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)] = ti.Vector([b_j, b_j, b_j, b_j])
+        for b in range(across(ring)):
+            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
+            for k in range(begin, end):
+                total += ring.recovered_weights[k][0] * ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)]
+                j += 1
+            ring.recovered_nodes[node_at(ring, FORCE, b)] = total
+
+
+# ---- nodes to nodes -----------------------------------------------------------------------------------------------
+
+
+@ti.func
+def radial_smoothing(ring: ti.template()):
+    """The radial half of C."""
+    B = across(ring)
+    for a in range(node_count(ring) // B):
+        for b in range(B):
+            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            other, begin, end = row_of(ring.recovered_index, RADIAL_SMOOTHING, b, b)
+            node = node_at(ring, GATHERED, a * B + other)
+            for k in range(begin, end):
+                total += ring.recovered_weights[k][0] * ring.recovered_nodes[node]
+                node += 1
+            ring.recovered_nodes[node_at(ring, HALF_SMOOTHED, a * B + b)] = total
+
+
+@ti.func
+def angular_smoothing(ring: ti.template(), a, b):
+    """C of the gathered nodal values at node (a, b), from the radial half."""
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    other, begin, end = row_of(ring.recovered_index, ANGULAR_SMOOTHING, a, a)
+    node = node_at(ring, HALF_SMOOTHED, other * across(ring) + b)
+    for k in range(begin, end):
+        total += values_of(ring.recovered_weights[k]) * ring.recovered_nodes[node]
+        node += across(ring)
+    return total
+
+
+# ---- nodes to particles -------------------------------------------------------------------------------------------
+
+
+@ti.func
+def angular_spread(ring: ti.template()):
+    """The nodal errors interpolated along the angle, and their slopes: the angular half of sum N_i e_i."""
+    for line in range(ring.particles // ring.radius_count):
+        a, begin, _ = row_of(ring.recovered_index, ANGULAR_SPREAD, line, line)
+        for b in range(across(ring)):
+            value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+            for k in ti.static(range(3)):
+                w = ring.recovered_weights[begin + k]
+                e = ring.recovered_nodes[node_at(ring, ERRORS, (a + k) * across(ring) + b)]
+                value += values_of(w) * e
+                slope += slopes_of(w) * e
+            ring.recovered_particles[line_at(ring, VALUES, line, b)] = value
+            ring.recovered_particles[line_at(ring, SLOPES, line, b)] = slope
+
+
+@ti.func
+def radial_spread(ring: ti.template(), i, j):
+    """The errors at particle (i, j) with their slopes along the radius and the angle, from the angular half."""
+    value, along = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    around = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    b, begin, _ = row_of(ring.recovered_index, RADIAL_SPREAD, j, j)
+    for k in ti.static(range(3)):
+        w, e = ring.recovered_weights[begin + k], ring.recovered_particles[line_at(ring, VALUES, i, b + k)]
+        value += w[0] * e
+        along += w[1] * e
+        around += w[0] * ring.recovered_particles[line_at(ring, SLOPES, i, b + k)]
+    return value, along, around
+
+
+# ---- particles to particles ---------------------------------------------------------------------------------------
+
+
+@ti.func
+def line_slopes(ring: ti.template(), i, j):
+    """Slopes of the fields along the radius and the angle, each recovered on one line through particle (i, j)."""
+    K = ring.radius_count
+    along, around = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j, j)
+    p = particle_at(ring, FIELD, i * K + other)
+    for k in range(begin, end):
+        along += ring.recovered_weights[k][1] * ring.recovered_particles[p]
+        p += 1
+    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i, i)
+    p = particle_at(ring, FIELD, other * K + j)
+    for k in range(begin, end):
+        around += slopes_of(ring.recovered_weights[k]) * ring.recovered_particles[p]
+        p += K
+    return along, around
+
+
+@ti.func
+def radial_fit(ring: ti.template()):
+    """The fields recovered along each radius, and their slopes: the radial half of a fit over a patch."""
+    K = ring.radius_count
+    for line in range(ring.particles // K):
+        for j in range(K):
+            value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+            other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j, j)
+            p = particle_at(ring, FIELD, line * K + other)
+            for k in range(begin, end):
+                w, field = ring.recovered_weights[k], ring.recovered_particles[p]
+                value += w[0] * field
+                slope += w[1] * field
+                p += 1
+            ring.recovered_particles[particle_at(ring, FITTED, line * K + j)] = value
+            ring.recovered_particles[particle_at(ring, FITTED_SLOPE, line * K + j)] = slope
+
+
+@ti.func
+def angular_fit(ring: ti.template(), i, j):
+    """The fields recovered over a patch around particle (i, j), with slopes along the radius and the angle."""
+    K = ring.radius_count
+    value, along = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    around = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i, i)
+    p = other * K + j
+    for k in range(begin, end):
+        w, fitted = ring.recovered_weights[k], ring.recovered_particles[particle_at(ring, FITTED, p)]
+        value += values_of(w) * fitted
+        along += values_of(w) * ring.recovered_particles[particle_at(ring, FITTED_SLOPE, p)]
+        around += slopes_of(w) * fitted
+        p += K
+    return value, along, around

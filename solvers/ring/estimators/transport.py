@@ -1,0 +1,185 @@
+"""The paper's estimator on the ring: eqs 46-49, taken literally.
+
+Per node, with D_x = -V dS/dx / V_i and the nodal stress f = sigma_xx in x, sigma_yy in y (over the nodal density, so
+that its derivative is an acceleration),
+
+    Ea_x = (sum D_x) f_x + (sum D_x (x_p - x_i) - 1) a_x     (46; in 47 the paper prints f_x where f_y is meant)
+    Ev_p = dt sum S Ea                                       (48: not accumulated)
+    Ex_p += dt Ev_p                                          (49)
+
+a is the internal part of the nodal acceleration, which is what the divergence of f stands for. Eq 46 measures how far
+the mapping is from preserving constants and linear functions. At a free surface it is far by nature, for the weak form
+lets the missing part be the traction; so the estimate does not fall with h, and its index grows. The stress is not
+estimated.
+"""
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators.interface import EstimatorHooks
+from solvers.kinds import pairs, quads, real
+from solvers.ring import cpdi, gimp
+from solvers.ring.layout import GHOSTS
+from solvers.ring.material import kirchhoff_stress
+
+
+@ti.func
+def in_step(ring: ti.template(), base, on: ti.template()):
+    """Advance Ex by H = k dt and report Ev and Ea, between the node update and the particle update."""
+    clear(ring)
+    gather_moments(ring, on)
+    fold(ring)
+    node_errors(ring)
+    particle_errors(ring, base, on)
+
+
+@ti.func
+def clear(ring: ti.template()):
+    for j in range(ring.active):
+        for node in range(j * ring.row, j * ring.row + ring.active):
+            ring.transport_stress[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            ring.transport_moments[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            ring.transport_error[node] = ti.Vector([0.0, 0.0])
+
+
+@ti.func
+def gather_moments(ring: ti.template(), on: ti.template()):
+    """Nodal sums of V S (sigma_xx, sigma_yy, 1), of V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the body force."""
+    for p in range(ring.particles):
+        F = ring.deformation_gradient[p]
+        tau = kirchhoff_stress(ring, p)
+        rest = ring.mass[p] / ring.density
+        volume = rest * (F[0] * F[3] - F[1] * F[2])
+        stress = rest * ti.Vector([tau[0], tau[2], 0.0, 0.0])  # V sigma = V0 J sigma
+        stress[2] = volume
+        push = ti.Vector([0.0, 0.0])
+        if ti.static(on.body_force != "none"):
+            push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
+        if ti.static(on.method == "cpdi"):
+            places, cells, g = ring.weights[p], ring.corner_nodes[p], cpdi.corner_gradients(ring, p)
+            for c in ti.static(range(4)):
+                N = cpdi.hats(places, c)
+                a, sign = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)
+                for k in ti.static(range(4)):
+                    node = cells[c] + (k // 2) * ring.row + k % 2
+                    add(ring, p, node, 0.25 * N[k], sign * g[a] * N[k], sign * g[a + 1] * N[k], volume, stress, push)
+        else:
+            S, dS, R, dR = gimp.stencils_of(ring, p)
+            for j in ti.static(range(3)):
+                for i in ti.static(range(3)):
+                    node = ring.first_node[p] + j * ring.row + i
+                    add(ring, p, node, S[i] * R[j], dS[i] * R[j], S[i] * dR[j], volume, stress, push)
+
+
+@ti.func
+def add(ring: ti.template(), p, node, S, S_x, S_y, volume, stress, push):
+    """One particle's part at one node; r = x_p - x_i. The force waits where the error will go."""
+    r_x = ring.motion[p][0] - (node % ring.row - GHOSTS) * ring.spacing
+    r_y = ring.motion[p][1] - (node // ring.row - GHOSTS) * ring.spacing
+    ring.transport_stress[node] = ring.transport_stress[node] + S * stress
+    ring.transport_moments[node] = ring.transport_moments[node] \
+        - volume * ti.Vector([S_x, S_y, S_x * r_x, S_y * r_y])
+    ring.transport_error[node] = ring.transport_error[node] + S * push
+
+
+@ti.func
+def fold(ring: ti.template()):
+    """Add what fell beyond a symmetry plane to its mirror image: D across the plane and the force are odd."""
+    for j in range(ring.active):
+        for i in ti.static(range(GHOSTS)):
+            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, -1.0, 1.0)
+    for i in range(ring.active):
+        for j in ti.static(range(GHOSTS)):
+            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, 1.0, -1.0)
+
+
+@ti.func
+def fold_pair(ring: ti.template(), ghost, image, in_x, in_y):
+    moments, push = ring.transport_moments[ghost], ring.transport_error[ghost]
+    ring.transport_stress[image] = ring.transport_stress[image] + ring.transport_stress[ghost]
+    ring.transport_moments[image] = ring.transport_moments[image] \
+        + ti.Vector([in_x * moments[0], in_y * moments[1], moments[2], moments[3]])
+    ring.transport_error[image] = ring.transport_error[image] + ti.Vector([in_x * push[0], in_y * push[1]])
+
+
+@ti.func
+def node_errors(ring: ti.template()):
+    """Ea at the nodes. The internal part of a is a without the body force, whose nodal mean is taken out."""
+    for j in range(GHOSTS, ring.active):
+        for i in range(GHOSTS, ring.active):
+            node = j * ring.row + i
+            sums, moments, mass = ring.transport_stress[node], ring.transport_moments[node], ring.node_mass[node]
+            error = ti.Vector([0.0, 0.0])
+            if mass > 0 and sums[2] > 0:
+                motion, push = ring.node_motion[node], ring.transport_error[node]
+                a = ti.Vector([motion[2] - push[0] / mass, motion[3] - push[1] / mass])
+                # f over the nodal density: (sum V S sigma / V_i)/(m_i/V_i) = sum V S sigma / m_i.
+                error[0] = moments[0] / sums[2] * sums[0] / mass + (moments[2] / sums[2] - 1) * a[0]
+                error[1] = moments[1] / sums[2] * sums[1] / mass + (moments[3] / sums[2] - 1) * a[1]
+                if i == GHOSTS:
+                    error[0] = 0.0
+                if j == GHOSTS:
+                    error[1] = 0.0
+            ring.transport_error[node] = error
+    for j in range(GHOSTS, ring.active):
+        for i in ti.static(range(GHOSTS)):
+            image = ring.transport_error[j * ring.row + 2 * GHOSTS - i]
+            ring.transport_error[j * ring.row + i] = ti.Vector([-image[0], image[1]])
+    for i in range(ring.active):
+        for j in ti.static(range(GHOSTS)):
+            image = ring.transport_error[(2 * GHOSTS - j) * ring.row + i]
+            ring.transport_error[j * ring.row + i] = ti.Vector([image[0], -image[1]])
+
+
+@ti.func
+def particle_errors(ring: ti.template(), base, on: ti.template()):
+    """Ea and Ev at the particles, and Ex carried on by H."""
+    for p in range(ring.particles):
+        Ea = interpolate(ring, p, on)
+        Ev = ring.dt * Ea
+        before = ring.estimate[base + p]
+        ring.estimate[base + p] = ti.Vector([before[0] + ring.transport_dt * Ev[0],
+                                             before[1] + ring.transport_dt * Ev[1], Ev[0], Ev[1]])
+        ring.estimate_acceleration[base + p] = Ea
+
+
+@ti.func
+def interpolate(ring: ti.template(), p, on: ti.template()):
+    """sum S Ea_i at the particle, with the step's own weights."""
+    total = ti.Vector([0.0, 0.0])
+    if ti.static(on.method == "cpdi"):
+        places, cells = ring.weights[p], ring.corner_nodes[p]
+        for c in ti.static(range(4)):
+            N = cpdi.hats(places, c)
+            for k in ti.static(range(4)):
+                total += 0.25 * N[k] * ring.transport_error[cells[c] + (k // 2) * ring.row + k % 2]
+    else:
+        S, _, R, _ = gimp.stencils_of(ring, p)
+        for j in ti.static(range(3)):
+            for i in ti.static(range(3)):
+                total += S[i] * R[j] * ring.transport_error[ring.first_node[p] + j * ring.row + i]
+    return total
+
+
+@ti.func
+def report(ring: ti.template(), base, step, on: ti.template()):
+    """The other quantities are kept up to date as they are carried on; of the stress nothing is known."""
+    for p in range(ring.particles):
+        ring.estimate_stress[base + p] = ti.Vector([ti.math.nan] * 4)
+
+
+def allocate(scene):
+    """Nodal arrays."""
+    nodes = (scene.cells + 1) ** 2
+    return {"transport_dt": scene.estimate_interval * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
+            "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 2))}
+
+
+HOOKS = EstimatorHooks(
+    memory={
+        "transport_dt": real,  # H = k dt
+        "transport_stress": quads,  # sums of V S sigma_xx, V S sigma_yy, V S
+        "transport_moments": quads,  # sums of D_x, D_y, D_x r_x, D_y r_y
+        "transport_error": pairs,  # nodal error of a
+    },
+    allocate=allocate, interval=lambda scene: scene.estimate_interval, in_step=in_step, report=report)

@@ -1,0 +1,57 @@
+"""What a value must satisfy to be an input of a scene, and the one sentence that says so where it does not."""
+
+from __future__ import annotations
+
+import math
+import sys
+
+#: Where a field's name and its flag differ. The flag, with ``_`` for ``-``, is also the key in the JSON object.
+FLAGS = {"estimators": "estimator"}
+FIELDS = {key: field for field, key in FLAGS.items()}
+
+
+class SceneError(ValueError):
+    """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
+
+    def __init__(self, field: str, value: object, sentence: str):
+        self.field, self.value, self.sentence = field, value, sentence
+        super().__init__(f"{field_label(field)} {value}: {sentence}")
+
+
+def field_key(field: str) -> str:
+    """The name of a field in the JSON object: ``estimators`` is ``estimator``."""
+    return FLAGS.get(field, field)
+
+
+def field_label(field: str) -> str:
+    """The name of a field as a person reads it: ``body_force`` is ``body force``."""
+    return field_key(field).replace("_", " ")
+
+
+def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
+    if value not in allowed:
+        names = ", ".join((*allowed, also) if also else allowed)
+        raise SceneError(field, value, f"is not known; give {'one of ' if ',' in names else ''}{names}")
+
+
+def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> tuple[str, ...]:
+    """Several of the allowed names, each once, as a tuple; a list is welcome."""
+    if not isinstance(chosen, (tuple, list)):
+        raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
+    for item in chosen:
+        require_choice(field, item, allowed, also="none")
+    if len(set(chosen)) != len(chosen):
+        raise SceneError(field, " ".join(chosen), "names something twice; give each name once")
+    return tuple(chosen)
+
+
+def require_whole(field: str, value: object, least: int, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
+
+
+def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
+            or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
+        upper = "" if math.isinf(most) else f" and up to {most:g}"
+        raise SceneError(field, value, allowed or f"give a number above {above:g}{upper}")

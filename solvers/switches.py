@@ -1,0 +1,33 @@
+"""Switches: what of a scene is compiled into its kernels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from solvers.effects import EFFECTS
+from solvers.scene import Scene
+
+
+class Switches(NamedTuple):
+    """What is compiled in; kernels take it as ``on``. Two scenes with equal switches share one compiled kernel.
+
+    Each effect is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``.
+    """
+
+    method: str
+    linearity_preserving: bool
+    body_force: str
+    velocity: str
+    effects: tuple[str, ...]
+    estimators: tuple[str, ...]
+
+    def __getattr__(self, name: str) -> bool:
+        if name not in EFFECTS:
+            raise AttributeError(f"no effect is called {name}")
+        return name in self.effects
+
+
+def switches(scene: Scene) -> Switches:
+    """The switches of a scene."""
+    return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
+                    tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators)
