@@ -7,7 +7,8 @@ import textwrap
 import numpy as np
 import viser
 
-from app.scale import ColourScale, power_text
+from app.scale import ColourScale
+from app.words import power_text
 
 RECTANGLE = (-0.105, 1.055, -0.08, 1.1)  # x0, x1, y0, y1 of the stage; every problem is drawn to fit
 COLOUR_BAR, COLOUR_BAR_HEIGHT = 1.015, 0.024

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from app.colours import colour_table
+from app.words import number, power_of_ten
 
 DECADES = 3  # that a logarithmic scale shows below its top
 FADE = 0.985  # per frame: how slowly the top follows when errors shrink
 SMALLEST = 1e-300
-PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
 BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale
 
 
@@ -85,30 +85,3 @@ def round_up(value: float) -> float:
     """The next of 1, 2, 5 times a power of ten: a scale that moves in few, round steps."""
     power = 10.0 ** math.floor(math.log10(value))
     return next((m * power for m in (1, 2, 5) if value <= m * power), 10 * power)
-
-
-def power_of_ten(largest: float) -> int:
-    """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
-    power = math.floor(math.log10(largest)) if largest > 0 else 0
-    return power if power < -1 or power > 3 else 0
-
-
-def power_text(power: int) -> str:
-    """ "10⁻⁴ " for -4, nothing for 0."""
-    return "" if power == 0 else "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) + " "
-
-
-def number(value: float) -> str:
-    """Short and exact to three digits: 0, 0.025, 1.5e-05."""
-    return f"{value:.3g}"
-
-
-def with_unit(value: float, unit: str, digits: int = 3) -> str:
-    """A size with its unit and the prefix that makes it short: 2.1 mm, 340 kPa; 0 and what is not finite as they are.
-    """
-    if not math.isfinite(value) or value == 0:
-        return f"{value:g} {unit}"
-    power = math.floor(math.log10(float(f"{abs(value):.{digits - 1}e}"))) // 3
-    if power not in PREFIXES:
-        return f"{value:.{digits - 1}e} {unit}"
-    return f"{float(f'{value / 1000.0**power:.{digits}g}'):g} {PREFIXES[power]}{unit}"

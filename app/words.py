@@ -1,9 +1,64 @@
-"""Words: names, units, symbols and number formats, for the command line, the page and every picture."""
+"""Words: names, units, symbols and number formats, once for the command line, the page and every picture."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
+from solvers.problems import PROBLEMS
 from solvers.rules import field_key
 from solvers.scene import Scene
+
+NOTHING = "–"
+PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
+
+
+@dataclass(frozen=True)
+class Method:
+    """How a method is called: in short, and where there is room to say what it is."""
+
+    name: str
+    full: str = ""
+
+    def __str__(self) -> str:
+        return self.full or self.name
+
+
+METHODS = {"mpm": Method("MPM", "MPM (hat functions)"), "ugimp": Method("uGIMP"), "cpgimp": Method("cpGIMP"),
+           "bspline": Method("B-spline"), "cpdi": Method("CPDI")}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What an error is of: its noun, its symbol and its unit."""
+
+    noun: str
+    symbol: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.noun} {self.symbol}"
+
+
+#: By their keys in samples and results, in the order of the error columns.
+QUANTITIES = {"x": Quantity("displacement", "x", "m"), "v": Quantity("velocity", "v", "m/s"),
+              "sigma": Quantity("stress", "σ", "Pa"), "a": Quantity("acceleration", "a", "m/s²")}
+#: Norms that one problem has.
+EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"), "a_nodes": Quantity("acceleration", "a at nodes", "m/s²")}
+BODY_FORCES = {"material": "at the particles", "node": "at the nodes", "none": "none",
+               "two-tone": "two-tone: no exact solution known"}
+VELOCITIES = {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"}
+LAYOUTS = {"polar": "polar", "cartesian": "Cartesian"}
+
+
+def method_name(method: str) -> str:
+    """A method in short; one that nobody has named keeps its own word."""
+    return METHODS[method].name if method in METHODS else method
+
+
+def per_cell(problem: str, ppc: int) -> str:
+    """Particles per cell, which are counted along each direction: 4, 2 × 2."""
+    return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)
 
 
 def command_line(scene: Scene) -> str:
@@ -18,3 +73,28 @@ def command_line(scene: Scene) -> str:
     return " ".join(words)
 
 
+def number(value: float) -> str:
+    """Short and exact to three digits: 0, 0.025, 1.5e-05."""
+    return f"{value:.3g}"
+
+
+def power_of_ten(largest: float) -> int:
+    """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
+    power = math.floor(math.log10(largest)) if largest > 0 else 0
+    return power if power < -1 or power > 3 else 0
+
+
+def power_text(power: int) -> str:
+    """ "10⁻⁴ " for -4, nothing for 0."""
+    return "" if power == 0 else "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) + " "
+
+
+def with_unit(value: float, unit: str, digits: int = 3) -> str:
+    """A size with its unit and the prefix that makes it short: 2.1 mm, 340 kPa; 0 and what is not finite as they are.
+    """
+    if not math.isfinite(value) or value == 0:
+        return f"{value:g} {unit}"
+    power = math.floor(math.log10(float(f"{abs(value):.{digits - 1}e}"))) // 3
+    if power not in PREFIXES:
+        return f"{value:.{digits - 1}e} {unit}"
+    return f"{float(f'{value / 1000.0**power:.{digits}g}'):g} {PREFIXES[power]}{unit}"

@@ -14,8 +14,8 @@ import pytest
 
 from app import __version__
 from app.cli import main
-from app.commands.output import Target, json_text, noted_interrupts
 from app.commands import commands
+from app.commands.output import Target, json_text, noted_interrupts
 from app.commands.run_text import run_table
 from solvers.bar.scene import BarScene
 from solvers.effects import EFFECTS

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
-from solvers.bar.estimators import companion as companion_bar
-from solvers.ring.estimators import companion_mesh as companion_ring_mesh
 
 from solvers.bar import exact as bar_exact
+from solvers.bar.estimators import companion as companion_bar
 from solvers.bar.forces import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.bar.scene import BarScene
 from solvers.estimators import companion
 from solvers.estimators.spectral import Elements, unresolved
 from solvers.ring import exact as ring_exact
+from solvers.ring.estimators import companion_mesh as companion_ring_mesh
 from solvers.ring.material import SECOND_FREQUENCY as RING_FREQUENCY
 from solvers.ring.material import SECOND_SIZE as RING_SIZE
 from solvers.ring.scene import RingScene

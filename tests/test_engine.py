@@ -17,12 +17,12 @@ import pytest
 from solvers import samples
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
+from solvers.bar.validity import RULES
 from solvers.engine import frames as memory
 from solvers.engine.messages import Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.stepper import Stepper
 from solvers.engine.worker import FAILED
-from solvers.bar.validity import RULES
 from solvers.ring.scene import RingScene
 from solvers.run import build
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from solvers import norms
-from solvers.bar.state import HOOKS
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
+from solvers.bar.state import HOOKS
 from solvers.estimators.interface import memory_parts
 from tests.reference import NUMBERS
 

@@ -12,7 +12,7 @@ from solvers.bar.scene import BarScene
 from solvers.estimators import lattice
 from solvers.estimators.interface import memory_parts
 from solvers.estimators.packing import Pool
-from solvers.kinds import pairs, quads, real, reals, matrix
+from solvers.kinds import matrix, pairs, quads, real, reals
 from solvers.ring.scene import RingScene
 from solvers.run import build, run
 

@@ -10,7 +10,8 @@ import pytest
 
 from app.page.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
 from app.page.worst import ANGLES, LENGTHS, Worst, WorstPlaces, divide
-from app.scale import ColourScale, with_unit
+from app.scale import ColourScale
+from app.words import with_unit
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport

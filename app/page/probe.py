@@ -9,7 +9,7 @@ import viser
 
 from app.drawing import AWAY, DOT, in_plane, joined, lines
 from app.page.camera import FlatCamera
-from app.scale import number
+from app.words import number
 from solvers.engine.frames import FrameArrays
 
 

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from app.colours import METHOD_COLOURS, METHOD_MARKS
 from app.page.cost.runs import LIVE, SWEEP, Run
 from app.page.cost.words import METHOD_NAMES, sentence
-from app.scale import power_text
+from app.words import power_text
 from solvers.study.row import UNSTABLE
 
 WIDTH, HEIGHT = 330, 216

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from app.page.cost.jobs import Progress
 from app.page.cost.runs import MOST_RUNS, Run
 from app.page.panels.choices import PROBLEMS
-from app.scale import number
-from app.words import command_line
+from app.words import command_line, number
 from solvers.scene import Scene
 from solvers.study.grid import Task
 from solvers.study.row import FAILED, UNSTABLE

@@ -13,7 +13,8 @@ import viser
 from app.colours import ESTIMATOR_LINES, TRUTH
 from app.page.history import History
 from app.page.panels.choices import SYMBOLS
-from app.scale import BEYOND, largest, power_of_ten, power_text
+from app.scale import BEYOND, largest
+from app.words import power_of_ten, power_text
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"

@@ -12,7 +12,7 @@ from app.page.panels.choices import QUANTITIES, SYMBOLS
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.page.worst import Place, WorstPlaces
-from app.scale import with_unit
+from app.words import with_unit
 
 LINE = 18  # pixels that a line of the readout is high
 SHORT = 30  # characters of a reason that fit beside a name
