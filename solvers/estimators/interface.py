@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.estimators.packing import Pool
+from solvers.estimators.packing import Packing
 from solvers.scene import Scene
 
-NEVER = 2**31 - 1  # an interval that no step is a multiple of: the estimator rests
+NEVER = 2**31 - 1  # an interval that no step is a multiple of: the estimator is left out, to time the others
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class EstimatorHooks:
       the last step used, which belongs to the time one step earlier. Called only when somebody looks.
 
     ``verdict(scene, memory)`` may find, from the arrays of a run, that the estimate cannot be trusted: one sentence
-    that begins with "not valid here: ". What is known beforehand is said by ``solvers.estimators.validity``.
+    that begins with "not valid here: ". What is known beforehand is said by the problem's ``validity``.
     """
 
     memory: Mapping[str, object]
@@ -54,7 +54,7 @@ def members(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
 
 def memory_types(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
     """The types of the members of the state that hold all estimators' memory (see ``solvers.estimators.packing``)."""
-    return Pool(members(estimators)).types
+    return Packing(members(estimators)).types
 
 
 def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
@@ -66,12 +66,12 @@ def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> d
         if own and own.keys() != blank.keys():
             raise TypeError(f"estimator {name} allocates {sorted(own.keys() ^ blank.keys())} against its own list")
         values.update(own or blank)
-    return Pool(members(estimators)).values(values)
+    return Packing(members(estimators)).values(values)
 
 
 def memory_parts(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
     """All estimators' arrays by name, out of what holds them."""
-    return Pool(members(estimators)).parts(memory)
+    return Packing(members(estimators)).parts(memory)
 
 
 def intervals(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> np.ndarray:

@@ -34,7 +34,7 @@ def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.tem
 
 @ti.func
 def report(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """Bring every estimate up to date after ``step`` steps, unless its estimator rests."""
+    """Bring every estimate up to date after ``step`` steps, unless its estimator is left out."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].report):
             if state.estimate_intervals[e] != NEVER:

@@ -54,7 +54,7 @@ def sizes(errors: Fields) -> np.ndarray:
 
 
 def difference(one: Fields, other: Fields) -> np.ndarray:
-    """Sizes (P, 4) of ``one`` minus ``other``: how far apart they are, direction and all. What is None counts as 0."""
+    """Sizes (P, 4) of ``one`` minus ``other``, direction and all. What is None counts as 0."""
     with np.errstate(over="ignore", invalid="ignore"):
         return sizes([mine if theirs is None else tuple(a - b for a, b in zip(mine, theirs, strict=True))
                       for mine, theirs in zip(one, other, strict=True)])

@@ -10,7 +10,8 @@ from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.phases import (
     fold,
-    mirror,
+    fold_sums,
+    mirror_motion,
     nodes_to_particles,
     particles_to_nodes,
     slab_range,
@@ -77,14 +78,14 @@ def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template(
             for j in range(first, last):
                 sum_slabs(ring, j)
     for _ in range(ti.min(slabs, 1)):
-        fold(ring)
+        fold(ring, fold_sums)
     for task in range(TASK * slabs):
         if task % TASK == 0:
             first, last = slab_range(ring.active - GHOSTS, task // TASK, ring.slabs)
             for j in range(first, last):
                 update_nodes(ring, GHOSTS + j, on)
     for _ in range(ti.min(slabs, 1)):
-        mirror(ring)
+        mirror_motion(ring)
         running.in_step(ring, step + 1, HOOKS, on)
     for task in range(TASK * slabs):
         if task % TASK == 0:

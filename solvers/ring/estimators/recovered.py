@@ -1,4 +1,4 @@
-"""The recovered estimator on the ring: as on the bar (``recovered_bar``), on the polar material lattice.
+"""The recovered estimator on the ring: as on the bar (see there), on the polar material lattice.
 
 The weak form, in the material frame with the error grid's functions N = N_b(R) N_a(angle) and Cartesian components,
 
