@@ -10,7 +10,7 @@ import taichi as ti
 
 from solvers.bar.scene import BarScene
 from solvers.estimators import lattice
-from solvers.estimators.interface import memory_parts
+from solvers.estimators.memory import memory_parts
 from solvers.estimators.packing import Packing
 from solvers.kinds import matrix, pairs, quads, real, reals
 from solvers.ring.scene import RingScene

@@ -15,10 +15,8 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.interface import EstimatorHooks
 
 EXTENSIONS = "MPM_LAB_EXTENSIONS"
 EXPLANATIONS = Path(__file__).parent / "explanations"

@@ -2,7 +2,8 @@
 
 import taichi as ti
 
-from solvers.estimators.interface import NEVER, members
+from solvers.estimators.interface import NEVER
+from solvers.estimators.memory import members
 from solvers.estimators.packing import look
 
 
