@@ -20,6 +20,7 @@ class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
     HOOKS = HOOKS
+    scene: BarScene
 
     def __init__(self, scene: BarScene):
         super().__init__(scene)

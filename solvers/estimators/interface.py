@@ -2,8 +2,8 @@
 
 An estimator of a problem is one :class:`EstimatorHooks`, called ``HOOKS``, at the end of its file. Several can run in
 one scene; number e reports the estimated errors of particle p in entry ``e * particles + p`` of the state's
-``estimate`` arrays. It may
-use whatever the method itself computes, the body force and the initial state; never the exact solution.
+``estimate`` arrays. It may use whatever the method itself computes, the body force and the initial state; never the
+exact solution.
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ def memory_types(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
 
 def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
     """What these hold: the active estimators' own values, and for the others the least that a kernel accepts."""
-    values = {}
+    values: dict[str, object] = {}
     for name, estimator in estimators.items():
         blank = {member: _blank(kind) for member, kind in estimator.memory.items()}
         own = estimator.allocate(scene) if name in scene.active_estimators else {}
@@ -43,7 +44,7 @@ def intervals(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> np.ndar
     return np.array([estimators[name].interval(scene) for name in scene.active_estimators] or [NEVER], np.int32)
 
 
-def _blank(kind: object) -> float | int | np.ndarray:
+def _blank(kind: Any) -> float | int | np.ndarray:
     """Zero, or an array of length one, of a Taichi type."""
     if not hasattr(kind, "ndim"):
         return 0

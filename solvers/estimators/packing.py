@@ -10,6 +10,7 @@ that functions written for a state (``bar.position[p]``) work on a second one.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import taichi as ti
@@ -28,7 +29,9 @@ class Packing:
     """
 
     def __init__(self, members: Mapping[str, object]):
-        self.types, self.places, self.front = {}, {}, {"integers": 0, "reals": 0}
+        self.types: dict[str, object] = {}
+        self.places: dict[str, tuple[str, int, bool]] = {}  # array, entry in front, whether it is an array
+        self.front = {"integers": 0, "reals": 0}
         for name, kind in members.items():
             array = next((a for a in ARRAYS if getattr(kinds, a) is kind), None)
             if array is None and kind not in (kinds.real, ti.i32):
@@ -41,10 +44,10 @@ class Packing:
         used = {"integers", "reals"} | {place[0] for place in self.places.values()}
         self.types.update({PREFIX + array: getattr(kinds, array) for array in ARRAYS if array in used})
 
-    def values(self, members: Mapping[str, object]) -> dict[str, np.ndarray]:
+    def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """The packed arrays that hold these members."""
-        pieces = {array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))]
-                  for array, shape in ARRAYS.items()}
+        pieces: dict[str, list[np.ndarray]] = {
+            array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in ARRAYS.items()}
         length = {array: len(piece[0]) for array, piece in pieces.items()}
         for name, (array, slot, is_array) in self.places.items():
             front = pieces["reals" if array == "reals" and not is_array else "integers"][0]
@@ -93,7 +96,7 @@ class _Part:
 class _Array:
     """An array within a packed one: its index counts from where it begins."""
 
-    def __init__(self, array: object, begin: object):
+    def __init__(self, array: object, begin: Any):
         self._array, self._begin = array, begin
 
     def __getitem__(self, index: object) -> object:
@@ -104,18 +107,22 @@ def _entry(array: object, index: object) -> object:
     return ti.lang.impl.subscript(None, array, index)
 
 
+def as_it_is(function: Any) -> Any:
+    """The compiler warns of a call that it does not translate unless told so; here nothing is to be."""
+    function.__dict__["_is_taichi_function"] = False
+    return function
+
+
+@as_it_is
 def look(state: object, members: Mapping[str, object]) -> _Look:
     """For kernels: the state with these members, which it keeps packed, as attributes."""
     return _Look(state, Packing(members))
 
 
+@as_it_is
 def part(state: object, prefix: str) -> _Part:
     """For kernels: the members whose names begin with ``prefix``, as attributes by the rest of their names."""
     return _Part(state, prefix)
-
-
-#: The compiler warns of a call that it does not translate unless the function has this; here nothing is to be.
-look._is_taichi_function = part._is_taichi_function = False
 
 
 def _dtype(array: str) -> type:

@@ -4,15 +4,13 @@ import taichi as ti
 
 from solvers.estimators.interface import NEVER
 from solvers.estimators.memory import members
-from solvers.estimators.packing import look
+from solvers.estimators.packing import as_it_is, look
 
 
+@as_it_is
 def whole(state, estimators):
     """The state with the estimators' memory as members; it runs while kernels are compiled."""
     return look(state, members(estimators))
-
-
-whole._is_taichi_function = False  # see ``solvers.estimators.packing``
 
 
 @ti.func

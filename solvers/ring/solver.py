@@ -20,6 +20,7 @@ class RingSolver(Solver):
     """Owns the arrays of one ring. Two plans: one serial kernel for many steps, or slabs side by side."""
 
     HOOKS = HOOKS
+    scene: RingScene
 
     def __init__(self, scene: RingScene):
         super().__init__(scene)
