@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, default_hint, list_flag
-from app.commands.output import Target, json_text, noted_interrupts, say, stdout_to_stderr
-from app.words import command_line
+from app.commands.output import json_target, noted_interrupts, report, say, stdout_to_stderr
+from app.words import command_line, per_cell
 from solvers.rules import require_choice, require_number
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
@@ -61,15 +61,12 @@ class Advise:
         """Search, then say what to run; exit status 1 if nothing within the budget meets the tolerance."""
         base, quantity = self.base(), self._quantity()
         tolerance = self._tolerance(base, quantity)
-        target = None if self.json is None else Target("json", self.json, may_be_stdout=True)
+        target = json_target(self.json)
         begun = time.monotonic()
         with stdout_to_stderr(), noted_interrupts() as check_interrupts:
             advice = self._search(base, quantity, tolerance, check_interrupts)
         values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
-        if target:
-            target.write(json_text(values, lines=not target.is_stdout).encode())
-        else:
-            print(as_text(values), flush=True)
+        report(values, target, as_text)
         if not advice.met:
             say(values["reason"])
         return OK if advice.met else UNREACHABLE
@@ -98,8 +95,8 @@ class Advise:
         def told(looks: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
-                say(f"run {looks}: {scene.method}, {scene.cells} cells, {scene.ppc} particles per cell, "
-                    f"cfl {scene.cfl:g}")
+                say(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "
+                    f"per cell, cfl {scene.cfl:g}")
 
         choices = families(base, self._methods(base), self._numbers("ppc", self.ppc, (2, 3, 4)),
                            self._numbers("cfl", self.cfl, (0.1, 0.3, 0.5)), quantity)

@@ -20,6 +20,7 @@ from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput, shown
 from app.commands.output import say
+from solvers.estimators.registry import ExtensionError
 from solvers.rules import SceneError, field_key
 
 PROGRAM = "mpm-lab"
@@ -35,7 +36,7 @@ def dispatch(arguments: list[str]) -> int:
         status = _main(arguments)
         sys.stdout.flush()  # here, where a reader that has gone is still ours to handle
         return status
-    except BadInput as error:
+    except (BadInput, ExtensionError) as error:
         say(error)
         return BAD_INPUT
     except SceneError as error:

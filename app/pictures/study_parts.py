@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,21 +13,20 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from app.colours import METHOD_COLOURS, METHOD_MARKS
-from app.figures import ESTIMATOR_STYLES, say
-from app.pictures.run import METHODS
-from app.pictures.series import DRAWN
-from solvers.samples import QUANTITIES
+from app.figures import say
+from app.words import METHODS, QUANTITIES
 from solvers.study.row import UNSTABLE
 from solvers.study.series import Series, measured, series
 
-NAMES = {**DRAWN, "a": ("acceleration a", "m/s²")}
+Look = dict[str, Any]
+LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12
 LEGEND_WIDTH = 190  # letters
 MOST_TICKS = 8
 NARROW = 100.0  # an axis that spans less gets labels between the powers of ten
 UNSTABLE_ROOM = 30.0  # times the largest error of a stable run: up to there an unstable one is drawn where it is
 TOP = 0.97  # of the axes: where an unstable run goes whose error is beyond that, or not a number
-UNSTABLE_LOOK = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
+UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
 
 
 def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
@@ -51,12 +51,12 @@ def known(rows: Iterable[dict], problem_norm: str = "error") -> list[str]:
     return [q for q in QUANTITIES if any((row[problem_norm].get(q) or {}).get("max") for row in rows)]
 
 
-def looks(lines: Sequence[Series]) -> list[dict]:
+def looks(lines: Sequence[Series]) -> list[Look]:
     """How each series is drawn: colour and mark say the method, the line style and the filling what else differs."""
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
     return [{"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
-             "linewidth": 1.3, "linestyle": ESTIMATOR_STYLES[(k := numbers[line.variant]) % len(ESTIMATOR_STYLES)],
-             "fillstyle": ("full", "none")[k // len(ESTIMATOR_STYLES) % 2]} for line in lines]
+             "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[line.variant]) % len(LINE_STYLES)],
+             "fillstyle": ("full", "none")[k // len(LINE_STYLES) % 2]} for line in lines]
 
 
 def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, dict]]:
@@ -68,9 +68,10 @@ def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, dict
 def mark_unstable(axes: Axes, points: Iterable[tuple[float, float | None, str]], limit: float) -> None:
     """Crosses for runs that went unstable, at (abscissa, error, colour); at the top edge where the error is far out."""
     for x, error, colour in points:
-        inside = error is not None and np.isfinite(error) and 0 < error <= limit
-        place = {} if inside else {"transform": axes.get_xaxis_transform(), "clip_on": False}
-        axes.plot([x], [error if inside else TOP], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
+        height, place = TOP, {"transform": axes.get_xaxis_transform(), "clip_on": False}
+        if error is not None and np.isfinite(error) and 0 < error <= limit:
+            height, place = error, {}
+        axes.plot([x], [height], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
 
 
 def split(line: Series) -> tuple[list[dict], list[dict]]:
@@ -82,8 +83,8 @@ def split(line: Series) -> tuple[list[dict], list[dict]]:
 def legend_below(figure: Figure, entries: Sequence[tuple[Series, dict]], extra: Sequence[Line2D] = (),
                  unstable: bool = False) -> None:
     """One legend for all panels, below them, where it hides nothing."""
-    shown = entries[:MOST_LEGEND_ENTRIES]
-    handles = [Line2D([], [], label=line.label(METHODS), **look) for line, look in shown] + list(extra)
+    shown, names = entries[:MOST_LEGEND_ENTRIES], {code: method.name for code, method in METHODS.items()}
+    handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
     if len(entries) > len(shown):
         handles.append(Line2D([], [], linestyle="none", label=f"and {len(entries) - len(shown)} more"))
     if unstable:
