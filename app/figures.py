@@ -14,6 +14,7 @@ from matplotlib.ticker import ScalarFormatter
 from solvers.estimators.registry import ESTIMATORS
 from solvers.result import Result
 
+Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plot``
 DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture
 MOST_DOTS = 20_000  # more particles cannot be told apart in a picture
 MOST_CELL_LINES = 400

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, default_hint, list_flag
+from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, default_hint, number, real, several_of
 from app.commands.output import json_target, noted_interrupts, report, say, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.rules import require_choice, require_number
@@ -39,7 +39,7 @@ class Advise:
     """Largest RMS error that is allowed at any time of the run."""
     relative: bool = True
     """Whether the tolerance is a part of the quantity's own size (of A for x) or in its unit."""
-    quantity: list_flag(QUANTITIES) = ("x",)
+    quantity: Annotated[Any, several_of(QUANTITIES)] = ("x",)
     """What the tolerance is about: position, velocity, stress or acceleration."""
     budget: RealFlag = 60.0
     """Longest run that may be recommended, s."""
@@ -107,23 +107,18 @@ class Advise:
             require_choice("method", method, base.choices("method"))
         return [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
 
-    def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[float, ...]) -> tuple[float, ...]:
+    def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """The words of a flag as numbers that a scene accepts."""
-        kind, field = (int, "ppc") if flag == "ppc" else (float, "cfl")
-        numbers = []
-        for word in words:
-            try:
-                numbers.append(kind(word))
-            except ValueError:
-                numbers.append(word)
-            self.SCENE(**{field: numbers[-1]})  # says what is wrong with it
-        return tuple(numbers) or default
+        numbers = tuple(real([word]) if flag == "cfl" else number([word]) for word in words)
+        for value in numbers:
+            self.SCENE(**{flag: value})  # says what is wrong with it
+        return numbers or default
 
 
 def search_flags(scene: type[Scene]) -> dict[str, Any]:
     """Flags that hold several values to choose from, where a run has one."""
     def several(names: Iterable[str], default: str, text: str) -> Any:
-        return Annotated[list_flag(names), default_hint(default), tyro.conf.arg(help=text)]
+        return Annotated[Any, several_of(names), default_hint(default), tyro.conf.arg(help=text)]
 
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
     return {"method": several(scene.choices("method"), "all", f"Methods to choose from{preserving}."),

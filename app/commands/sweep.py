@@ -108,7 +108,7 @@ class Sweep(SceneFlags):
     def _place(self, stack: contextlib.ExitStack) -> Place:
         if self.scheduler is None:
             from solvers.study.places import Here
-            place = Here(self.workers or 1)
+            place: Place = Here(self.workers or 1)
         else:
             from solvers.study.cluster import Cluster, NoCluster
             try:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE, TRUTH
-from app.figures import line_style
+from app.figures import Look, line_style
 from app.words import EXTRA_NORMS, QUANTITIES, method_name
 from solvers.estimators.registry import ESTIMATORS
 from solvers.tables.digits import short
 from solvers.tables.document import parts
 
-Look = dict[str, Any]
 PAPER: Look = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
              label="the paper's, printed")
 #: How the runs of a set-up are drawn, first and second.
@@ -118,11 +116,11 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
 
 def _draw_slopes(axes: Axes, largest: float) -> None:
     """Triangles of first and second order under the right end of the curves."""
-    points = [point for line in axes.get_lines() for point in line.get_xydata()]
-    heights = [y for x, y in points if x > 0.45 * largest]
-    if not heights:
+    points = np.concatenate([np.asarray(line.get_xydata()) for line in axes.get_lines()])
+    heights = points[points[:, 0] > 0.45 * largest, 1]
+    if not len(heights):
         return
-    left, low = largest / 2, min(heights) / 8
+    left, low = largest / 2, float(heights.min()) / 8
     for order in (1, 2):
         high = low * 2**order
         axes.plot([left, largest, largest, left], [low, low, high, low], color="0.5", linewidth=0.9)
