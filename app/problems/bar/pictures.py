@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, MOST_DOTS, colour_bar, robust_size, say, shared_scale, styled
+from app.figures import MOST_CELL_LINES, colour_bar, robust_size, say, shared_scale, styled, thinned
 from solvers.bar import exact
 from solvers.result import Result
 
@@ -67,8 +67,3 @@ def draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
                    fontsize=10)
     if len(few) and lanes[0][1] is not None:
         colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)
-
-
-def thinned(count: int) -> np.ndarray:
-    """Indices of the particles to draw: all, or every so many."""
-    return np.arange(0, count, -(-count // MOST_DOTS) or 1)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, MOST_DOTS, colour_bar, robust_size, say, shared_scale, styled
+from app.figures import MOST_CELL_LINES, colour_bar, robust_size, say, shared_scale, styled, thinned
 from solvers.result import Result
 from solvers.ring import exact
 
@@ -25,7 +25,7 @@ RIM_ANGLES = np.linspace(0, 0.5 * np.pi, 181)
 def draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
     """The ring at the end, once an estimator: the estimate mirrored about x = 0, the truth beside it, one scale."""
     final = result.final
-    few = _thinned(len(final.position))
+    few = thinned(len(final.position))
     few = few[np.isfinite(final.position[few]).all(axis=1)]  # an unstable run leaves NaN
     truth = None if final.error is None else final.error[few, 0]
     estimates = {name: final.estimate[name][few, 0] for name, _ in styled(result)}
@@ -55,7 +55,7 @@ def draw_profile(axes: Axes, result: Result) -> None:
     radius = np.linalg.norm(final.material_position, axis=1)
     lines = [] if final.error is None else [("truth", final.error[:, 0], TRUTH, "-")]
     lines += [(f"estimate ({name})", final.estimate[name][:, 0], ESTIMATE, style) for name, style in styled(result)]
-    few, drawn = _thinned(len(radius)), []
+    few, drawn = thinned(len(radius)), []
     for label, sizes, colour, style in lines:
         shown = np.where(np.isfinite(sizes) & (sizes > 0), sizes, np.nan)
         if not np.isfinite(shown).any():
@@ -142,10 +142,3 @@ def _dot_area(result: Result, shown: int) -> float:
 
 
 POINTS_PER_METRE = 400  # of the picture of the ring, roughly
-
-
-def _thinned(count: int) -> np.ndarray:
-    """Indices of the particles to draw: all, or some by chance, for every k-th may all lie at one radius."""
-    if count <= MOST_DOTS:
-        return np.arange(count)
-    return np.sort(np.random.default_rng(0).choice(count, MOST_DOTS, replace=False))
