@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.figures import MOST_CELL_LINES, MOST_DOTS, colour_bar, robust_size, say, shared_scale, styled
 from solvers.bar import exact
+from solvers.bar.scene import BarScene
 from solvers.result import Result
 
 
-def draw_curve(axes: Axes, result: Result) -> None:
+def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
+    """The bar's part of a run's picture."""
+    _draw_curve(space, result)
+    _draw_lanes(figure, figure.add_subplot(particles), result)
+
+
+def _draw_curve(axes: Axes, result: Result) -> None:
     """Where the particles went, on the exact displacement."""
-    final, scene = result.final, result.scene
+    final, scene = result.final, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
     curve = exact.displacement(scene, fine, final.time)
     axes.plot(fine, curve, color=TRUTH, linewidth=1.2, label="exact", zorder=4)
-    few = thinned(len(final.position))
+    few = _thinned(len(final.position))
     moved = (final.position - final.material_position)[few]
     size = float(np.clip(5000 / len(few), 3.0, 30.0))
     axes.scatter(final.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles",
@@ -29,19 +39,19 @@ def draw_curve(axes: Axes, result: Result) -> None:
     axes.set_xlim(0, 1)
     limit = 1.4 * max(abs(curve).max(), robust_size(moved))
     axes.set_ylim(-(limit or scene.amplitude), limit or scene.amplitude)
-    axes.yaxis.get_major_formatter().set_powerlimits((-2, 3))
+    axes.ticklabel_format(axis="y", scilimits=(-2, 3))
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", fontsize=8, ncols=2, markerscale=np.sqrt(30 / size))
 
 
-def draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
+def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """The bar at the end: a lane for each estimate and one for the truth, on one colour scale."""
     final, cells = result.final, result.scene.cells
     lanes = [("truth", None if final.error is None else np.abs(final.error[:, 0]), TRUTH)]
     lanes += [(f"estimate\n({name})", np.abs(final.estimate[name][:, 0]), ESTIMATE)
               for name, _ in styled(result)]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
-    few = thinned(len(final.position))
+    few = _thinned(len(final.position))
     few = few[(final.position[few] >= 0) & (final.position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
     truth = known.pop(0) if final.error is not None else None
@@ -69,6 +79,6 @@ def draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
         colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)
 
 
-def thinned(count: int) -> np.ndarray:
+def _thinned(count: int) -> np.ndarray:
     """Indices of the particles to draw: all, or every so many."""
     return np.arange(0, count, -(-count // MOST_DOTS) or 1)
