@@ -13,19 +13,17 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from app.pictures.series import DRAWN, draw_index, draw_norm
-from app.problems.bar import pictures as plots_bar
-from app.problems.ring import pictures as plots_ring
+from app.problems.views import VIEWS
 from app.words import method_name, per_cell
 from solvers.result import Result
 
 DOTS_PER_INCH = 110
-#: Height of the picture in inches, and of its lower row over the upper one.
-SHAPES = {"bar": (10.0, 1.25 / 3), "ring": (13.5, 0.85)}
 
 
 def run_figure(result: Result) -> Figure:
     """The picture of a run, ready to be saved."""
-    height, lower = SHAPES[result.scene.problem]
+    view = VIEWS[result.scene.problem]
+    height, lower = view.picture
     figure = Figure(figsize=(12.5, height), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(_title(result), fontsize=12)
@@ -38,13 +36,7 @@ def run_figure(result: Result) -> Figure:
     norms[0].set_title("error norms (RMS over particles)", fontsize=10)
     norms[-1].set_xlabel("time t (s)")
     draw_index(figure.add_subplot(right[0]), result)
-    space, particles = figure.add_subplot(right[1]), places[1, :]
-    if result.scene.problem == "bar":
-        plots_bar.draw_curve(space, result)
-        plots_bar.draw_lanes(figure, figure.add_subplot(particles), result)
-    else:
-        plots_ring.draw_profile(space, result)
-        plots_ring.draw_halves(figure, particles, result)
+    view.draw(figure, figure.add_subplot(right[1]), places[1, :], result)
     return figure
 
 
