@@ -27,8 +27,8 @@ from solvers.bar.scene import BarScene
 from solvers.engine.messages import FrameReport
 from solvers.ring.scene import RingScene
 from solvers.run import build
-from solvers.study.aside import SearchJob
 from solvers.study.grid import task_of
+from solvers.study.jobs import SearchJob
 from solvers.study.row import failed
 from solvers.study.summary import flat
 from tests.rows import made_up
@@ -176,7 +176,7 @@ def test_sweep_runs_in_a_process_that_ends(jobs):
 def test_cancel_keeps_rows_and_makes_room(jobs):
     """Cancelled between rows: what was measured stays, the process is gone and its place is free."""
     jobs.sweep([*small_sweep(SCENE)[:1], task_of(BarScene(cells=2000, periods=100), repeats=1)])
-    other = Jobs(Runs(), jobs._places)
+    other = Jobs(Runs(), jobs._slots)
     other.sweep(small_sweep(SCENE))
     assert "server busy" in words.going(other.progress) and not other.progress.running
     wait(lambda: jobs.progress.done == 1)
@@ -195,19 +195,19 @@ def test_process_that_dies_is_said(jobs):
     os.kill(jobs.process_id, signal.SIGKILL)
     wait(lambda: not jobs.progress.running)
     assert "SIGKILL" in words.going(jobs.progress)
-    assert jobs._places.acquire(blocking=False)
-    jobs._places.release()
+    assert jobs._slots.acquire(blocking=False)
+    jobs._slots.release()
 
 
 def test_process_that_cannot_start_is_said(jobs, monkeypatch):
     def refuse(*_):
         raise OSError(11, "Resource temporarily unavailable")
 
-    monkeypatch.setattr(jobs_module, "Aside", refuse)
+    monkeypatch.setattr(jobs_module, "BackgroundJob", refuse)
     jobs.sweep(small_sweep(SCENE))
     assert "temporarily unavailable" in words.going(jobs.progress) and not jobs.progress.running
-    assert jobs._places.acquire(blocking=False)
-    jobs._places.release()
+    assert jobs._slots.acquire(blocking=False)
+    jobs._slots.release()
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs):
