@@ -13,7 +13,8 @@ from typing import Any, get_type_hints
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.interface import EstimatorHooks, allocate_memory, intervals
+from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.memory import allocate_memory, intervals
 from solvers.kinds import Integer, Integers, Matrix, Quads, Real
 from solvers.samples import ROWS, column_count
 from solvers.scene import Scene

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from solvers.estimators.interface import NEVER, EstimatorHooks, memory_parts
+from solvers.estimators.interface import NEVER, EstimatorHooks
+from solvers.estimators.memory import memory_parts
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene

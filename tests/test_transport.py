@@ -12,7 +12,7 @@ from solvers import norms
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.bar.state import HOOKS
-from solvers.estimators.interface import memory_parts
+from solvers.estimators.memory import memory_parts
 from tests.reference import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]

@@ -15,7 +15,7 @@ at rest of the forces, a(0) = 0), which is known and taken into account for both
 
 Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
 longer than a few cells that do not fall like h^2. Cannot be used where it is known that they do not (see
-``solvers.estimators.validity``).
+each problem's ``validity``).
 """
 
 from __future__ import annotations
