@@ -27,8 +27,8 @@ from solvers.bar.scene import BarScene
 from solvers.engine.messages import FrameReport
 from solvers.ring.scene import RingScene
 from solvers.run import build
-from solvers.study.aside import SearchJob
 from solvers.study.grid import task_of
+from solvers.study.jobs import SearchJob
 from solvers.study.row import failed
 from solvers.study.summary import flat
 from tests.rows import made_up
@@ -203,7 +203,7 @@ def test_process_that_cannot_start_is_said(jobs, monkeypatch):
     def refuse(*_):
         raise OSError(11, "Resource temporarily unavailable")
 
-    monkeypatch.setattr(jobs_module, "Aside", refuse)
+    monkeypatch.setattr(jobs_module, "BackgroundJob", refuse)
     jobs.sweep(small_sweep(SCENE))
     assert "temporarily unavailable" in words.going(jobs.status) and not jobs.status.running
     assert jobs._slots.acquire(blocking=False)

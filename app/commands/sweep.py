@@ -110,7 +110,7 @@ class Sweep(SceneFlags):
             from solvers.study.places import Here
             place: Place = Here(self.workers or 1)
         else:
-            from solvers.study.cluster import Cluster, NoCluster
+            from solvers.study.places import Cluster, NoCluster
             try:
                 place = Cluster(self.scheduler)
             except NoCluster as error:
@@ -134,8 +134,7 @@ class Sweep(SceneFlags):
 
     def _measure(self, tasks: Sequence[Task], refusals: dict, place: Place, store: Store) -> bool:
         """Fill the store; False if the place where rows run was lost on the way."""
-        from solvers.study.execute import execute
-        from solvers.study.places import PlaceLost
+        from solvers.study.places import PlaceLost, execute
 
         todo = [task for task in tasks if not store.finished(task.key)]
         done = len(tasks) - len(todo)

@@ -8,13 +8,13 @@ from pathlib import Path
 from tests.browser.driving import click, readout, row, time, until
 
 
-def aside_processes(parent):
+def job_processes(parent):
     """Ids of the processes that ``parent`` has started for a sweep or a search."""
     found = []
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
             fields = status.read_text().rpartition(")")[2].split()
-            if int(fields[1]) == parent and b"study.aside" in (status.parent / "cmdline").read_bytes():
+            if int(fields[1]) == parent and b"study.jobs" in (status.parent / "cmdline").read_bytes():
                 found.append(int(status.parent.name))
         except (FileNotFoundError, ProcessLookupError):
             continue  # it ended meanwhile
@@ -46,7 +46,7 @@ def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
     until(lambda: time(page) > before, "the stage moving on")
     click(page, "Cancel")
     page.get_by_text("The sweep was cancelled").wait_for()
-    until(lambda: not aside_processes(server[1]), "the process gone")
+    until(lambda: not job_processes(server[1]), "the process gone")
     page.locator(".lab-dot[data-run='3']").click()
     page.get_by_text("Run 3 is on the stage").wait_for()
     until(lambda: "of 0.00125 s" in readout(page), "the step of 20 cells")
@@ -76,9 +76,9 @@ def test_search_is_refused_in_words_cancelled_and_left(page, server, chromium):
     click(page, "Cancel")
     page.get_by_text("The search was cancelled").wait_for()
     click(page, "Small sweep")
-    until(lambda: aside_processes(server[1]), "a process")
+    until(lambda: job_processes(server[1]), "a process")
     page.goto("about:blank")
-    until(lambda: not aside_processes(server[1]), "the process gone with its visitor")
+    until(lambda: not job_processes(server[1]), "the process gone with its visitor")
     page.goto(f"{server[0]}/?fixedDpr=1")
     open_cost(page)
     page.get_by_text("No run of the vibrating bar yet").wait_for()
