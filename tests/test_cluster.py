@@ -7,7 +7,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from solvers.study import cluster, row
 from solvers.study.execute import execute
 from solvers.study.grid import plan
 from solvers.study.places import Here
+from tests.processes import until
 
 pytest.importorskip("distributed")
 
@@ -49,10 +49,7 @@ def workers(tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
 
 
 def wait_for_workers(place: cluster.Cluster, count: int) -> None:
-    until = time.monotonic() + 60
-    while place.workers < count and time.monotonic() < until:
-        time.sleep(0.05)
-    assert place.workers == count
+    until(lambda: place.workers == count, f"{count} workers")
 
 
 def test_a_killed_worker_costs_no_row(workers):
@@ -68,7 +65,7 @@ def test_a_killed_worker_costs_no_row(workers):
     tasks = plan("bar", AXES, repeats=1)
     try:
         execute(tasks, place, keep)
-        assert place.workers == 1
+        wait_for_workers(place, 1)
     finally:
         place.close()
     here, same = Here(), []
