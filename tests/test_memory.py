@@ -33,7 +33,7 @@ def random_scene(rng: np.random.Generator) -> Scene:
 
 
 def test_600_rebuilds_leave_memory_flat_and_compile_nothing():
-    """After 100 to warm up, 600 scenes of any size: growth below 5 MB, no kernel added, below 50 ms of a processor each."""
+    """After 100 to warm up, 600 scenes of any size: growth below 5 MB, no kernel added, below 50 ms of work each."""
     rng, kernel, slowest = np.random.default_rng(0), advance._primal, []
     for n in range(700):
         if n == 100:

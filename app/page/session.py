@@ -37,6 +37,7 @@ class Session:
 
     def __init__(self, pool: EnginePool, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
         self._lock = threading.RLock()
+        self.turn = threading.Lock()  # for callbacks, of which many run at once: none may ask for what it read too early
         self._on_frame = on_frame
         self._refusal: str | None = None
         self._trouble: str | None = None
@@ -62,7 +63,7 @@ class Session:
         with self._lock:
             self._wished |= fields
             try:
-                self.scene, self._refusal = PROBLEMS[self._wished["problem"].scene](**self._wished), None
+                self.scene, self._refusal = PROBLEMS[self._wished["problem"]].scene(**self._wished), None
             except SceneError as refusal:
                 self._refusal = str(refusal)
                 return
