@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +23,7 @@ from solvers.problems import PROBLEMS
 from solvers.processes import ProcessDied, ask_fresh
 from solvers.run import build
 from solvers.timing import Stretch, rate, take_turns
+from tests.processes import wait_for_library
 
 ROOT = Path(__file__).resolve().parent.parent
 #: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 0 to 3 %.
@@ -187,7 +187,7 @@ def test_interrupt_is_one_line_and_130(tmp_path):
     path = tmp_path / "a.json"
     run = subprocess.Popen([sys.executable, "-m", "app", "bench", "--json", str(path)], cwd=ROOT,
                            stderr=subprocess.PIPE, text=True)
-    time.sleep(2)
+    wait_for_library(run, "taichi")
     run.send_signal(signal.SIGINT)
     _, said = run.communicate(timeout=30)
     assert (run.returncode, said) == (130, "mpm-lab: interrupted\n")

@@ -7,7 +7,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import pytest
 from app.cli import main
 from solvers.study import places, row
 from solvers.study.grid import plan
+from tests.processes import until
 
 pytest.importorskip("distributed")
 
@@ -47,10 +47,7 @@ def workers(tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
 
 
 def wait_for_workers(place: places.Cluster, count: int) -> None:
-    until = time.monotonic() + 60
-    while place.workers < count and time.monotonic() < until:
-        time.sleep(0.05)
-    assert place.workers == count
+    until(lambda: place.workers == count, f"{count} workers")
 
 
 def test_a_killed_worker_costs_no_row(workers):
@@ -66,7 +63,7 @@ def test_a_killed_worker_costs_no_row(workers):
     tasks = plan("bar", AXES, repeats=1)
     try:
         places.execute(tasks, place, keep)
-        assert place.workers == 1
+        wait_for_workers(place, 1)
     finally:
         place.close()
     here, same = places.Here(), []

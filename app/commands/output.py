@@ -48,14 +48,16 @@ def stdout_to_stderr() -> Iterator[None]:
 def noted_interrupts() -> Iterator[Callable[[], None]]:
     """Ctrl-C as usual, and noted: call what this yields now and then to raise one that native code swallowed.
 
-    An exception raised while Taichi imports or compiles can get lost in its callbacks.
+    An exception raised while Taichi compiles can get lost in its callbacks, or come out as another; one that is raised
+    while it imports makes it complain of a broken installation, so that waits.
     """
     noted = False
 
     def note(number: int, frame: object) -> None:
         nonlocal noted
         noted = True
-        raise KeyboardInterrupt
+        if not getattr(getattr(sys.modules.get("taichi"), "__spec__", None), "_initializing", False):
+            raise KeyboardInterrupt
 
     def check() -> None:
         if noted:
@@ -67,6 +69,9 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
     before = signal.signal(signal.SIGINT, note)
     try:
         yield check
+    except Exception:
+        check()  # native code may make another error of it
+        raise
     finally:
         signal.signal(signal.SIGINT, before)
 

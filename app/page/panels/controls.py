@@ -105,8 +105,9 @@ class Controls:
                                      hint=f"grid cells across {length} m")
 
         def changed(_: viser.GuiEvent) -> None:
-            cells.label = label(cells.value)
-            session.set(cells=cells.value)
+            with session.turn:
+                cells.label = label(cells.value)
+                session.set(cells=cells.value)
 
         cells.on_update(changed)
 
@@ -186,8 +187,9 @@ class Controls:
                                       marks=tuple((float(d), f"{10.0 ** d:g}") for d in decades))
 
         def changed(_: viser.GuiEvent) -> None:
-            v = float(f"{10 ** slider.value:.3g}")
-            slider.label = label(v)
-            act(v)
+            with self._session.turn:
+                v = float(f"{10 ** slider.value:.3g}")
+                slider.label = label(v)
+                act(v)
 
         slider.on_update(changed)
