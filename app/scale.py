@@ -77,7 +77,9 @@ class ColourScale:
 
 def largest(sizes: np.ndarray | None) -> float:
     """The largest of what is finite; 0 for nothing."""
-    top = 0.0 if sizes is None else float(np.max(sizes, initial=0.0))
+    if sizes is None:
+        return 0.0
+    top = float(np.max(sizes, initial=0.0))
     return top if math.isfinite(top) else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 

@@ -37,7 +37,7 @@ class Members:
         hints = get_type_hints(cls, include_extras=True)
         return {f.name: hints[f.name].__metadata__[0] for f in fields(cls) if hasattr(hints[f.name], "__metadata__")}
 
-    def members(self) -> dict[str, object]:
+    def members(self) -> dict[str, Any]:
         """Every number and array, by name."""
         return {name: getattr(self, name) for name in self.types()}
 
@@ -69,7 +69,7 @@ class Watch(Members):
     verdict: Integers  # 0 or the kind of failure, its step, its particle (3,)
     memory: dict
 
-    def members(self) -> dict[str, object]:
+    def members(self) -> dict[str, Any]:
         return {**super().members(), **self.memory}
 
 

@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -19,6 +18,7 @@ from app.commands.output import Target, json_text, noted_interrupts
 from app.commands.run_text import run_table
 from solvers.bar.scene import BarScene
 from solvers.effects import EFFECTS
+from tests.processes import wait_for_library
 
 RunBar = commands()["run", "bar"]
 
@@ -193,7 +193,8 @@ def test_flags_reach_the_scene(monkeypatch):
                              sample_every=7)]
 
 
-@pytest.mark.parametrize(("text", "effects"), [("none", ()), ("all", tuple(EFFECTS)), ("truth energy", ("truth", "energy"))])
+@pytest.mark.parametrize(("text", "effects"), [("none", ()), ("all", tuple(EFFECTS)),
+                                               ("truth energy", ("truth", "energy"))])
 def test_words_for_effects(text, effects, monkeypatch):
     seen = []
     monkeypatch.setattr(RunBar, "execute", lambda self: seen.append(self.scene().effects) or 0)
@@ -273,7 +274,7 @@ def test_interrupt_is_one_line_and_130(tmp_path):
     path = tmp_path / "a.json"
     run = subprocess.Popen([sys.executable, "-m", "app", "run", "bar", "--cells", "20000", "--dt", "1e-6",
                             "--t-end", "100", "--json", str(path)], cwd=ROOT, stderr=subprocess.PIPE, text=True)
-    time.sleep(2)
+    wait_for_library(run, "taichi")
     run.send_signal(signal.SIGINT)
     _, said = run.communicate(timeout=30)
     assert (run.returncode, said) == (130, "mpm-lab: interrupted\n")

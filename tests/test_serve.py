@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import threading
-from time import monotonic, sleep
+from time import monotonic
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +17,7 @@ from solvers.engine.messages import Trouble, Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.process import CANNOT_START
 from solvers.engine.worker import FAILED, Worker
+from tests.processes import until
 from tests.test_engine import PATIENCE, SCENE, Listener
 
 
@@ -217,10 +218,13 @@ def test_engine_that_cannot_start_is_given_up(starts, monkeypatch):
     """Pauses double up to the longest; after six failures every session hears why, and again when it asks."""
     monkeypatch.setattr(process, "FIRST_PAUSE", 0.1)
     monkeypatch.setattr(process, "LONGEST_PAUSE", 0.4)
+    asked, restart = threading.Event(), process.EngineProcess._restart
+    monkeypatch.setattr(process.EngineProcess, "_restart", lambda self: asked.wait(PATIENCE) and restart(self))
     pool, listener = EnginePool(SCENE), Listener()
     try:
         link = pool.open(listener)
         link.ask(SCENE, True, 1.0, 0, 0)
+        asked.set()  # no engine was lost before somebody was there to hear of it
         listener.wait(lambda: listener.troubles)
         assert listener.troubles == [CANNOT_START]
         link.ask(SCENE, True, 1.0, 0, 0)
@@ -234,10 +238,14 @@ def test_engine_that_cannot_start_is_given_up(starts, monkeypatch):
 
 def test_no_engine_is_started_after_closing(starts, monkeypatch):
     """Closing in the pause before a restart ends the pause and the restarts."""
-    monkeypatch.setattr(process, "FIRST_PAUSE", 0.3)
+    for pause in ("FIRST_PAUSE", "LONGEST_PAUSE"):
+        monkeypatch.setattr(process, pause, 600.0)  # nothing but closing ends it
+    before = set(threading.enumerate())
     pool = EnginePool(SCENE)
-    pool._engines[0]._process.join(PATIENCE)
-    sleep(0.1)  # the reader has noticed and waits
+    threads = set(threading.enumerate()) - before
+    until(lambda: pool._engines[0]._failures == 1, "its reader has noticed")
     pool.close()
-    sleep(0.6)
+    for thread in threads:
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
     assert len(starts) == 1

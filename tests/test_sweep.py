@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from concurrent.futures import Future
 from pathlib import Path
 
@@ -25,19 +24,32 @@ from app.pictures.study import FIGURES, error_spacing_figure, error_time_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
 from app.pictures.study_step import error_step_figure
 from solvers.bar.scene import BarScene
+from solvers.processes import ProcessDied
 from solvers.study import fit, row, series
 from solvers.study import summary as table
-from solvers.study.apart import ProcessDied, RowProcess
-from solvers.study.execute import ATTEMPTS, execute
 from solvers.study.grid import Task, combinations, plan
-from solvers.study.places import Here, PlaceLost
+from solvers.study.places import ATTEMPTS, Here, PlaceLost, RowProcess, execute
 from solvers.study.store import Store, StoreError
+from tests.processes import until
 from tests.rows import made_up
 
 SweepBar = commands()["sweep", "bar"]
 
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}
+#: A command line that is killed as soon as two rows are on the disk.
+KILLED = """
+import os, signal, sys
+from app.cli import main
+from solvers.study.store import Store
+append = Store.append
+def dying(store, row):
+    append(store, row)
+    if len(store.rows) == 2:
+        os.kill(os.getpid(), signal.SIGKILL)
+Store.append = dying
+main(sys.argv[1:])
+"""
 SMOOTH = ["--cells", "20", "40", "80", "--method", "ugimp", "bspline", "--amplitude", "2.5e-4", "--periods", "1",
           "--repeats", "1"]
 
@@ -111,7 +123,9 @@ def test_a_process_that_dies_says_so_and_starts_again():
     try:
         assert row.measure(Task("bar", QUICK, repeats=1)).keys() == process.measure(Task("bar", QUICK, 1)).keys()
         first = process.process_id
-        threading.Timer(0.3, os.kill, (first, signal.SIGKILL)).start()
+        killer = threading.Thread(target=lambda: (until(process._lock.locked, "a row under way"),
+                                                  os.kill(first, signal.SIGKILL)))
+        killer.start()
         with pytest.raises(ProcessDied, match="SIGKILL"):
             process.measure(Task("bar", {"cells": 100, "periods": 10_000}, 1))
         assert process.process_id is None
@@ -351,15 +365,11 @@ def test_a_sweep_leaves_rows_tables_and_pictures(whole):
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 def test_killed_and_resumed_it_is_the_same_table(whole, tmp_path):
     rows = tmp_path / "out" / "rows.jsonl"
-    killed = subprocess.Popen(sweep(*SMOOTH, "--out", str(rows.parent)), cwd=ROOT, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL)
-    until = time.monotonic() + 60
-    while not (rows.exists() and rows.read_bytes().count(b"\n") >= 2) and time.monotonic() < until:
-        time.sleep(0.01)
-    killed.kill()
-    killed.wait()
+    killed = subprocess.run([sys.executable, "-c", KILLED, "sweep", "bar", *SMOOTH, "--out", str(rows.parent)],
+                            cwd=ROOT, capture_output=True, timeout=120)
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
     before = rows.read_bytes()
-    assert 2 <= before.count(b"\n") < 6
+    assert before.count(b"\n") == 2
     with open(rows, "ab") as file:
         file.write(b'{"schema": "mpm')
     assert main(["sweep", "bar", *SMOOTH, "--out", str(rows.parent), "--resume", "--quiet"]) == 0

@@ -11,6 +11,7 @@ import stat
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
@@ -47,14 +48,16 @@ def stdout_to_stderr() -> Iterator[None]:
 def noted_interrupts() -> Iterator[Callable[[], None]]:
     """Ctrl-C as usual, and noted: call what this yields now and then to raise one that native code swallowed.
 
-    An exception raised while Taichi imports or compiles can get lost in its callbacks.
+    An exception raised while Taichi compiles can get lost in its callbacks, or come out as another; one that is raised
+    while it imports makes it complain of a broken installation, so that waits.
     """
     noted = False
 
     def note(number: int, frame: object) -> None:
         nonlocal noted
         noted = True
-        raise KeyboardInterrupt
+        if not getattr(getattr(sys.modules.get("taichi"), "__spec__", None), "_initializing", False):
+            raise KeyboardInterrupt
 
     def check() -> None:
         if noted:
@@ -66,8 +69,27 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
     before = signal.signal(signal.SIGINT, note)
     try:
         yield check
+    except Exception:
+        check()  # native code may make another error of it
+        raise
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
+def working(quiet: bool) -> Iterator[Callable[..., None]]:
+    """While solvers work: a clean standard output, Ctrl-C noted, and a progress bar unless ``quiet``.
+
+    Yields what is to be called now and then with the part done, 0 to 1, and, if one likes, what is being done.
+    """
+    with stdout_to_stderr(), noted_interrupts() as check, contextlib.closing(ProgressBar(sys.stderr, quiet)) as bar:
+        warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
+
+        def show(part: float, what: str = "") -> None:
+            check()
+            bar.show(part, what)
+
+        yield show
 
 
 class Target:
@@ -76,7 +98,7 @@ class Target:
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
         self.flag, self.text = flag, text
         self.is_stdout = may_be_stdout and text == "-"
-        self.path = None if self.is_stdout else _real_path(text)
+        self.path = "" if self.is_stdout else _real_path(text)
         if not text.strip():
             raise BadInput(flag, text, f"give a file{' or - for standard output' if may_be_stdout else ''}")
         if not text.lower().endswith(ending):
@@ -124,6 +146,19 @@ class Target:
         return os.path.join(os.path.dirname(self.path), f".mpm-lab-{self.flag}-{os.getpid()}.part")
 
 
+def json_target(text: str | None) -> Target | None:
+    """Where ``--json`` goes, tried now; None if it was not given."""
+    return None if text is None else Target("json", text, may_be_stdout=True)
+
+
+def report(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
+    """A result as JSON where a file was asked for, else as ``text`` makes it, on standard output."""
+    if target:
+        target.write(json_text(values, lines=not target.is_stdout).encode())
+    else:
+        print(text(values), flush=True)
+
+
 def _real_path(text: str) -> str:
     """Where a file really lies, so that a link stays one; a device has no better name than its own."""
     return text if _is_device(text) else os.path.realpath(text)
@@ -142,7 +177,7 @@ def _why(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
 
 
-class Progress:
+class ProgressBar:
     """A bar on a terminal for runs that take longer than a second; nothing elsewhere."""
 
     WIDTH = 30

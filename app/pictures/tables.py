@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE, TRUTH
-from app.commands.tables_text import METHODS, parts
-from app.figures import ESTIMATOR_STYLES
+from app.figures import Look, line_style
+from app.words import EXTRA_NORMS, QUANTITIES, method_name
 from solvers.estimators.registry import ESTIMATORS
 from solvers.tables.digits import short
+from solvers.tables.document import parts
 
-PAPER = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
+PAPER: Look = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
              label="the paper's, printed")
 #: How the runs of a set-up are drawn, first and second.
-OURS = (dict(color=TRUTH, linestyle="-", marker="o", markersize=5),
-        dict(color=TRUTH, linestyle="--", marker="o", markersize=5, markerfacecolor="white"))
-MARKERS = ("o", "s", "^", "D")
-QUANTITIES = {"x": "position x", "v": "velocity v", "sigma": "stress σ", "a": "acceleration a"}
-ERRORS = {"x": "error of x (m)", "v": "error of v (m/s)", "sigma_log": "error of σ, E ln F (Pa)",
-          "a_nodes": "Err A: acceleration at nodes (m/s²)"}
+OURS: tuple[Look, ...] = (
+    dict(color=TRUTH, linestyle="-", marker="o", markersize=5),
+    dict(color=TRUTH, linestyle="--", marker="o", markersize=5, markerfacecolor="white"))
 BAND = (0.8, 1.25)  # an index that may be trusted
 LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 
@@ -32,14 +31,10 @@ def figure(table: dict) -> Figure:
     whole = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(whole)
     whole.suptitle(f"{table['title']}\n{table['caption']}", fontsize=13)
-    if table["table"] == "1":
-        above, below = whole.subfigures(2, 1, height_ratios=(1, 1.75), hspace=0.03)
-        _bar_errors(above, table)
-        _bar_indices(below, table)
-    elif table["table"] == "2":
-        _ring_errors(whole.subfigures(), table)
-    else:
-        _ring_indices(whole.subfigures(), table)
+    draw = {"1": (_bar_errors, _bar_indices), "2": (_ring_errors,), "3": (_ring_indices,)}[table["table"]]
+    places = whole.add_gridspec(len(draw), 1, height_ratios=(1, 1.75)[:len(draw)], hspace=0.03)
+    for k, part in enumerate(draw):
+        part(whole.add_subfigure(places[k]), table)
     return whole
 
 
@@ -78,7 +73,7 @@ def _ring_errors(figure: SubFigure, table: dict) -> None:
                   for part, rows in parts(table).items()}
         for panel, key in zip(panels, ("x", "v", "a_nodes"), strict=True):
             _draw_errors(panel, series, key)
-        panels[0].set_title(METHODS[method], fontsize=12)
+        panels[0].set_title(method_name(method), fontsize=12)
     for panel in axes[:, 1:].flat:
         panel.set_ylabel("")
     _legend(figure, axes[0, 0], columns=1)
@@ -92,7 +87,7 @@ def _ring_indices(figure: SubFigure, table: dict) -> None:
     for panels, (part, method) in zip(axes.T, columns, strict=True):
         _draw_indices(panels, [row for row in parts(table)[part] if row["inputs"]["method"] == method])
         set_up, _, rest = part.rpartition(", ")
-        panels[0].set_title(f"{METHODS[method]}\n{set_up}\n{rest.partition(' (')[0]}", fontsize=10)
+        panels[0].set_title(f"{method_name(method)}\n{set_up}\n{rest.partition(' (')[0]}", fontsize=10)
     _finish_indices(axes)
     _legend(figure, axes[0, 0])
 
@@ -114,16 +109,18 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     _draw_slopes(axes, spacings[-1])
     _number(axes)
     axes.set_xlabel("cell size h (m)")
-    axes.set_ylabel(ERRORS[key])
+    quantity = (QUANTITIES | EXTRA_NORMS)[key]
+    axes.set_ylabel(f"error of {quantity.symbol} ({quantity.unit})")
     axes.grid(alpha=0.3)
 
 
 def _draw_slopes(axes: Axes, largest: float) -> None:
     """Triangles of first and second order under the right end of the curves."""
-    heights = [y for line in axes.get_lines() for x, y in zip(*line.get_data(), strict=True) if x > 0.45 * largest]
-    if not heights:
+    points = np.concatenate([np.asarray(line.get_xydata()) for line in axes.get_lines()])
+    heights = points[points[:, 0] > 0.45 * largest, 1]
+    if not len(heights):
         return
-    left, low = largest / 2, min(heights) / 8
+    left, low = largest / 2, float(heights.min()) / 8
     for order in (1, 2):
         high = low * 2**order
         axes.plot([left, largest, largest, left], [low, low, high, low], color="0.5", linewidth=0.9)
@@ -138,12 +135,11 @@ def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
         axes.axhspan(*BAND, color=TRUTH, alpha=0.13, linewidth=0, label="0.8 to 1.25")
         axes.axhline(1.0, color=TRUTH, linewidth=1.2, label="1, perfect")
         silent = []
-        for name in rows[0]["estimators"]:
+        for k, name in enumerate(rows[0]["estimators"]):
             points = _index_points(rows, name, quantity)
             silent += [] if points[1] else [name]
-            k = list(ESTIMATORS).index(name)
-            axes.plot(*points, color=ESTIMATE, linestyle=ESTIMATOR_STYLES[k], marker=MARKERS[k], markersize=5.5,
-                      markerfacecolor="white" if k % 2 else ESTIMATE, linewidth=1.3, label=name)
+            axes.plot(*points, color=ESTIMATE, linestyle=line_style(name), marker=ESTIMATORS[name].symbol,
+                      markersize=5.5, markerfacecolor="white" if k % 2 else ESTIMATE, linewidth=1.3, label=name)
         printed = [(row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows]
         printed = [point for point in printed if point[1]]
         axes.plot([n for n, _ in printed], [value for _, value in printed], **PAPER)

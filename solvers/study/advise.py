@@ -20,7 +20,7 @@ from solvers.study.family import Family
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
 CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is expected to be better by this factor
-PATIENCE = 3.0  # seconds of search that no run is too short for
+PATIENCE = 3.0  # seconds of search, in the processor's time as runs are, that no run is too short for
 SMALL_PART = 10  # of the budget, up to which runs are made to learn what cannot be met
 MOST_LOOKS = 200  # beside those on coarse grids
 COARSE = {1: (10, 20, 40), 2: (12, 24, 36)}  # cells, by dimension, on which every family is measured
@@ -105,11 +105,11 @@ def advise(choices: list[Family], goal: Goal,
     for family in choices:
         for cells in COARSE[family.scene.DIMENSIONS]:
             look(family, cells)
-    coarse, begun = looks, time.monotonic()
+    coarse, begun = looks, time.process_time()
     predicted: dict[tuple[int, int], float] = {}
     while True:
         ranking, met = _ranking(choices, goal)
-        best = _settled(ranking, met, time.monotonic() - begun)
+        best = _settled(ranking, met, time.process_time() - begun)
         if best.measured or looks >= coarse + MOST_LOOKS or not (met or _worth_a_look(best, goal)):
             break
         predicted[(id(best.family), best.cells)] = best.error

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import io
 import re
-from pathlib import Path
 from time import monotonic, sleep
 
 import numpy as np
 from PIL import Image
 
 from app.colours import colour_table
+from tests.processes import children
 
 PATIENCE = 20.0  # seconds for what follows a click; software rendering on a loaded machine is slow
 
@@ -86,10 +86,14 @@ def coloured(picture):
 
 def engine_processes(parent):
     """Ids of the processes that ``parent`` has spawned to simulate in."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/stat"):
-        fields = status.read_text().rpartition(")")[2].split()
-        command = (status.parent / "cmdline").read_bytes()
-        if int(fields[1]) == parent and b"spawn_main" in command:
-            found.append(int(status.parent.name))
-    return found
+    return children(parent, "spawn_main")
+
+
+def ever_shown(page, selector):
+    """A function that says whether an element was on the page at any time from now on, however short."""
+    page.evaluate("""selector => {
+        const look = () => { window.everShown ||= document.querySelector(selector) !== null; };
+        window.everShown = false; look();
+        new MutationObserver(look).observe(document.body, {childList: true, subtree: true, attributes: true});
+    }""", selector)
+    return lambda: page.evaluate("window.everShown")

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
-from tests.browser.driving import click, readout, row, time, until
+from tests.browser.driving import click, engine_processes, readout, row, time, until
+from tests.processes import children, held
 
 
-def aside_processes(parent):
+def job_processes(parent):
     """Ids of the processes that ``parent`` has started for a sweep or a search."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = status.read_text().rpartition(")")[2].split()
-            if int(fields[1]) == parent and b"study.aside" in (status.parent / "cmdline").read_bytes():
-                found.append(int(status.parent.name))
-        except (FileNotFoundError, ProcessLookupError):
-            continue  # it ended meanwhile
-    return found
+    return children(parent, "study.jobs")
+
+
+def begin(page, server):
+    """A new visit, and what its Cost tab says before anything has run: the simulation stands still until then."""
+    with held(engine_processes(server[1])):
+        page.goto(f"{server[0]}/?fixedDpr=1")
+        open_cost(page)
+        page.get_by_text("No run of the vibrating bar yet").wait_for()
 
 
 def dots(page):
@@ -36,17 +36,19 @@ def value(page, label):
 
 def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
     """The stage's own run is a dot; a sweep adds more while the stage moves on; a dot, a row and the file."""
-    open_cost(page)
-    page.get_by_text("No run of the vibrating bar yet").wait_for()
+    begin(page, server)
     until(lambda: dots(page) == 1, "the run on the stage as a dot")
+    before = time(page)
     click(page, "Small sweep")
     until(page.get_by_role("button", name="Find the cheapest run").is_disabled, "no second job")
     until(lambda: dots(page) >= 4, "dots of the sweep")
-    before = time(page)
-    until(lambda: time(page) > before, "the stage moving on")
-    click(page, "Cancel")
-    page.get_by_text("The sweep was cancelled").wait_for()
-    until(lambda: not aside_processes(server[1]), "the process gone")
+    with held(job_processes(server[1])):  # else it might be done before it is cancelled
+        between = time(page)
+        assert between > before
+        until(lambda: time(page) > between, "the stage moving on")
+        click(page, "Cancel")
+        page.get_by_text("The sweep was cancelled").wait_for()
+    until(lambda: not job_processes(server[1]), "the process gone")
     page.locator(".lab-dot[data-run='3']").click()
     page.get_by_text("Run 3 is on the stage").wait_for()
     until(lambda: "of 0.00125 s" in readout(page), "the step of 20 cells")
@@ -76,9 +78,7 @@ def test_search_is_refused_in_words_cancelled_and_left(page, server, chromium):
     click(page, "Cancel")
     page.get_by_text("The search was cancelled").wait_for()
     click(page, "Small sweep")
-    until(lambda: aside_processes(server[1]), "a process")
+    until(lambda: job_processes(server[1]), "a process")
     page.goto("about:blank")
-    until(lambda: not aside_processes(server[1]), "the process gone with its visitor")
-    page.goto(f"{server[0]}/?fixedDpr=1")
-    open_cost(page)
-    page.get_by_text("No run of the vibrating bar yet").wait_for()
+    until(lambda: not job_processes(server[1]), "the process gone with its visitor")
+    begin(page, server)

@@ -5,16 +5,12 @@ from __future__ import annotations
 import viser
 
 from app.colours import ESTIMATE, TRUTH
+from app.problems.views import VIEWS
 from solvers.estimators.registry import ESTIMATORS
 
 ABOUT = f"""<div class='lab-about'>
 <h3>What moves here</h3>
-<p>A bar of unit length, periodic, vibrates as
-<math display='block'><mi>u</mi><mo>=</mo><mi>A</mi><mo>sin</mo><mo>(</mo><mn>2</mn><mi>π</mi><mi>X</mi><mo>)</mo>
-<mo>sin</mo><mo>(</mo><mi>ω</mi><mi>t</mi><mo>)</mo><mo>,</mo><mspace width='0.6em'/><mi>ω</mi><mo>=</mo><mi>π</mi>
-<msqrt><mrow><mi>E</mi><mo>/</mo><mi>ρ</mi></mrow></msqrt></math>
-because a body force makes exactly that the solution. The Material Point Method knows only the force: it carries
-mass, momentum and stress on particles and solves for the acceleration on a grid.</p>
+{"".join(view.about for view in VIEWS.values())}
 <h3>Two lanes, one scale</h3>
 <p>Every particle is drawn twice. The upper lane (of the ring, the left half) is coloured by the error that an
 <span class='lab-key' style='color:{ESTIMATE}'>estimator</span> computes while the simulation runs, without knowing
@@ -28,7 +24,7 @@ good.</p>
 cannot: it is the size of estimate minus truth over the size of the truth, particle by particle. 0 is perfect; 1 is no
 better than saying nothing.</p>
 <h3>The worst region</h3>
-<p>The bar is divided into 20 lengths, the quarter ring into 6 angles from the x axis on and 3 thirds of the wall. The
+<p>The material is divided: {", ".join(view.division for view in VIEWS.values())}. The
 region with the largest root-mean-square error is named, once by the estimate and once by the truth.</p>
 <h3>How the estimators work</h3>
 <p>None of them uses the exact solution. Where one is known not to hold, the page says so instead of a number.</p>

@@ -1,0 +1,84 @@
+"""Processes as the tests see them (Linux): found, held still, waited for, and what other work on the machine cost them.
+
+A test that must not depend on how busy the machine is waits for the event itself, holds a process still while it looks,
+or counts the time in which a process could have run and did not (:class:`Watch`).
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from subprocess import Popen
+from time import monotonic, perf_counter, sleep
+
+PATIENCE = 60.0  # seconds: against a test that would hang, and for nothing else
+GONE = (FileNotFoundError, ProcessLookupError)
+
+
+def until(condition: Callable[[], object], what: str) -> None:
+    """Wait until ``condition()`` is true."""
+    end = monotonic() + PATIENCE
+    while not condition():
+        assert monotonic() < end, f"never happened: {what}"
+        sleep(0.01)
+
+
+def children(parent: int, word: str) -> list[int]:
+    """Ids of the processes that ``parent`` has started with this word in their command line."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(*GONE):  # it ended meanwhile
+            own_parent = int(status.read_text().rpartition(")")[2].split()[1])
+            if own_parent == parent and word.encode() in (status.parent / "cmdline").read_bytes():
+                found.append(int(status.parent.name))
+    return found
+
+
+def wait_for_library(process: Popen, name: str) -> None:
+    """Wait until a process has begun to load a native library, such as Taichi's."""
+    def loaded() -> bool:
+        assert process.poll() is None, "it ended before"
+        return name in Path(f"/proc/{process.pid}/maps").read_text()
+
+    until(loaded, f"{name} loaded")
+
+
+@contextmanager
+def held(process_ids: Iterable[int]) -> Iterator[None]:
+    """Meanwhile the processes stand still. One that is killed in the meantime is gone."""
+    process_ids = list(process_ids)
+    for process in process_ids:
+        os.kill(process, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        for process in process_ids:
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGCONT)
+
+
+class Watch:
+    """Seconds since it was made in which nobody here waited for a processor.
+
+    That is wall time less what this process and the first thread of ``process`` spent ready to run, while other work
+    had the processors. On a machine at rest it is wall time.
+    """
+
+    def __init__(self, process: int):
+        self._process = process
+        self._begun = perf_counter() - self._waited()
+
+    @property
+    def seconds(self) -> float:
+        return perf_counter() - self._waited() - self._begun
+
+    def _waited(self) -> float:
+        waits = [*Path("/proc/self/task").glob("*/schedstat"), Path(f"/proc/{self._process}/schedstat")]
+        total = 0
+        for wait in waits:
+            with suppress(*GONE):
+                total += int(wait.read_text().split()[1])
+        return 1e-9 * total

@@ -1,0 +1,90 @@
+"""One session inside an engine: its speed, the beat of its frames and what they say."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import replace
+from multiprocessing.shared_memory import SharedMemory
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from solvers.bar.scene import BarScene
+from solvers.bar.solver import BarSolver
+from solvers.bar.validity import RULES
+from solvers.engine import frames as memory
+from solvers.engine import stepper
+from solvers.engine.messages import Wish
+from solvers.engine.stepper import FRAME_SECONDS, Stepper
+
+SCENE = BarScene(cells=20, periods=1)
+
+
+@contextmanager
+def one_session(wish):
+    """A stepper in this process that serves a wish, with a block of its own."""
+    block = SharedMemory(create=True, size=memory.block_bytes(wish.scene))
+    session = Stepper(replace(wish, memory=block.name))
+    try:
+        yield session
+    finally:
+        session.close()
+        block.close()
+        block.unlink()
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """The clock is the test's own: nothing can be slow."""
+    clock = SimpleNamespace(now=100.0)
+    monkeypatch.setattr(stepper, "perf_counter", lambda: clock.now)
+    return clock
+
+
+def test_playing_keeps_the_asked_speed(clock):
+    """Simulated time follows the clock at the speed asked for."""
+    speed = 0.8 * SCENE.period
+    with one_session(Wish(1, 1, SCENE, True, speed, 0, 0, "")) as session:
+        begun, start = session.frame().time, clock.now
+        while clock.now < start + 0.5:
+            session.seen()
+            clock.now += 0.007
+            if session.behind:
+                session.turn()
+            if session.ready:
+                report, at = session.frame(), clock.now
+    assert (report.time - begun) / (at - start) == pytest.approx(speed, rel=0.02)
+    assert report.real_speed == pytest.approx(speed, rel=0.02)
+
+
+def test_frames_keep_their_beat(clock):
+    """Looked after only every 7 ms, and 10 ms late for a turn, frames still come 30 a second, and evenly.
+
+    Counted each from the one before it, they would be 22.
+    """
+    times = []
+    with one_session(Wish(1, 1, replace(SCENE, cells=8), True, 1e-6, 0, 0, "")) as session:
+        while clock.now < 103.0:
+            clock.now += 0.007
+            if session.ready:
+                clock.now += 0.01  # the turn before the frame
+                session.frame()
+                session.seen()
+                times.append(clock.now)
+    assert len(times) / 3.0 == pytest.approx(1 / FRAME_SECONDS, rel=0.03)
+    assert np.diff(times).min() > 0.45 * FRAME_SECONDS
+
+
+def test_frames_say_what_is_not_valid(monkeypatch):
+    """Known beforehand or found out in the run: a frame has the sentence, and may lose it again."""
+    found = {"transport": "not valid here: it rains"}
+    doubting = replace(BarSolver.HOOKS["transport"], verdict=lambda scene, memory: found.get("transport"))
+    monkeypatch.setattr(BarSolver, "HOOKS", {"transport": doubting})
+    with one_session(Wish(1, 1, SCENE, False, 1.0, 0, 0, "")) as session:
+        assert session.frame().not_valid == found
+        found.clear()
+        assert session.frame().not_valid == {}
+        monkeypatch.setitem(RULES, "transport", lambda scene: "it snows")
+        session.accept(replace(session.wish, number=2, scene=replace(SCENE, cells=16)))
+        assert session.frame().not_valid == {"transport": "not valid here: it snows"}
