@@ -9,7 +9,7 @@ import numpy as np
 from solvers import runtime
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
-from solvers.bar.state import HOOKS, BarState, allocate, farthest
+from solvers.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
 from solvers.bar.step import advance, measure, report
 from solvers.result import Snapshot
 from solvers.solver import Solver
@@ -21,6 +21,7 @@ class BarSolver(Solver):
 
     HOOKS = HOOKS
     scene: BarScene
+    _arrays: WatchedBar
 
     def __init__(self, scene: BarScene):
         super().__init__(scene)

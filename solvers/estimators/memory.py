@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from solvers.estimators.interface import NEVER, EstimatorHooks
 from solvers.estimators.packing import Packing
-from solvers.scene import Scene
+
+if TYPE_CHECKING:
+    from solvers.scene import Scene
 
 
 def members(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:

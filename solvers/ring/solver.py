@@ -8,7 +8,7 @@ from solvers import runtime
 from solvers.result import Snapshot
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
 from solvers.ring.scene import RingScene
-from solvers.ring.state import HOOKS, RingState, allocate, farthest
+from solvers.ring.state import HOOKS, RingState, WatchedRing, allocate, farthest
 from solvers.ring.step import CHECK_EVERY, advance, inspect, report, step_in_slabs
 from solvers.solver import SOUND, Solver
 from solvers.switches import switches
@@ -21,6 +21,7 @@ class RingSolver(Solver):
 
     HOOKS = HOOKS
     scene: RingScene
+    _arrays: WatchedRing
 
     def __init__(self, scene: RingScene):
         super().__init__(scene)
