@@ -76,15 +76,15 @@ class Jobs:
     def __init__(self, runs: Runs, slots: threading.BoundedSemaphore = SLOTS):
         self._runs, self._slots = runs, slots
         self._lock = threading.Lock()
-        self._aside: Aside | None = None
+        self._job: Aside | None = None
         self._closed = False
         self.status = JobStatus()
 
     @property
     def process_id(self) -> int | None:
         """Of the process that runs, if one does."""
-        aside = self._aside
-        return aside.process_id if aside else None
+        job = self._job
+        return job.process_id if job else None
 
     def sweep(self, tasks: list[Task]) -> None:
         self._start("sweep", SweepJob([task.to_dict() for task in tasks]), len(tasks))
@@ -95,9 +95,9 @@ class Jobs:
     def cancel(self) -> None:
         """End the job that runs; what it has found so far stays."""
         with self._lock:
-            if self._aside is not None:
+            if self._job is not None:
                 self.status = replace(self.status, cancelled=True)
-                self._aside.cancel()
+                self._job.cancel()
 
     def close(self) -> None:
         """The visitor has gone."""
@@ -113,7 +113,7 @@ class Jobs:
                 self.status = JobStatus(kind, trouble=BUSY.format(MOST_JOBS))
                 return
             try:
-                self._aside = Aside(job, self._hear)
+                self._job = Aside(job, self._hear)
                 self.status = JobStatus(kind, running=True, total=total)
             except OSError as error:
                 self._slots.release()
@@ -126,7 +126,7 @@ class Jobs:
             if "done" in message:
                 trouble = None if before.cancelled else message.get("trouble") or before.trouble
                 self.status = replace(before, running=False, trouble=trouble)
-                self._aside = None
+                self._job = None
                 self._slots.release()
             elif "row" in message:
                 self._runs.add(message["row"], SWEEP)
