@@ -27,7 +27,7 @@ from solvers.ring.scene import RingScene
 from solvers.run import build
 
 SCENE = BarScene(cells=20, periods=1)
-PATIENCE = 30.0  # seconds; a loaded machine may need to compile
+PATIENCE = 120.0  # seconds; a loaded machine may need to compile
 
 
 class Deadly(BarScene):
