@@ -34,7 +34,7 @@ from solvers.study.summary import flat
 from tests.rows import made_up
 
 SCENE = BarScene(cells=10, periods=1)
-PATIENCE = 30.0
+PATIENCE = 120.0
 
 
 def frames(scene, steps=100):
