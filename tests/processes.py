@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -37,14 +38,12 @@ def until(condition: Callable[[], object], what: str, patience: float = PATIENCE
 
 def _waits() -> dict[int, float]:
     """Seconds that this process and those below it have spent ready to run without a processor."""
-    parents, waits, family = {}, {}, {os.getpid()}
+    below, waits, family = defaultdict(list), {}, [os.getpid()]
     for status in Path("/proc").glob("[0-9]*/stat"):
         with suppress(*GONE):
-            parents[int(status.parent.name)] = int(status.read_text().rpartition(")")[2].split()[1])
-    for process in sorted(parents):  # children mostly have greater numbers than their parents
-        if parents[process] in family:
-            family.add(process)
-    for process in family:
+            below[int(status.read_text().rpartition(")")[2].split()[1])].append(int(status.parent.name))
+    for process in family:  # which grows meanwhile
+        family += below[process]
         with suppress(*GONE):
             waits[process] = 1e-9 * int(Path(f"/proc/{process}/schedstat").read_text().split()[1])
     return waits
