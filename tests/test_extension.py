@@ -120,11 +120,11 @@ from solvers.estimators.registry import names
 from solvers.run import run
 from solvers.study import row
 from solvers.study.grid import plan
-scene = BarScene(cells=10, ppc=2, periods=0.2, estimators=names("bar"))
+scene = BarScene(cells=20, ppc=2, periods=0.2, linearity_preserving=True, estimators=names("bar"))
 figure = run_figure(run(scene))
 assert png_bytes(figure).startswith(b"\\x89PNG")
-rows = [row.measure(task) for task in plan("bar", {"cells": [8, 16], "periods": [0.2],
-                                                   "estimators": [names("bar")]}, repeats=1)]
+axes = {"cells": [16, 20], "ppc": [2], "periods": [0.2], "linearity_preserving": [True], "estimator": [names("bar")]}
+rows = [row.measure(task) for task in plan("bar", axes, repeats=1)]
 assert all(png_bytes(make(rows)).startswith(b"\\x89PNG") for make in FIGURES.values())
 print(json.dumps([[line.get_label(), str(line.get_color())] for axes in figure.axes for line in axes.get_lines()]))
 """
