@@ -14,10 +14,6 @@ COLOUR_MAP = "viridis"
 #: Methods side by side, in what the set has left; each has a mark of its own as well.
 METHOD_COLOURS = {"mpm": "#000000", "ugimp": "#009E73", "cpgimp": "#CC79A7", "bspline": "#E69F00", "cpdi": "#56B4E9"}
 METHOD_MARKS = {"mpm": "o", "ugimp": "s", "cpgimp": "^", "bspline": "D", "cpdi": "v"}
-#: Each estimator's shade of the estimate's colour and its dashes (pixels drawn, pixels left out; none: unbroken).
-ESTIMATOR_LINES: dict[str, tuple[str, tuple[int, ...]]] = {
-    "transport": (ESTIMATE, ()), "recovered": ("#8A3C00", (9, 4)), "companion": ("#F08A24", (3, 3)),
-    "two-grid": ("#A85A3A", (9, 3, 2, 3))}
 
 
 def colour_table() -> np.ndarray:

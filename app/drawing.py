@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from typing import Literal
 
 import numpy as np
 import viser
@@ -17,6 +18,9 @@ FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
 DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
 UNKNOWN = 225  # grey of a particle whose error nobody knows
 AWAY = -50.0  # where points that are not shown wait, far outside the view
+
+Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
+                 "bottom-center", "bottom-right"]
 
 
 class ColourBar:
@@ -59,7 +63,8 @@ def flash_colours(seconds_ago: np.ndarray) -> np.ndarray:
     return (np.array(FLASH) + fade * (255 - np.array(FLASH))).astype(np.uint8)
 
 
-def points(s: viser.SceneApi, name: str, size: float, shape: str = "circle") -> viser.PointCloudHandle:
+def points(s: viser.SceneApi, name: str, size: float,
+           shape: Literal["circle", "square"] = "circle") -> viser.PointCloudHandle:
     """Points of ``size`` across: the viewer counts from the middle.
 
     Points, because they alone show a colour exactly as it is given; lines and meshes are toned and lit.
@@ -74,7 +79,7 @@ def lines(s: viser.SceneApi, name: str, colour: tuple[int, int, int], thickness:
                                thickness_units="screen")
 
 
-def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: str,
+def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: Anchor,
           size: float = 1.0) -> viser.LabelHandle:
     return s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=size)
 
@@ -98,4 +103,5 @@ def joined(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    return tuple(int(colour[k:k + 2], 16) for k in (1, 3, 5))
+    """Red, green and blue, 0 to 255, of "#rrggbb"."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)

@@ -2,25 +2,42 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
+from solvers.estimators.registry import ESTIMATORS
 from solvers.result import Result
 
-ESTIMATOR_STYLES = ("-", "--", ":", "-.")
+Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plot``
+DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture
 MOST_DOTS = 20_000  # more particles cannot be told apart in a picture
 MOST_CELL_LINES = 400
 NO_ERROR = 1.0  # end of the scale where every error is zero
 SCALE_OVER_TRUTH = 10  # an estimate that has lost its way must not blank the truth
 
 
-def styled(result: Result) -> list[tuple[str, str]]:
+def line_style(estimator: str) -> Any:
+    """An estimator's dashes as a line style."""
+    dashes = ESTIMATORS[estimator].dashes
+    return (0, tuple(DASH_SCALE * length for length in dashes)) if dashes else "-"
+
+
+def styled(result: Result) -> list[tuple[str, Any]]:
     """Each active estimator with its line style."""
-    names = result.scene.active_estimators
-    return [(name, ESTIMATOR_STYLES[k % len(ESTIMATOR_STYLES)]) for k, name in enumerate(names)]
+    return [(name, line_style(name)) for name in result.scene.active_estimators]
+
+
+def thinned(count: int) -> np.ndarray:
+    """Indices of the particles to draw: all, or some by chance, for every k-th may all lie at one place of a cell."""
+    if count <= MOST_DOTS:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).choice(count, MOST_DOTS, replace=False))
 
 
 def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Normalize:
@@ -36,7 +53,9 @@ def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], l
     """The colour bar of a shared scale, below the axes."""
     bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02)
     bar.set_label(label)
-    bar.formatter.set_powerlimits((-2, 3))
+    numbers = ScalarFormatter()
+    numbers.set_powerlimits((-2, 3))
+    bar.formatter = numbers
     if drawn.norm.vmax == NO_ERROR:
         bar.set_ticks([0.0])
 

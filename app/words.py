@@ -44,11 +44,20 @@ class Quantity:
 QUANTITIES = {"x": Quantity("displacement", "x", "m"), "v": Quantity("velocity", "v", "m/s"),
               "sigma": Quantity("stress", "σ", "Pa"), "a": Quantity("acceleration", "a", "m/s²")}
 #: Norms that one problem has.
-EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"), "a_nodes": Quantity("acceleration", "a at nodes", "m/s²")}
-BODY_FORCES = {"material": "at the particles", "node": "at the nodes", "none": "none",
-               "two-tone": "two-tone: no exact solution known"}
-VELOCITIES = {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"}
-LAYOUTS = {"polar": "polar", "cartesian": "Cartesian"}
+EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
+               "a_nodes": Quantity("acceleration", "a at nodes", "m/s²")}
+#: What a scene's fields may be, in words, in the order in which they are offered.
+CHOICES = {"method": {code: str(method) for code, method in METHODS.items()},
+           "body_force": {"material": "at the particles", "node": "at the nodes", "none": "none",
+                          "two-tone": "two-tone: no exact solution known"},
+           "velocity": {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"},
+           "layout": {"polar": "polar", "cartesian": "Cartesian"}}
+
+
+def choices(kind: type[Scene], field: str) -> dict[str, str]:
+    """What a field of a kind of scene may be, in words; what has none keeps its own."""
+    allowed, words = kind.choices(field), CHOICES.get(field, {})
+    return {code: words[code] for code in words if code in allowed} | {c: c for c in allowed if c not in words}
 
 
 def method_name(method: str) -> str:

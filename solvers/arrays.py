@@ -13,7 +13,8 @@ from typing import Any, get_type_hints
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.interface import EstimatorHooks, allocate_memory, intervals
+from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.memory import allocate_memory, intervals
 from solvers.kinds import Integer, Integers, Matrix, Quads, Real
 from solvers.samples import ROWS, column_count
 from solvers.scene import Scene
@@ -36,7 +37,7 @@ class Members:
         hints = get_type_hints(cls, include_extras=True)
         return {f.name: hints[f.name].__metadata__[0] for f in fields(cls) if hasattr(hints[f.name], "__metadata__")}
 
-    def members(self) -> dict[str, object]:
+    def members(self) -> dict[str, Any]:
         """Every number and array, by name."""
         return {name: getattr(self, name) for name in self.types()}
 
@@ -68,7 +69,7 @@ class Watch(Members):
     verdict: Integers  # 0 or the kind of failure, its step, its particle (3,)
     memory: dict
 
-    def members(self) -> dict[str, object]:
+    def members(self) -> dict[str, Any]:
         return {**super().members(), **self.memory}
 
 

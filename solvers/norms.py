@@ -1,11 +1,12 @@
-"""Norms of errors over a run: summaries, the paper's error index and the pointwise distance.
+"""Norms of errors over a run: summaries, the paper's error index, the pointwise distance, and the drift of the energy.
 
-All take series of RMS norms over particles, one entry a sampled time.
+All take series over the sampled times of a run (``solvers.samples``), mostly RMS norms over particles.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -28,12 +29,19 @@ def error_index(estimated: np.ndarray, true: np.ndarray) -> float | None:
     return _ratio(estimated, true)
 
 
-def distance(apart: np.ndarray, true: np.ndarray) -> float | None:
+def distance(difference: np.ndarray, true: np.ndarray) -> float | None:
     """Sum over time of ||estimate - truth|| over that of ||truth||. 0 is perfect, 1 no better than silence.
 
     An index of 1 can hide an estimate of the right size in the wrong place; this cannot.
     """
-    return _ratio(apart, true)
+    return _ratio(difference, true)
+
+
+def energy_drift(series: Mapping[str, np.ndarray]) -> float | None:
+    """(E - W - E0)/E0 at the end, E kinetic plus strain energy, W the body force's work; None where it is unknown."""
+    total = series["kinetic"] + series["strain"]
+    drift = float(total[-1] - series["work"][-1] - total[0]) / float(total[0]) if total[0] > 0 else math.nan
+    return drift if math.isfinite(drift) else None
 
 
 def _ratio(above: np.ndarray, below: np.ndarray) -> float | None:

@@ -21,18 +21,18 @@ class Problem:
     """A problem: its scene, and where its solver is (``module:name``, imported when first needed: Taichi is heavy)."""
 
     scene: type[Scene]
-    solver_place: str
+    solver_path: str
 
     @property
     def solver(self) -> type[Solver]:
-        module, _, name = self.solver_place.partition(":")
+        module, _, name = self.solver_path.partition(":")
         return getattr(importlib.import_module(module), name)
 
     @property
     def stripped(self) -> type[Solver] | None:
         """A solver whose step has nothing optional in it, written out by hand, where the problem has one."""
-        place = f"{self.solver_place.rpartition('.')[0]}.stripped"
-        return importlib.import_module(place).SOLVER if importlib.util.find_spec(place) else None
+        module = f"{self.solver_path.rpartition('.')[0]}.stripped"
+        return importlib.import_module(module).SOLVER if importlib.util.find_spec(module) else None
 
     @property
     def estimators(self) -> tuple[str, ...]:

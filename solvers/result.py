@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solvers.effects import EFFECTS
-from solvers.norms import distance, error_index, summary
+from solvers.norms import distance, energy_drift, error_index, summary
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
@@ -103,7 +103,7 @@ class Result:
 
     def distance(self, estimator: str) -> dict:
         """How far the estimate is from the truth particle by particle, over the size of the truth."""
-        return {q: distance(self.series[f"{estimator}/distance_{q}"], self.series[f"error_{q}"])
+        return {q: distance(self.series[f"{estimator}/difference_{q}"], self.series[f"error_{q}"])
                 for q in QUANTITIES}
 
     def energy(self) -> dict | None:
@@ -111,8 +111,7 @@ class Result:
         if not self.scene.has("energy"):
             return None
         total = self.series["kinetic"] + self.series["strain"]
-        drift = (total[-1] - self.series["work"][-1] - total[0]) / total[0] if total[0] > 0 else math.nan
-        return {"initial": _number(total[0]), "final": _number(total[-1]), "drift": _number(drift)}
+        return {"initial": _number(total[0]), "final": _number(total[-1]), "drift": energy_drift(self.series)}
 
     def to_dict(self) -> dict:
         """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""

@@ -12,9 +12,9 @@ from solvers.problems import PROBLEMS
 from solvers.result import Result, Seconds
 from solvers.scene import Scene
 from solvers.solver import Solver
+from solvers.timing import estimator_shares
 
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
-
 
 
 def build(scene: Scene) -> Solver:
@@ -26,14 +26,15 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
     ``on_progress`` is called several times a second with the part done, 0 to 1. With ``prices`` the estimators' shares
-    of the time are measured half way, which takes a tenth of a second or so beside the run.
+    of the time are measured half way, which takes a few tenths of a second beside the run.
     """
     solver = build(scene)
     begun = time.perf_counter()
     solver.compile()
     compiled = time.perf_counter() - begun
     rows = [solver.measure()]
-    ran, slice_steps, shares = 0.0, 64, {}
+    shares: dict[str, float] = {}
+    ran, slice_steps = 0.0, 64
     while solver.step < scene.steps and solver.sound:
         steps = min(slice_steps, scene.steps - solver.step, solver.longest_advance)
         begun = time.perf_counter()
@@ -41,8 +42,8 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
         took = time.perf_counter() - begun
         ran += took
         slice_steps = max(1, int(min(2.0, SLICE_SECONDS / took) * steps)) if took > 0 else 2 * slice_steps
-        if prices and not shares and 2 * solver.step >= scene.steps:
-            shares = solver.prices()
+        if prices and 2 * solver.step >= scene.steps:
+            shares, prices = estimator_shares(solver), False
         if on_progress:
             on_progress(solver.step / scene.steps)
     last = solver.measure()  # also the last look for a run gone bad: the kernel's own look may be steps ago

@@ -14,8 +14,8 @@ QUANTITIES = ("x", "v", "sigma", "a")
 #: norm (bar: stress as E ln F); quantities of a switched-off effect stay NaN.
 BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
         "kinetic", "strain", "work", "crossings")
-#: Columns of each estimator: squares of the estimate and of its distance from the true error.
-EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "distance") for q in QUANTITIES)
+#: Columns of each estimator: squares of the estimate and of its difference from the true error.
+EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
 
 #: Rows that fit before the host has to collect them.
 ROWS = 512
@@ -34,12 +34,12 @@ def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: floa
     """Rows of samples as named series.
 
     Keys: ``time``, ``error_x`` ... (RMS over particles), ``kinetic``, ``strain``, ``work``, ``crossings`` and,
-    for each estimator, ``transport/estimate_x``, ``transport/distance_x`` and so on (RMS too).
+    for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too).
     """
     names = [*BASE, *(f"{e}/{name}" for e in estimators for name in EACH)]
     series = dict(zip(names, rows.T.copy(), strict=True))
     series["time"] = series.pop("step") * dt
     for name, values in series.items():
-        if name.rpartition("/")[2].startswith(("error_", "estimate_", "distance_")):
+        if name.rpartition("/")[2].startswith(("error_", "estimate_", "difference_")):
             np.sqrt(values / particles, out=values)
     return series

@@ -42,7 +42,7 @@ class Scene(ABC):
     a scene class of its own with its defaults, its choices and its geometry.
     """
 
-    problem: str
+    problem: str = option("")
     method: str = option("", "Shape functions of the particles")
     cells: int = option(0, "Cells of the grid")
     ppc: int = option(0, "Particles per cell")

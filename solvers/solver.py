@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from solvers.estimators.interface import NEVER, EstimatorHooks, memory_parts
+from solvers.estimators.interface import NEVER, EstimatorHooks
+from solvers.estimators.memory import memory_parts
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene
 
+if TYPE_CHECKING:
+    from solvers.arrays import Watch
+
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 SAFE_CFL = 0.4  # up to which the length of the step is hardly to blame
-TIMED_SECONDS = 0.004  # that one timed stretch takes at least: many times the cost of a launch
-MOST_TIMED_SECONDS = 0.04
-TIMED_TURNS = 5
-PROCESSORS = ("x64", "arm64")  # as Taichi calls them; others work while this thread waits
 
 
 class Solver(ABC):
     """Owns the arrays of one run. All calls must come from the thread that started Taichi.
 
-    A problem's solver sets ``_arrays`` (with ``samples``, ``verdict``, ``material_position``, ``estimate_intervals``,
-    ``memory`` and ``members``), ``arch`` and ``threads``, and supplies the kernels and the estimators.
+    A problem's solver sets ``_arrays`` (a state with a member ``material_position``), ``arch`` and ``threads``, and
+    supplies the kernels and the estimators.
     """
 
     plan: ClassVar[str] = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
+    _arrays: Watch
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -103,57 +103,14 @@ class Solver(ABC):
 
         return put_back
 
-    @property
-    def clock(self) -> Callable[[], float]:
-        """What to time steps by: the processor's own time where one thread does it all, so that what else runs on the
-        machine is not counted."""
-        alone = self.plan == "serial" and self.arch in PROCESSORS
-        return time.thread_time if alone else time.perf_counter
-
-    def prices(self) -> dict[str, float]:
-        """The share of the running time that each estimator takes, measured here and now.
-
-        The same steps are taken several times from the present state, with every estimator and with each one resting
-        in turn, samples included; the fastest of each counts. The state is put back, to the bit.
-        """
-        names, arrays = self.scene.active_estimators, self._arrays
-        if not names or not self.sound:
-            return {}
-        put_back = self.bookmark()
-        steps = self._timed_steps(int(np.lcm.reduce(arrays.estimate_intervals)), put_back)
-        best = np.full(len(names) + 1, np.inf)
-        for _ in range(TIMED_TURNS):
-            for resting in range(len(names) + 1):  # the last one: none rests
-                put_back()
-                arrays.estimate_intervals[resting:resting + 1] = NEVER
-                best[resting] = min(best[resting], self._timed(steps))
-        put_back()
-        return {name: max(0.0, 1 - float(best[e] / best[-1])) for e, name in enumerate(names)}
-
-    def _timed_steps(self, whole: int, put_back: Callable[[], None]) -> int:
-        """Steps, a multiple of ``whole``, that take about ``TIMED_SECONDS``: whole turns of the samples too, whose
-        reports may be most of an estimator's price, unless these take long."""
-        steps = whole
-        sampled = int(np.lcm(whole, self.scene.sample_interval, dtype=np.int64))
-        if self._timed(whole) * sampled / whole < MOST_TIMED_SECONDS:
-            steps = sampled
-        put_back()
-        while self._timed(steps) < TIMED_SECONDS and 2 * steps <= self.longest_advance:
-            put_back()
-            steps *= 2
-        put_back()
-        return steps
-
-    def _timed(self, steps: int) -> float:
-        clock = self.clock
-        begun = clock()
-        self.advance(min(steps, self.longest_advance))
-        return clock() - begun
+    def leave_out(self, estimator: str) -> None:
+        """Run no more of an active estimator, for timings; putting a bookmarked state back brings it back."""
+        self._arrays.estimate_intervals[self.scene.active_estimators.index(estimator)] = NEVER
 
     def reason(self) -> str:
         """Why the run stopped, and what to change, in one sentence."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
-        place = ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.material_position[p]))
+        place = ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][p]))
         what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
                 CRUSHED: "was crushed to less than a thousandth of its size",
                 ESCAPED: self._escape()}[kind]

@@ -13,6 +13,7 @@ from solvers.bar.solver import BarSolver
 from solvers.bar.step import CHECK_EVERY
 from solvers.effects import EFFECTS
 from solvers.run import run
+from solvers.timing import estimator_shares
 
 SCENE = BarScene(amplitude=0.05, cells=20, periods=1)
 STATE = ("position", "velocity", "deformation_gradient")
@@ -37,7 +38,7 @@ def test_pricing_estimators_leaves_no_trace():
     priced, plain = BarSolver(SCENE), BarSolver(SCENE)
     for solver in (priced, plain):
         solver.advance(SCENE.steps // 2)
-    prices = priced.prices()
+    prices = estimator_shares(priced)
     assert set(prices) == set(SCENE.estimators) and all(0 <= part < 1 for part in prices.values())
     for solver in (priced, plain):
         solver.advance(SCENE.steps // 2)

@@ -17,11 +17,12 @@ import pytest
 from app.cli import main
 from app.commands.bench_text import bench_table
 from solvers.bar.scene import BarScene
-from solvers.bench import apart, example
+from solvers.bench import example, start
 from solvers.bench.measure import QUICK, bare, priced
 from solvers.problems import PROBLEMS
+from solvers.processes import ProcessDied, ask_fresh
 from solvers.run import build
-from solvers.study.timing import Stretch, rate, take_turns
+from solvers.timing import Stretch, rate, take_turns
 from tests.processes import wait_for_library
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -114,17 +115,19 @@ def test_a_missing_example_is_said(monkeypatch, tmp_path):
 
 
 def test_an_example_that_fails_is_said(monkeypatch):
-    monkeypatch.setattr(example, "MODULE", "solvers.no_such_module")
+    monkeypatch.setattr(example, "WORK", "solvers.no_such_module:measure")
     row = example.example()
     assert row["rate"] is None and "could not be run" in row["missing"] and "no_such_module" in row["missing"]
 
 
 def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):
-    with pytest.raises(apart.Failed, match="status 3"):
-        apart.seconds([sys.executable, "-c", "raise SystemExit(3)"])
-    monkeypatch.setattr(apart, "PATIENCE", 0.2)
-    with pytest.raises(apart.Failed, match="timed out"):
-        apart.seconds([sys.executable, "-c", "import time; time.sleep(60)"])
+    with pytest.raises(ProcessDied, match="status 3"):
+        start.seconds([sys.executable, "-c", "raise SystemExit(3)"])
+    monkeypatch.setattr(start, "PATIENCE", 0.2)
+    with pytest.raises(ProcessDied, match="timed out"):
+        start.seconds([sys.executable, "-c", "import time; time.sleep(60)"])
+    with pytest.raises(ProcessDied, match="no answer within"):
+        ask_fresh("solvers.bench.start:measure", patience=0.2)
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

@@ -71,8 +71,8 @@ def test_json_says_nothing_about_what_is_not_estimated(printed):
 
 def test_table_has_units_and_a_dash_for_what_is_not_estimated(printed):
     lines = run_table(printed).splitlines()
-    assert lines[0].startswith("ring, cpdi, 12 cells, 2 x 2 particles per cell")
-    assert any(line.startswith("a_nodes (m/s2) ") for line in lines)
+    assert lines[0].startswith("ring, cpdi, 12 cells, 2 × 2 particles per cell")
+    assert any(line.startswith("a_nodes (m/s²) ") for line in lines)
     assert [line.split()[2:] for line in lines if line.startswith("sigma (Pa)")][1] == ["-"] * 5
     assert "serial plan" in lines[-1]
 

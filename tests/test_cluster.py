@@ -13,10 +13,8 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from solvers.study import cluster, row
-from solvers.study.execute import execute
+from solvers.study import places, row
 from solvers.study.grid import plan
-from solvers.study.places import Here
 from tests.processes import until
 
 pytest.importorskip("distributed")
@@ -48,13 +46,13 @@ def workers(tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
             process.wait()
 
 
-def wait_for_workers(place: cluster.Cluster, count: int) -> None:
+def wait_for_workers(place: places.Cluster, count: int) -> None:
     until(lambda: place.workers == count, f"{count} workers")
 
 
 def test_a_killed_worker_costs_no_row(workers):
     address, processes = workers
-    place, rows = cluster.Cluster(address), []
+    place, rows = places.Cluster(address), []
     wait_for_workers(place, 2)
 
     def keep(found: dict) -> None:
@@ -64,19 +62,19 @@ def test_a_killed_worker_costs_no_row(workers):
 
     tasks = plan("bar", AXES, repeats=1)
     try:
-        execute(tasks, place, keep)
+        places.execute(tasks, place, keep)
         wait_for_workers(place, 1)
     finally:
         place.close()
-    here, same = Here(), []
-    execute(tasks, here, same.append)
+    here, same = places.Here(), []
+    places.execute(tasks, here, same.append)
     here.close()
     both = [{found["key"]: row.without_timings(found) for found in measured} for measured in (rows, same)]
     assert len(rows) == len(tasks) and both[0] == both[1]
 
 
 def test_no_scheduler_is_one_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
+    monkeypatch.setattr(places, "ANSWER_SECONDS", 0.5)
     assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "--scheduler tcp://127.0.0.1:1: no Dask scheduler answers" in said

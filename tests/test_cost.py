@@ -15,7 +15,7 @@ import pytest
 
 from app.page.cost import jobs as jobs_module
 from app.page.cost import words
-from app.page.cost.jobs import Jobs, Progress, search, small_sweep, timings
+from app.page.cost.jobs import Jobs, JobStatus, search, small_sweep, timings
 from app.page.cost.live import LiveRows
 from app.page.cost.picture import Axis, picture
 from app.page.cost.runs import LIVE, SWEEP, Runs, csv_bytes
@@ -26,8 +26,8 @@ from solvers.bar.scene import BarScene
 from solvers.engine.messages import FrameReport
 from solvers.ring.scene import RingScene
 from solvers.run import build
-from solvers.study.aside import SearchJob
 from solvers.study.grid import task_of
+from solvers.study.jobs import SearchJob
 from solvers.study.row import failed
 from solvers.study.summary import flat
 from tests.processes import until
@@ -163,8 +163,8 @@ def test_sweep_runs_in_a_process_that_ends(jobs):
     process = jobs.process_id
     jobs.sweep(tasks)  # while one runs nothing else begins
     assert jobs.process_id == process
-    wait(lambda: not jobs.progress.running)
-    assert jobs.progress == Progress("sweep", done=2, total=2)
+    wait(lambda: not jobs.status.running)
+    assert jobs.status == JobStatus("sweep", done=2, total=2)
     assert [run.row["asked"]["cells"] for run in jobs._runs.all()] == [10, 20] and not alive(process)
     assert all(run.row["seconds"]["min"] > 0 for run in jobs._runs.all())
 
@@ -172,38 +172,38 @@ def test_sweep_runs_in_a_process_that_ends(jobs):
 def test_cancel_keeps_rows_and_makes_room(jobs):
     """Cancelled between rows: what was measured stays, the process is gone and its place is free."""
     jobs.sweep([*small_sweep(SCENE)[:1], task_of(BarScene(cells=2000, periods=100), repeats=1)])
-    other = Jobs(Runs(), jobs._places)
+    other = Jobs(Runs(), jobs._slots)
     other.sweep(small_sweep(SCENE))
-    assert "server busy" in words.going(other.progress) and not other.progress.running
-    wait(lambda: jobs.progress.done == 1)
+    assert "server busy" in words.going(other.status) and not other.status.running
+    wait(lambda: jobs.status.done == 1)
     process = jobs.process_id
     jobs.cancel()
-    wait(lambda: not jobs.progress.running)
-    assert not alive(process) and len(jobs._runs.all()) == 1 and jobs.progress.trouble is None
-    assert "cancelled" in words.going(jobs.progress)
+    wait(lambda: not jobs.status.running)
+    assert not alive(process) and len(jobs._runs.all()) == 1 and jobs.status.trouble is None
+    assert "cancelled" in words.going(jobs.status)
     other.search(SearchJob(task_of(SCENE).to_dict(), (), (2,), (0.5,), "x", 1.0, 1.0))
-    wait(lambda: not other.progress.running)
-    assert "no method" in words.going(other.progress)
+    wait(lambda: not other.status.running)
+    assert "no method" in words.going(other.status)
 
 
 def test_process_that_dies_is_said(jobs):
     jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
     os.kill(jobs.process_id, signal.SIGKILL)
-    wait(lambda: not jobs.progress.running)
-    assert "SIGKILL" in words.going(jobs.progress)
-    assert jobs._places.acquire(blocking=False)
-    jobs._places.release()
+    wait(lambda: not jobs.status.running)
+    assert "SIGKILL" in words.going(jobs.status)
+    assert jobs._slots.acquire(blocking=False)
+    jobs._slots.release()
 
 
 def test_process_that_cannot_start_is_said(jobs, monkeypatch):
     def refuse(*_):
         raise OSError(11, "Resource temporarily unavailable")
 
-    monkeypatch.setattr(jobs_module, "Aside", refuse)
+    monkeypatch.setattr(jobs_module, "BackgroundJob", refuse)
     jobs.sweep(small_sweep(SCENE))
-    assert "temporarily unavailable" in words.going(jobs.progress) and not jobs.progress.running
-    assert jobs._places.acquire(blocking=False)
-    jobs._places.release()
+    assert "temporarily unavailable" in words.going(jobs.status) and not jobs.status.running
+    assert jobs._slots.acquire(blocking=False)
+    jobs._slots.release()
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs):
@@ -214,10 +214,10 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
     tab.jobs = jobs
     page._closed, page._session, page._cost = threading.Event(), SimpleNamespace(close=lambda: None), tab
     page.close()
-    wait(lambda: not jobs.progress.running)
+    wait(lambda: not jobs.status.running)
     assert not alive(process)
     jobs.sweep(small_sweep(SCENE))
-    assert not jobs.progress.running
+    assert not jobs.status.running
 
 
 def test_search_finds_a_scene_that_can_be_loaded(jobs):
@@ -225,12 +225,12 @@ def test_search_finds_a_scene_that_can_be_loaded(jobs):
     job = replace(search(SCENE, 1e-2, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
                   courant_numbers=(0.5,))
     jobs.search(job)
-    wait(lambda: jobs.progress.task or not jobs.progress.running)
-    assert "Search, run" in words.going(jobs.progress)
-    wait(lambda: not jobs.progress.running)
-    advice = jobs.progress.advice
+    wait(lambda: jobs.status.task or not jobs.status.running)
+    assert "Search, run" in words.going(jobs.status)
+    wait(lambda: not jobs.status.running)
+    advice = jobs.status.advice
     assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
-    text = words.going(jobs.progress)
+    text = words.going(jobs.status)
     assert text.startswith("Take uGIMP") and "estimate" in text
     assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
 

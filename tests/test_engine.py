@@ -301,5 +301,5 @@ def test_differences_come_on_request(pool, scene):
     series = samples.read(report.rows, ("transport",), scene.particles, scene.time_step)
     norm = np.sqrt(np.mean(sizes.astype(float) ** 2, axis=0))
     for column, quantity in enumerate(("x", "v")):
-        assert norm[column] == pytest.approx(series[f"transport/distance_{quantity}"][-1], rel=1e-5)
+        assert norm[column] == pytest.approx(series[f"transport/difference_{quantity}"][-1], rel=1e-5)
     link.close()

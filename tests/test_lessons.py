@@ -1,16 +1,19 @@
-"""Lessons make claims; here they are run."""
+"""Lessons and the README make claims; here they are run."""
 
 from __future__ import annotations
 
 import re
+import textwrap
 from pathlib import Path
 
 import pytest
 
 from solvers.bar.scene import BarScene
+from solvers.ring.scene import RingScene
 from solvers.run import run
 
-LESSON = Path(__file__).parents[1] / "lessons" / "who-is-to-blame.md"
+LESSONS = Path(__file__).parents[1] / "lessons"
+LESSON = LESSONS / "who-is-to-blame.md"
 ROW = re.compile(r"^\|\s*(\d+)\s*\|\s*(\S+)\s*\|\s*(\d+)\s*\|\s*(\S+)\s*\|\s*(\d+)\s*\|$", re.MULTILINE)
 ROWS = ROW.findall(LESSON.read_text(encoding="utf-8"))
 
@@ -28,3 +31,45 @@ def test_who_is_to_blame(row):
                            amplitude=0.025, dt=2.5e-5, t_end=1.0, estimators=()))
         assert result.errors()["x"]["max"] == pytest.approx(float(error), rel=0.01)
         assert result.to_dict()["grid_crossings"] == pytest.approx(int(crossings), rel=1e-3)
+
+
+def edited(name: str, **values) -> str:
+    """The text of a script with other parameters, as a student would write them."""
+    text = (LESSONS / "scripts" / name).read_text(encoding="utf-8")
+    for parameter, value in values.items():
+        line = re.compile(rf"^{parameter} = [^#\n]*?(?=  #|$)", re.MULTILINE)
+        text, times = line.subn(f"{parameter} = {value!r}", text)
+        assert times == 1, f"{name} has no line for {parameter}"
+    return text
+
+
+BAR = dict(method="bspline", cells=10, ppc=2, amplitude=1e-3, modulus=9.0, density=2.0, cfl=0.2, periods=0.5,
+           body_force="node", linearity_preserving=True)
+RING = dict(method="ugimp", cells=8, ppc=1, amplitude=0.05, modulus=4e6, density=500.0, cfl=0.2, periods=0.25,
+            body_force="material", layout="cartesian")
+
+
+@pytest.mark.parametrize("name, scene, parameters", [
+    ("bar.py", BarScene, {}), ("ring.py", RingScene, {}), ("bar.py", BarScene, BAR), ("ring.py", RingScene, RING),
+], ids=["bar", "ring", "bar, edited", "ring, edited"])
+def test_scripts(name, scene, parameters, tmp_path, monkeypatch, capsys):
+    """A script runs as it is and edited, obeys every parameter, prints what ``run`` finds and leaves a picture."""
+    monkeypatch.chdir(tmp_path)
+    done: dict = {}
+    exec(compile(edited(name, **parameters), name, "exec"), done)
+    assert all(getattr(done["scene"], parameter) == value for parameter, value in parameters.items())
+    assert type(done["scene"]) is scene
+    printed = capsys.readouterr().out
+    result = run(done["scene"], prices=False)
+    found = [result.errors()["x"]["max"], result.estimates(done["estimator"])["x"]["max"]]
+    assert all(f"{value:.3e}" in printed for value in found)
+    assert f"{result.index(done['estimator'])['x']:.3f}" in printed
+    assert (tmp_path / done["picture"]).read_bytes().startswith(b"\x89PNG")
+
+
+def test_python_lines_of_the_readme(capsys):
+    """The first indented lines that begin with an import run as they stand."""
+    text = (LESSONS.parent / "README.md").read_text(encoding="utf-8")
+    block = re.search(r"(?:^    .*\n|^\n)+(?=\S)", text[text.index("    from solvers"):], re.MULTILINE)
+    exec(textwrap.dedent(block.group()), {})
+    assert re.fullmatch(r"largest error of x: \S+ m; estimated over true: (1\.00|0\.99)\d*\n", capsys.readouterr().out)

@@ -10,8 +10,8 @@ from numpy.polynomial import legendre
 
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
-from solvers.estimators.interface import memory_parts
 from solvers.estimators.lattice_lines import Line
+from solvers.estimators.memory import memory_parts
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
 from tests.reference import NUMBERS

@@ -24,12 +24,11 @@ from app.pictures.study import FIGURES, error_spacing_figure, error_time_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
 from app.pictures.study_step import error_step_figure
 from solvers.bar.scene import BarScene
+from solvers.processes import ProcessDied
 from solvers.study import fit, row, series
 from solvers.study import summary as table
-from solvers.study.apart import ProcessDied, RowProcess
-from solvers.study.execute import ATTEMPTS, execute
 from solvers.study.grid import Task, combinations, plan
-from solvers.study.places import Here, PlaceLost
+from solvers.study.places import ATTEMPTS, Here, PlaceLost, RowProcess, execute
 from solvers.study.store import Store, StoreError
 from tests.processes import until
 from tests.rows import made_up

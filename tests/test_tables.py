@@ -13,11 +13,10 @@ import pytest
 
 from app.cli import main
 from app.commands import tables as command
-from app.commands import tables_store as store
 from app.commands.tables_text import markdown
 from app.pictures.tables import figure
 from solvers.estimators.registry import ESTIMATORS
-from solvers.tables import paper, plan
+from solvers.tables import paper, plan, rows
 from solvers.tables.digits import digits, short
 from solvers.tables.document import document
 
@@ -235,7 +234,7 @@ def test_a_changed_setup_or_solver_is_not_a_finished_row(tmp_path, counted, unwr
     monkeypatch.setitem(CUT, "2", plan.table_2(ONE, cells=(12,), methods=("cpdi",), end=0.01))
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
     assert len(counted) == 4
-    monkeypatch.setattr(store, "_fingerprint", lambda: "another")
+    monkeypatch.setattr(rows, "_fingerprint", lambda: "another")
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
     assert len(counted) == 6
 

@@ -12,7 +12,7 @@ from solvers import norms
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.bar.state import HOOKS
-from solvers.estimators.interface import memory_parts
+from solvers.estimators.memory import memory_parts
 from tests.reference import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]
@@ -70,7 +70,7 @@ def test_samples_hold_the_particles_estimates(simulate):
     for k, name in enumerate(("x", "v", "sigma", "a")):
         size, apart = (np.sqrt(np.mean(field[:, k] ** 2)) for field in (estimate, estimate - final.error))
         assert result.series[f"transport/estimate_{name}"][-1] == pytest.approx(size, rel=1e-9)
-        assert result.series[f"transport/distance_{name}"][-1] == pytest.approx(apart, rel=1e-9)
+        assert result.series[f"transport/difference_{name}"][-1] == pytest.approx(apart, rel=1e-9)
 
 
 @pytest.mark.parametrize("linear", [False, True], ids=["plain", "linear"])

@@ -10,8 +10,8 @@ import taichi as ti
 
 from solvers.bar.scene import BarScene
 from solvers.estimators import lattice
-from solvers.estimators.interface import memory_parts
-from solvers.estimators.packing import Pool
+from solvers.estimators.memory import memory_parts
+from solvers.estimators.packing import Packing
 from solvers.kinds import matrix, pairs, quads, real, reals
 from solvers.ring.scene import RingScene
 from solvers.run import build, run
@@ -132,7 +132,7 @@ def test_a_second_run_gone_bad_is_noticed(scene):
 def test_stencils_are_exact_for_cubics(targets, closed):
     """Both windows, from 24 points to more and fewer; images continue the cubic itself here."""
     places, count = lattice.centres(targets, 24), 24
-    t = lattice.table(places, count, (8, 12), closed)
+    t = lattice.stencils(places, count, (8, 12), closed)
     for degree in range(lattice.CUBIC):
         for q in range(targets):
             points = t["first"][q] + np.arange(t["taps"])
@@ -145,21 +145,21 @@ def test_stencils_smooth_over_cells_and_interpolate_at_their_points():
     """A sawtooth over a cell of four points is mostly gone from a fit over four cells; four taps leave it as it is."""
     wave = np.tile([-1.5, -0.5, 0.5, 1.5], 10)
     for window, most, least in ((16, 0.3, 0.0), (4, 1.6, 1.4)):
-        t = lattice.table(lattice.centres(40, 40), 40, (window, window), closed=False)
+        t = lattice.stencils(lattice.centres(40, 40), 40, (window, window), closed=False)
         index = (t["first"][:, None] + np.arange(t["taps"])) % 40
         weights = t["weights"][t["row"][:, None] + np.arange(t["taps"]), 0]
         assert least <= np.abs((weights * wave[index]).sum(1)).max() < most
 
 
-def test_a_pool_gives_back_what_it_took():
-    """Arrays by name out of one array a type; what cannot be pooled is left alone."""
+def test_a_packing_gives_back_what_it_took():
+    """Arrays by name out of one array a type; what cannot be packed is left alone."""
     members = {"n": ti.i32, "x": real, "a": reals, "b": reals, "c": pairs, "d": quads, "e": matrix}
     values = {"n": 7, "x": 2.5, "a": np.arange(3.0), "b": np.arange(5.0), "c": np.ones((2, 2)), "d": np.ones((4, 4)),
               "e": np.ones((2, 9))}
-    pool = Pool(members)
-    held = pool.values(values)
-    assert held.keys() == pool.types.keys() and len(held) == 5 and len(held["memory_reals"]) == 1 + 3 + 5
-    parts = pool.parts(held)
+    packing = Packing(members)
+    held = packing.values(values)
+    assert held.keys() == packing.types.keys() and len(held) == 5 and len(held["memory_reals"]) == 1 + 3 + 5
+    parts = packing.parts(held)
     assert parts.keys() == set("abcde")
     for name, array in parts.items():
         np.testing.assert_array_equal(array, values[name])

@@ -8,14 +8,21 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from app import words
 from app.page.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
-from app.page.worst import ANGLES, LENGTHS, Worst, WorstPlaces, divide
+from app.page.worst import Worst, WorstRegions
+from app.problems.bar.view import BAR as BAR_VIEW
+from app.problems.bar.view import LENGTHS
+from app.problems.ring.view import ANGLES, RING
+from app.problems.stage import Stage
+from app.problems.views import VIEWS
 from app.scale import ColourScale
 from app.words import with_unit
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
+from solvers.problems import PROBLEMS
 from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
@@ -41,8 +48,8 @@ def arrays_of(estimate, error, differences=True):
 SIGNED, TRUE = np.linspace(-1, 1, 20), np.linspace(1, -1, 20)
 
 
-def view_of(scene=BAR, estimator="transport", difference=False, quantity="displacement x", column=0, not_valid=None):
-    return look(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, column, estimator, difference)
+def view_of(scene=BAR, estimator="transport", difference=False, quantity="x", not_valid=None):
+    return look(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, estimator, difference)
 
 
 def test_both_halves_show_sizes():
@@ -85,13 +92,13 @@ def test_what_is_not_valid_is_said_and_not_drawn():
 
 
 def test_what_is_not_estimated_is_said():
-    view = view_of(quantity="stress σ", column=2)
+    view = view_of(quantity="sigma")
     assert view.left.sizes is None and view.left.silence == "transport does not estimate the stress σ"
 
 
 def test_acceleration_is_unknown_without_its_effect():
     """Not zero: the truth's lane must not look like a perfect run."""
-    view = view_of(replace(BAR, effects=("truth", "estimate")), quantity="acceleration a", column=3)
+    view = view_of(replace(BAR, effects=("truth", "estimate")), quantity="a")
     assert view.left.silence == view.right.silence == ACCELERATION_OFF and view.right.sizes is None
 
 
@@ -115,8 +122,22 @@ def test_units_have_prefixes(value, text):
     assert with_unit(value, "m") == text
 
 
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_every_problem_is_shown(problem):
+    """Its sliders reach its first scene, its details are fields with choices or switches, its folder has the rest."""
+    view, scene = VIEWS[problem], PROBLEMS[problem].scene(periods=1)
+    for field in ("cells", "ppc", "amplitude", "modulus"):
+        low, high, *_ = getattr(view.reach, field)
+        assert low <= getattr(scene, field) <= high
+    assert view.reach.speed[0] <= view.speed * scene.period <= view.reach.speed[1]
+    for field in view.details:
+        value, names = getattr(scene, field), words.choices(type(scene), field)
+        assert value in names if scene.choices(field) else isinstance(value, bool)
+    assert issubclass(view.stage, Stage) and callable(view.draw)
+
+
 def test_regions_of_the_bar():
-    regions = divide(BAR, PLACES)
+    regions = BAR_VIEW.regions(PLACES)
     assert len(regions.names) == LENGTHS and regions.names[4] == "X = 0.20–0.25 m"
     np.testing.assert_array_equal(regions.number, np.arange(20))
     np.testing.assert_allclose(regions.errors(SIGNED), np.abs(SIGNED))
@@ -125,10 +146,10 @@ def test_regions_of_the_bar():
 def test_regions_of_the_ring():
     """Every particle has one, each holds its share, and a known place has the name it should."""
     position = particle_layout(RingScene(cells=36)).position
-    regions = divide(RingScene(cells=36), position)
+    regions = RING.regions(position)
     counts = np.bincount(regions.number, minlength=3 * ANGLES)
     assert counts.min() > 0.8 * counts.max() and counts.sum() == len(position)
-    place = divide(RingScene(), np.array([[0.42 * np.cos(0.6), 0.42 * np.sin(0.6)], [0.0, 0.6]]))
+    place = RING.regions(np.array([[0.42 * np.cos(0.6), 0.42 * np.sin(0.6)], [0.0, 0.6]]))
     assert [place.names[k] for k in place.number] == ["inner third, 30–45°", "outer third, 75–90°"]
 
 
@@ -141,15 +162,15 @@ def test_worst_region_does_not_flicker():
 
 
 def test_worst_places_by_estimate_and_by_truth():
-    places, estimate, error = WorstPlaces(), np.full(20, 0.1), np.full(20, 0.2)
+    places, estimate, error = WorstRegions(), np.full(20, 0.1), np.full(20, 0.2)
     estimate[3], error[7] = 1.0, -2.0
     arrays, report = arrays_of(estimate, error), report_of(BAR)
-    places.look(report, arrays, look(report, arrays, "displacement x", 0, "transport", False))
+    places.look(report, arrays, look(report, arrays, "x", "transport", False))
     assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
     assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
     assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
     report = report_of(replace(BAR, body_force="two-tone"))
-    places.look(report, arrays, look(report, arrays, "displacement x", 0, "transport", False))
+    places.look(report, arrays, look(report, arrays, "x", "transport", False))
     assert places.by_truth is None and places.by_estimate.true is None
 
 

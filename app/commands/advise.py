@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, default_hint, list_flag
-from app.commands.output import Target, json_text, noted_interrupts, say, stdout_to_stderr
-from app.words import command_line
+from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, default_hint, number, real, several_of
+from app.commands.output import json_target, noted_interrupts, report, say, stdout_to_stderr
+from app.words import command_line, per_cell
 from solvers.rules import require_choice, require_number
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
@@ -39,7 +39,7 @@ class Advise:
     """Largest RMS error that is allowed at any time of the run."""
     relative: bool = True
     """Whether the tolerance is a part of the quantity's own size (of A for x) or in its unit."""
-    quantity: list_flag(QUANTITIES) = ("x",)
+    quantity: Annotated[Any, several_of(QUANTITIES)] = ("x",)
     """What the tolerance is about: position, velocity, stress or acceleration."""
     budget: RealFlag = 60.0
     """Longest run that may be recommended, s."""
@@ -61,15 +61,12 @@ class Advise:
         """Search, then say what to run; exit status 1 if nothing within the budget meets the tolerance."""
         base, quantity = self.base(), self._quantity()
         tolerance = self._tolerance(base, quantity)
-        target = None if self.json is None else Target("json", self.json, may_be_stdout=True)
+        target = json_target(self.json)
         begun = time.monotonic()
         with stdout_to_stderr(), noted_interrupts() as check_interrupts:
             advice = self._search(base, quantity, tolerance, check_interrupts)
         values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
-        if target:
-            target.write(json_text(values, lines=not target.is_stdout).encode())
-        else:
-            print(as_text(values), flush=True)
+        report(values, target, as_text)
         if not advice.met:
             say(values["reason"])
         return OK if advice.met else UNREACHABLE
@@ -98,8 +95,8 @@ class Advise:
         def told(looks: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
-                say(f"run {looks}: {scene.method}, {scene.cells} cells, {scene.ppc} particles per cell, "
-                    f"cfl {scene.cfl:g}")
+                say(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "
+                    f"per cell, cfl {scene.cfl:g}")
 
         choices = families(base, self._methods(base), self._numbers("ppc", self.ppc, (2, 3, 4)),
                            self._numbers("cfl", self.cfl, (0.1, 0.3, 0.5)), quantity)
@@ -110,23 +107,18 @@ class Advise:
             require_choice("method", method, base.choices("method"))
         return [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
 
-    def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[float, ...]) -> tuple[float, ...]:
+    def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """The words of a flag as numbers that a scene accepts."""
-        kind, field = (int, "ppc") if flag == "ppc" else (float, "cfl")
-        numbers = []
-        for word in words:
-            try:
-                numbers.append(kind(word))
-            except ValueError:
-                numbers.append(word)
-            self.SCENE(**{field: numbers[-1]})  # says what is wrong with it
-        return tuple(numbers) or default
+        numbers = tuple(real([word]) if flag == "cfl" else number([word]) for word in words)
+        for value in numbers:
+            self.SCENE(**{flag: value})  # says what is wrong with it
+        return numbers or default
 
 
 def search_flags(scene: type[Scene]) -> dict[str, Any]:
     """Flags that hold several values to choose from, where a run has one."""
     def several(names: Iterable[str], default: str, text: str) -> Any:
-        return Annotated[list_flag(names), default_hint(default), tyro.conf.arg(help=text)]
+        return Annotated[Any, several_of(names), default_hint(default), tyro.conf.arg(help=text)]
 
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
     return {"method": several(scene.choices("method"), "all", f"Methods to choose from{preserving}."),

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import sys
-import warnings
 from dataclasses import dataclass
 from typing import Annotated
 
+from app.commands.bench_text import bench_table
 from app.commands.flags import PathFlag, Switch, default_hint
-from app.commands.output import Progress, Target, json_text, noted_interrupts, stdout_to_stderr
+from app.commands.output import json_target, report, working
 
 COMMAND = (sys.executable, "-m", "app", "--version")
 
@@ -31,24 +30,9 @@ class Bench:
 
     def execute(self) -> int:
         """Measure, then write or print."""
-        target = None if self.json is None else Target("json", self.json, may_be_stdout=True)
-        with stdout_to_stderr():
-            values = _measure(self.quick, self.quiet)
-        if target:
-            target.write(json_text(values, lines=not target.is_stdout).encode())
-        else:
-            from app.commands.bench_text import bench_table
-            print(bench_table(values), flush=True)
+        target = json_target(self.json)
+        with working(self.quiet) as show:
+            from solvers.bench.bench import bench  # here: bad input and --help must not wait for Taichi
+            values = bench(self.quick, COMMAND, show)
+        report(values, target, bench_table)
         return 0
-
-
-def _measure(quick: bool, quiet: bool) -> dict:
-    with noted_interrupts() as check_interrupts, contextlib.closing(Progress(sys.stderr, quiet)) as progress:
-        warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
-        from solvers.bench.bench import bench  # here: bad input and --help must not wait for Taichi
-
-        def show(part: float) -> None:
-            check_interrupts()
-            progress.show(part)
-
-        return bench(quick, COMMAND, show)

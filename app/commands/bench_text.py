@@ -19,7 +19,7 @@ def _heading(values: dict) -> str:
     load = "" if machine["load"] is None else f", load {machine['load']:.1f}"
     return (f"{machine['system']} {machine['processor']}, {machine['cores']} cores{load}, Python {machine['python']}, "
             f"Taichi {machine['taichi']} on {values['arch']}\n"
-            f"one thread, {values['precision']} precision, processor time, fastest of several turns"
+            f"one thread, {values['precision']} precision, processor time; fastest turns, median ratios"
             f"{' (quick: few turns, more noise)' if values['quick'] else ''}; {values['seconds']:.0f} s in all")
 
 

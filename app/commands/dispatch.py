@@ -13,6 +13,7 @@ import os
 import sys
 from collections.abc import Iterable
 from dataclasses import fields
+from typing import Any
 
 import tyro
 
@@ -20,6 +21,7 @@ from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput, shown
 from app.commands.output import say
+from solvers.estimators.registry import ExtensionError
 from solvers.rules import SceneError, field_key
 
 PROGRAM = "mpm-lab"
@@ -31,11 +33,13 @@ def dispatch(arguments: list[str]) -> int:
 
     ``python -X dev -m app ...`` shows the traceback of what should not happen.
     """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal that has no ² must not cost the result
     try:
         status = _main(arguments)
         sys.stdout.flush()  # here, where a reader that has gone is still ours to handle
         return status
-    except BadInput as error:
+    except (BadInput, ExtensionError) as error:
         say(error)
         return BAD_INPUT
     except SceneError as error:
@@ -95,7 +99,7 @@ def _next_words(name: tuple[str, ...]) -> list[str]:
 
 def _overview(name: tuple[str, ...]) -> str:
     """The help above the commands: their names and what they do."""
-    rows = [(" ".join((PROGRAM, *known)), inspect.getdoc(kind).splitlines()[0])
+    rows = [(" ".join((PROGRAM, *known)), (inspect.getdoc(kind) or "").partition("\n")[0])
             for known, kind in commands().items() if known[:len(name)] == name]
     width = max(len(row[0]) for row in rows)
     lines = [f"usage: {' '.join((PROGRAM, *name))} COMMAND [flags]", ""]
@@ -109,12 +113,13 @@ def _overview(name: tuple[str, ...]) -> str:
     return "\n".join(lines)
 
 
-def _read_flags(kind: type, program: str, arguments: list[str]) -> object | None:
+def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
     """The command with its flags filled in; None after its help was shown."""
+    read: Any = tyro.cli  # the type of what it returns depends on its flags
     complaints = io.StringIO()
     try:
         with contextlib.redirect_stderr(complaints):
-            command, unknown = tyro.cli(kind, prog=program, args=arguments, return_unknown_args=True)
+            command, unknown = read(kind, prog=program, args=arguments, return_unknown_args=True)
     except SystemExit as end:
         if not end.code:
             return None

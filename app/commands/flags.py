@@ -7,7 +7,8 @@ wrong in the same way) and why no range is repeated here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import contextlib
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any
 
 import tyro
@@ -30,7 +31,7 @@ def shown(value: object) -> str:
     return (text if len(text) <= 60 else text[:57] + "...") if text.strip() else "(no value)"
 
 
-def _lenient(metavar: str, parse) -> Any:
+def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
     """A tyro constructor that takes any words and never fails."""
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
@@ -38,21 +39,17 @@ def _lenient(metavar: str, parse) -> Any:
         else [shown(value)])
 
 
-def _number(words: list[str]) -> Any:
+def number(words: list[str]) -> Any:
     """A whole number or a float where the words are one, else the words."""
     text = " ".join(words)
-    try:
+    with contextlib.suppress(ValueError):
         return int(text)
-    except ValueError:
-        pass
-    try:
-        value = float(text)
-    except ValueError:
-        return text
-    return int(value) if value.is_integer() and "e" in text.lower() and abs(value) < LARGEST_EXACT else value
+    value = real(words)
+    exact = isinstance(value, float) and value.is_integer() and abs(value) < LARGEST_EXACT
+    return int(value) if exact and "e" in text.lower() else value
 
 
-def _real(words: list[str]) -> Any:
+def real(words: list[str]) -> Any:
     """A float where the words are one, else the words."""
     text = " ".join(words)
     try:
@@ -66,14 +63,14 @@ def _words(words: list[str]) -> tuple[str, ...]:
     return tuple(word for group in words for word in group.replace(",", " ").split())
 
 
-def choice_flag(choices: Iterable[str]) -> Any:
-    """A flag for one of the choices."""
-    return Annotated[Any, _lenient("{" + ",".join(choices) + "}", " ".join)]
+def one_of(choices: Iterable[str]) -> Any:
+    """For a flag that is one of the choices: ``Annotated[Any, one_of(...)]``."""
+    return _lenient("{" + ",".join(choices) + "}", " ".join)
 
 
-def list_flag(choices: Iterable[str]) -> Any:
-    """A flag for several of the choices, separated by commas or spaces."""
-    return Annotated[Any, _lenient("{" + ",".join(choices) + "} ...", _words)]
+def several_of(choices: Iterable[str]) -> Any:
+    """For a flag that is several of the choices, separated by commas or spaces."""
+    return _lenient("{" + ",".join(choices) + "} ...", _words)
 
 
 def default_hint(text: str) -> Any:
@@ -81,8 +78,8 @@ def default_hint(text: str) -> Any:
     return tyro.conf.arg(help_behavior_hint=f"(default: {text})")
 
 
-NumberFlag = Annotated[Any, _lenient("N", _number)]
-RealFlag = Annotated[Any, _lenient("X", _real)]
+NumberFlag = Annotated[Any, _lenient("N", number)]
+RealFlag = Annotated[Any, _lenient("X", real)]
 TextFlag = Annotated[Any, _lenient("TEXT", " ".join)]
 PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
 #: A flag without a value.

@@ -11,6 +11,7 @@ import stat
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
@@ -75,13 +76,29 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
         signal.signal(signal.SIGINT, before)
 
 
+@contextlib.contextmanager
+def working(quiet: bool) -> Iterator[Callable[..., None]]:
+    """While solvers work: a clean standard output, Ctrl-C noted, and a progress bar unless ``quiet``.
+
+    Yields what is to be called now and then with the part done, 0 to 1, and, if one likes, what is being done.
+    """
+    with stdout_to_stderr(), noted_interrupts() as check, contextlib.closing(ProgressBar(sys.stderr, quiet)) as bar:
+        warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
+
+        def show(part: float, what: str = "") -> None:
+            check()
+            bar.show(part, what)
+
+        yield show
+
+
 class Target:
     """A file to be written later, tried now. It appears whole or not at all: written beside, then renamed."""
 
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
         self.flag, self.text = flag, text
         self.is_stdout = may_be_stdout and text == "-"
-        self.path = None if self.is_stdout else _real_path(text)
+        self.path = "" if self.is_stdout else _real_path(text)
         if not text.strip():
             raise BadInput(flag, text, f"give a file{' or - for standard output' if may_be_stdout else ''}")
         if not text.lower().endswith(ending):
@@ -129,6 +146,19 @@ class Target:
         return os.path.join(os.path.dirname(self.path), f".mpm-lab-{self.flag}-{os.getpid()}.part")
 
 
+def json_target(text: str | None) -> Target | None:
+    """Where ``--json`` goes, tried now; None if it was not given."""
+    return None if text is None else Target("json", text, may_be_stdout=True)
+
+
+def report(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
+    """A result as JSON where a file was asked for, else as ``text`` makes it, on standard output."""
+    if target:
+        target.write(json_text(values, lines=not target.is_stdout).encode())
+    else:
+        print(text(values), flush=True)
+
+
 def _real_path(text: str) -> str:
     """Where a file really lies, so that a link stays one; a device has no better name than its own."""
     return text if _is_device(text) else os.path.realpath(text)
@@ -147,7 +177,7 @@ def _why(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
 
 
-class Progress:
+class ProgressBar:
     """A bar on a terminal for runs that take longer than a second; nothing elsewhere."""
 
     WIDTH = 30

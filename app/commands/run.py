@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import sys
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from app.commands.flags import BadInput, PathFlag, Switch, default_hint
-from app.commands.output import Progress, Target, json_text, noted_interrupts, say, stdout_to_stderr
+from app.commands.output import Target, json_target, report, say, working
+from app.commands.run_text import run_table
+from app.commands.scene_flags import SceneFlags
 from solvers.scene import Scene
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ OK, FAILED, UNSTABLE = 0, 1, 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
+class Run(SceneFlags):
     """What is done with a scene, and where its result goes."""
 
     HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
@@ -39,51 +38,27 @@ class Run:
     def execute(self) -> int:
         """Run, then write what was asked for. Files are tried first, so that no run is lost to a typo."""
         scene = self.scene()
-        json_target = None if self.json is None else Target("json", self.json, may_be_stdout=True)
-        plot_target = None if self.plot is None else Target("plot", self.plot, ending=".png")
-        if json_target and plot_target and json_target.path == plot_target.path:
+        target = json_target(self.json)
+        picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
+        if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
-        if not self.quiet:
-            _warn(scene)
-        with stdout_to_stderr():
-            result = _run(scene, self.quiet)
-        _report(result, json_target)
-        drawn = plot_target is None or _draw(result, plot_target)
+        for sentence in () if self.quiet else scene.warnings():
+            say(f"warning: {sentence}")
+        result = _run(scene, self.quiet)
+        if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
+            say(f"no GPU was found: this ran on the processor ({result.arch})")
+        report(result.to_dict(), target, run_table)
+        drawn = picture is None or _draw(result, picture)
         if result.status != "ok":
             say(result.reason)
             return UNSTABLE
         return OK if drawn else FAILED
 
 
-def _warn(scene: Scene) -> None:
-    """Say what is allowed but will surprise, before the run starts."""
-    for sentence in scene.warnings():
-        say(f"warning: {sentence}")
-
-
 def _run(scene: Scene, quiet: bool) -> Result:
-    with noted_interrupts() as check_interrupts, contextlib.closing(Progress(sys.stderr, quiet)) as progress:
-        warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
+    with working(quiet) as show:
         from solvers.run import run  # here: bad input and --help must not wait for Taichi
-
-        def show(part: float) -> None:
-            check_interrupts()
-            progress.show(part)
-
-        result = run(scene, on_progress=show)
-    if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not quiet:
-        say(f"no GPU was found: this ran on the processor ({result.arch})")
-    return result
-
-
-def _report(result: Result, json_target: Target | None) -> None:
-    """The result as JSON, or as a table on standard output."""
-    values = result.to_dict()
-    if json_target:
-        json_target.write(json_text(values, lines=not json_target.is_stdout).encode())
-    else:
-        from app.commands.run_text import run_table
-        print(run_table(values), flush=True)
+        return run(scene, on_progress=show)
 
 
 def _draw(result: Result, target: Target) -> bool:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from solvers.samples import QUANTITIES
+from app.words import QUANTITIES, per_cell
 
-UNITS = {"x": "m", "v": "m/s", "sigma": "Pa", "a": "m/s2", "sigma_log": "Pa", "a_nodes": "m/s2"}
 NOTHING = "-"
 
 
@@ -13,31 +12,32 @@ def run_table(result: dict) -> str:
     parts = [_heading(result), _errors(result["error"])]
     estimates = {name: values for name, values in _by_estimator(result).items() if name not in result["not_valid"]}
     parts += [_estimates(name, *values) for name, values in estimates.items()]
-    parts += ["index: estimate over truth, 1 is perfect; distance: apart over truth, 0 is perfect"] * bool(estimates)
+    if estimates:
+        parts += ["index: estimate over truth, 1 is perfect; distance: their difference over truth, 0 is perfect"]
     parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
     return "\n\n".join([*parts, _cost(result)])
 
 
 def _heading(result: dict) -> str:
     scene = result["scene"]
-    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {_per_cell(scene)} particles per "
-            f"cell ({result['particles']:,}), amplitude {scene['amplitude']:g} m, cfl {scene['cfl']:.3g}\n"
+    per = per_cell(scene["problem"], scene["ppc"])
+    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} particles per cell "
+            f"({result['particles']:,}), amplitude {scene['amplitude']:g} m, cfl {scene['cfl']:.3g}\n"
             f"{result['status']}: {result['steps']:,} steps to t = {result['t']:.6g} s")
 
 
-def _per_cell(scene: dict) -> str:
-    """The ring counts its particles per cell along each direction."""
-    return f"{scene['ppc']} x {scene['ppc']}" if scene["problem"] == "ring" else str(scene["ppc"])
+def _norm(key: str) -> str:
+    """What an error is of, with its unit; a problem's own norms say first which quantity they are of: a_nodes."""
+    return f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
 
 
 def _errors(error: dict) -> str:
-    rows = [(f"{q} ({UNITS[q]})", *(_size(values[k]) for k in ("final", "max", "mean")))
-            for q, values in error.items()]
+    rows = [(_norm(q), *(_size(values[k]) for k in ("final", "max", "mean"))) for q, values in error.items()]
     return _columns([("true error, RMS", "final", "max", "mean"), *rows])
 
 
 def _estimates(name: str, estimate: dict, index: dict, distance: dict) -> str:
-    rows = [(f"{q} ({UNITS[q]})", *(_size(estimate[q][k]) for k in ("final", "max", "mean")),
+    rows = [(_norm(q), *(_size(estimate[q][k]) for k in ("final", "max", "mean")),
              _ratio(index[q]), _ratio(distance[q])) for q in QUANTITIES]
     heads = (f"estimate: {name}", "final", "max", "mean", "index", "distance")
     return _columns([heads, *rows])

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, NumberFlag, RealFlag, choice_flag, list_flag
+from app.commands.flags import BadInput, NumberFlag, RealFlag, one_of, several_of
 from solvers.rules import FIELDS, field_key
 from solvers.scene import Scene
 
@@ -58,22 +58,21 @@ def described(scene: type[Scene], f: Field, kind: Any = None) -> Any:
     """The type of a field's flag, with its help and, where its default is None or stands for many, what that means."""
     text, separator, rest = f.metadata["help"].partition(";")
     unit = f", {f.metadata['unit']}" if f.metadata["unit"] else ""
-    about = {"help": f"{text}{unit}{separator}{rest}."}
-    if f.metadata["hint"] and kind is None:
-        about["help_behavior_hint"] = f"(default: {f.metadata['hint'].format(scene=scene)})"
-    return Annotated[kind or _kind(scene, f), tyro.conf.arg(**about)]
+    hint = f"(default: {f.metadata['hint'].format(scene=scene)})" if f.metadata["hint"] and kind is None else None
+    return Annotated[kind or _kind(scene, f),
+                     tyro.conf.arg(help=f"{text}{unit}{separator}{rest}.", help_behavior_hint=hint)]
 
 
 def _kind(scene: type[Scene], f: Field) -> Any:
     choices = scene.choices(f.name)
     if f.name in SPECIAL:
-        return list_flag((*choices, *SPECIAL[f.name]))
+        return Annotated[Any, several_of((*choices, *SPECIAL[f.name]))]
     if choices:
-        return choice_flag(choices)
+        return Annotated[Any, one_of(choices)]
     return bool if f.type == "bool" else NumberFlag if "int" in str(f.type) else RealFlag
 
 
-def _made(command: type, scene: type[Scene], bases: tuple[type, ...]) -> type:
+def _made(command: type[Any], scene: type[Scene], bases: tuple[type, ...]) -> type:
     text = command.HELP.format(title=scene.TITLE, setting=scene.SETTING,
                                methods=" ".join(scene.choices("method")[1:3]))
     kind = type(f"{command.__name__}{scene.problem.capitalize()}", bases, {"SCENE": scene, "__doc__": text})

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from app.commands.flags import BadInput, NumberFlag, TextFlag
+from solvers.rules import require_whole
 
 
 @dataclass(frozen=True)
@@ -23,16 +23,12 @@ class Serve:
         """Serve until stopped."""
         if not self.host:
             raise BadInput("host", self.host, "give the name or the address of this machine")
-        _require_whole("port", self.port, 1, 65535)
-        _require_whole("max-sessions", self.max_sessions, 1, 10_000)
+        if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
+            raise BadInput("port", self.port, "give a whole number from 1 to 65535")
+        require_whole("max_sessions", self.max_sessions, 1, 10_000)
         from app.page.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
         try:
             serve(self.host, self.port, self.max_sessions)
         except ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0
-
-
-def _require_whole(flag: str, value: Any, least: int, most: int) -> None:
-    if not isinstance(value, int) or not least <= value <= most:
-        raise BadInput(flag, value, f"give a whole number from {least} to {most}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args, get_type_h
 from app import __version__
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_text, say
-from solvers.scene import Scene
+from app.commands.scene_flags import SceneFlags
+from solvers.rules import require_whole
 from solvers.study import summary as table
 from solvers.study.grid import MOST_ROWS, Task, plan
 from solvers.study.row import FAILED as LOST
@@ -27,7 +29,7 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sweep:
+class Sweep(SceneFlags):
     """The flags of a sweep beside those of its scenes.
 
     Every flag of a scene may hold several values; those that are lists in one scene already (estimator, effects)
@@ -40,7 +42,6 @@ class Sweep:
     errors, estimates, times and status; rows are kept as they finish. Tables and pictures follow at the end.
     Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
     """
-    SCENE: ClassVar[type[Scene]]
     OUTPUT: ClassVar[frozenset[str]] = frozenset({"out", "workers", "scheduler", "resume", "repeats", "each_effect",
                                                   "quiet", "no_linearity_preserving"})
     LISTS: ClassVar[frozenset[str]] = frozenset({"estimator", "effects"})
@@ -65,7 +66,7 @@ class Sweep:
     def execute(self) -> int:
         """Check everything, run what is not there yet, then write tables and pictures of all rows."""
         self._check()
-        problem = self.SCENE.__dataclass_fields__["problem"].default
+        problem = self.SCENE.problem
         tasks = plan(problem, self.axes(), repeats=self.repeats, price_effects=self.each_effect, version=__version__)
         refusals = {task.key: error for task in tasks if (error := task.refusal())}
         if len(refusals) == len(tasks):
@@ -84,25 +85,22 @@ class Sweep:
         hints = get_type_hints(type(self), include_extras=True)
         axes = {name: [value] if name in self.LISTS else _values(value, hints[name])
                 for name, value in self.inputs().items()}
-        axes["linearity_preserving"] = [True] * self.linearity_preserving \
-            + [False] * (self.no_linearity_preserving or not self.linearity_preserving)
-        return axes
+        on = axes["linearity_preserving"][0]
+        return axes | {"linearity_preserving": [True] * on + [False] * (self.no_linearity_preserving or not on)}
 
     # ---- steps of a sweep ---------------------------------------------------------------------------------
 
     def _check(self) -> None:
         if not (self.out or "").strip():
             raise BadInput("out", "", "give a directory for the rows, tables and pictures")
-        _require_whole("repeats", self.repeats, 1, 1000)
+        require_whole("repeats", self.repeats, 1, 1000)
         if self.workers is not None:
-            _require_whole("workers", self.workers, 1, 1024)
+            require_whole("workers", self.workers, 1, 1024)
             if self.scheduler is not None:
                 raise BadInput("workers", self.workers, "is for this machine; with --scheduler leave it out")
         if self.scheduler is not None and not ADDRESS.fullmatch(self.scheduler):
             raise BadInput("scheduler", self.scheduler, "give the address of a Dask scheduler, such as tcp://host:8786")
-        count = 1
-        for values in self.axes().values():
-            count *= len(values)
+        count = math.prod(map(len, self.axes().values()))
         if count > MOST_ROWS:
             raise BadInput("out", self.out, f"{count:,} combinations are too many for one sweep; give lists that make "
                            f"at most {MOST_ROWS:,}")
@@ -110,9 +108,9 @@ class Sweep:
     def _place(self, stack: contextlib.ExitStack) -> Place:
         if self.scheduler is None:
             from solvers.study.places import Here
-            place = Here(self.workers or 1)
+            place: Place = Here(self.workers or 1)
         else:
-            from solvers.study.cluster import Cluster, NoCluster
+            from solvers.study.places import Cluster, NoCluster
             try:
                 place = Cluster(self.scheduler)
             except NoCluster as error:
@@ -136,8 +134,7 @@ class Sweep:
 
     def _measure(self, tasks: Sequence[Task], refusals: dict, place: Place, store: Store) -> bool:
         """Fill the store; False if the place where rows run was lost on the way."""
-        from solvers.study.execute import execute
-        from solvers.study.places import PlaceLost
+        from solvers.study.places import PlaceLost, execute
 
         todo = [task for task in tasks if not store.finished(task.key)]
         done = len(tasks) - len(todo)
@@ -207,8 +204,3 @@ def _told(row: dict, tasks: Sequence[Task]) -> str:
         outcome = f"error of x {error:.2e} m, " if error is not None else ""
         return f"{inputs}: {row['status']}, {outcome}{row['seconds']['min']:.3g} s"
     return f"{inputs}: {row['status']}" + (f": {row['reason']}" if row["status"] == LOST else "")
-
-
-def _require_whole(flag: str, value: Any, least: int, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise BadInput(flag, value, f"give a whole number from {least:,} to {most:,}")

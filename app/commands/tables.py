@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from pathlib import Path
+from typing import Annotated
 
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Progress, Target, json_text, noted_interrupts, say, stdout_to_stderr
+from app.commands.output import Target, json_text, say, working
+from app.commands.tables_text import markdown
 from solvers.problems import PROBLEMS
 from solvers.tables import plan
 from solvers.tables.document import Results, document
-
-if TYPE_CHECKING:
-    from app.commands.tables_store import Store
+from solvers.tables.rows import read_row, run_row, write_row
 
 OK, UNSTABLE = 0, 3
 KINDS = ("md", "json", "png")
+ROWS = "rows"  # the folder of finished rows
 
 
 @dataclass(frozen=True)
@@ -43,13 +42,12 @@ class Tables:
         """Run what is not finished yet, then write every table."""
         numbers = _numbers(self.table)
         targets = _targets(self.out, numbers)
-        with stdout_to_stderr(), noted_interrupts() as check_interrupts:
-            from app.commands.tables_store import Store
-            made = [plan.make(number, _estimators()) for number in numbers]
-            results = _run_rows(made, Store(self.out), self.quiet, check_interrupts)
-            tables = [document(table, results) for table in made]
-            for table in tables:
-                _write(table, targets[table["table"]])
+        estimators = {name: problem.estimators for name, problem in PROBLEMS.items()}
+        made = [plan.make(number, estimators) for number in numbers]
+        results = _run_rows(made, Path(self.out, ROWS), self.quiet)
+        tables = [document(table, results) for table in made]
+        for table in tables:
+            _write(table, targets[table["table"]])
         unstable = [row for table in tables for row in table["rows"] if row["unstable"]]
         for row in unstable:
             say(f"{row['name']}: {row['unstable']}")
@@ -69,7 +67,7 @@ def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Targ
     if not directory.strip():
         raise BadInput("out", directory, "give a directory for the tables")
     try:
-        os.makedirs(os.path.join(directory, "rows"), exist_ok=True)
+        os.makedirs(os.path.join(directory, ROWS), exist_ok=True)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or str(error)
         raise BadInput("out", directory, f"cannot be a directory: {why.lower()}; give one that exists or can be "
@@ -78,46 +76,27 @@ def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Targ
             for number in numbers}
 
 
-def _estimators() -> dict[str, tuple[str, ...]]:
-    """The estimators of each problem, in the order of the scenes."""
-    return {name: problem.estimators for name, problem in PROBLEMS.items()}
-
-
-def _run_rows(tables: Iterable[plan.Table], store: Store, quiet: bool, check_interrupts) -> dict[str, Results]:
+def _run_rows(tables: Iterable[plan.Table], folder: Path, quiet: bool) -> dict[str, Results]:
     """The results of every row by its name: kept ones first, then the others, each kept as soon as it is there."""
     rows = {row.name: row for table in tables for row in table.rows}
-    results = {name: kept for name, row in rows.items() if (kept := store.read(row))}
+    results = {name: kept for name, row in rows.items() if (kept := read_row(folder, row))}
     missing = [row for name, row in rows.items() if name not in results]
     if results and not quiet:
         say(f"{len(results)} of {len(rows)} rows are there already")
     total, done = sum(row.work for row in missing), 0.0
-    with contextlib.closing(Progress(sys.stderr, quiet)) as progress:
+    with working(quiet) as show:
         for row in missing:
-            def show(part: float, before: float = done, work: float = row.work, name: str = row.name) -> None:
-                check_interrupts()
-                progress.show((before + part * work) / total, name)
+            def told(part: float, before: float = done, work: float = row.work, name: str = row.name) -> None:
+                show((before + part * work) / total, name)
 
-            show(0.0)
-            results[row.name] = run_row(row, show)
-            store.write(row, results[row.name])
+            told(0.0)
+            results[row.name] = run_row(row, told)
+            write_row(folder, row, results[row.name])
             done += row.work
     return results
 
 
-def run_row(row: plan.Row, show) -> Results:
-    """Make the runs of a row; ``show`` is told the part done."""
-    from solvers.run import run
-
-    results, done = {}, 0.0
-    for purpose, scene in row.scenes.items():
-        work = scene.particles * scene.steps / sum(s.particles * s.steps for s in row.scenes.values())
-        results[purpose] = run(scene, on_progress=lambda part, a=done, w=work: show(a + w * part)).to_dict()
-        done += work
-    return results
-
-
-def _write(table: Mapping, targets: Mapping[str, Target]) -> None:
-    from app.commands.tables_text import markdown
+def _write(table: dict, targets: Mapping[str, Target]) -> None:
     from app.pictures.run import png_bytes
     from app.pictures.tables import figure
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from solvers.samples import QUANTITIES
+from app.words import NOTHING, QUANTITIES, method_name
+from solvers.markdown import grid
 from solvers.tables.digits import digits
+from solvers.tables.document import PAPERS_ESTIMATOR, parts
 
-DASH = "–"
-METHODS = {"ugimp": "uGIMP", "cpgimp": "cpGIMP", "cpdi": "CPDI"}
-SYMBOLS = {"x": "x", "v": "v", "sigma": "σ", "a": "a"}
+#: The inputs that tell the rows of each table from one another.
+INPUTS = {"1": ("cells",), "2": ("method", "cells"), "3": ("method", "cells")}
 #: What is compared with the paper in each table: key and heading with the unit.
 COMPARED = {"1": {"x": "x (m)", "v": "v (m/s)", "sigma_log": "σ (Pa)", "grid_crossings": "crossings"},
             "2": {"x": "x (m)", "v": "v (m/s)", "a_nodes": "Err A (m/s²)"},
@@ -44,61 +43,54 @@ def markdown(table: dict) -> str:
     return "\n\n".join([*blocks, *notes.lines()]) + "\n"
 
 
-def parts(table: dict) -> dict[str, list[dict]]:
-    """The rows under each heading, in order."""
-    found: dict[str, list[dict]] = {}
-    for row in table["rows"]:
-        found.setdefault(row["part"], []).append(row)
-    return found
-
-
 def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
     """Ours, the paper's and the ratio, one line a row."""
-    heads = _row_heads(rows)
+    heads = list(INPUTS[number])
     for key, heading in COMPARED[number].items():
         ours = [f"{heading} to {rows[0]['inputs'][end]:g} s" for end in ("t_end_crossings", "t_end")] \
             if key == "grid_crossings" else [heading]
         heads += [*ours, "paper", "ratio"]
-    others = [name for name in rows[0]["estimators"] if name != "transport"] if number == "3" else []
+    others = [name for name in rows[0]["estimators"] if name != PAPERS_ESTIMATOR] if number == "3" else []
     heads += others
     lines = []
     for row in rows:
-        cells = _row_cells(row, notes)
+        cells = _row_cells(number, row, notes)
         for key in COMPARED[number]:
             cells.append(_ours(row, key, notes))
             if key == "grid_crossings":
                 cells.append(_count(row["ours"]["grid_crossings_short"]))
             cells += [_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
         lines.append([*cells, *(_index_of_x(row, name, notes) for name in others)])
-    return _grid(heads, lines)
+    return grid(heads, lines, words=("method",))
 
 
 def _ours(row: dict, key: str, notes: Footnotes) -> str:
     value = row["ours"][key]
     if key == "index_x":
-        return _index_of_x(row, "transport", notes)
+        return _index_of_x(row, PAPERS_ESTIMATOR, notes)
     return _count(value) if key == "grid_crossings" else size(value)
 
 
 def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
     """Index, distance and cost, one line for each estimator of a row; the paper's indices of Table 1 above them."""
-    heads = [*_row_heads(rows), "estimator", *(f"index {s}" for s in SYMBOLS.values()),
-             *(f"distance {s}" for s in SYMBOLS.values()), "cost"]
+    number, symbols = table["table"], [quantity.symbol for quantity in QUANTITIES.values()]
+    heads = [*INPUTS[number], "estimator", *(f"{kind} {s}" for kind in ("index", "distance") for s in symbols), "cost"]
     lines = []
     for row in rows:
-        if table["table"] == "1":
+        if number == "1":
             printed = [_printed(f"index_{q}", row["paper"].get(f"index_{q}")) for q in QUANTITIES]
-            lines.append([*_row_cells(row, notes), "the paper's, printed", *printed, *[DASH] * 5])
+            lines.append([*_row_cells(number, row, notes), "the paper's, printed", *printed, *[NOTHING] * 5])
         for name, said in row["estimators"].items():
             values = [_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
-            lines.append([*_row_cells(row, notes), name + _why(name, said, notes), *values, _percent(said["cost"])])
-    return _grid(heads, lines)
+            lines.append([*_row_cells(number, row, notes), name + _why(name, said, notes), *values,
+                          _percent(said["cost"])])
+    return grid(heads, lines, words=("method", "estimator"))
 
 
 def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
     """An estimator's index; where it does not hold, a dash and why."""
     said = row["estimators"].get(name)
-    return _factor(said["index"]["x"]) + _why(name, said, notes) if said else DASH
+    return _factor(said["index"]["x"]) + _why(name, said, notes) if said else NOTHING
 
 
 def _why(name: str, said: dict, notes: Footnotes) -> str:
@@ -106,32 +98,24 @@ def _why(name: str, said: dict, notes: Footnotes) -> str:
     return notes.mark(f"{name}: {said['not_valid']}") if said["not_valid"] else ""
 
 
-def _row_heads(rows: list[dict]) -> list[str]:
-    return ["method", "cells"] if rows[0]["inputs"]["problem"] == "ring" else ["cells"]
-
-
-def _row_cells(row: dict, notes: Footnotes) -> list[str]:
+def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
     scene = row["inputs"]
-    cells = str(scene["cells"]) + (notes.mark(row["unstable"]) if row["unstable"] else "")
-    return [METHODS[scene["method"]], cells] if scene["problem"] == "ring" else [cells]
-
-
-def _grid(heads: list[str], lines: Iterable[list[str]]) -> str:
-    rows = [heads, [":---" if head in ("method", "estimator") else "---:" for head in heads], *lines]
-    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+    words = {"method": method_name(scene["method"]),
+             "cells": str(scene["cells"]) + (notes.mark(row["unstable"]) if row["unstable"] else "")}
+    return [words[name] for name in INPUTS[number]]
 
 
 def size(value: float | None) -> str:
     """A size with three digits, as short as it goes: 3.49e-6."""
     if value is None:
-        return DASH
+        return NOTHING
     return digits(value, 3)
 
 
 def _printed(key: str, value: float | None) -> str:
     """A number of the paper, with the digits that it has."""
     if value is None:
-        return DASH
+        return NOTHING
     if key == "grid_crossings":
         return _count(round(value))
     if key.startswith("index"):
@@ -140,17 +124,17 @@ def _printed(key: str, value: float | None) -> str:
 
 
 def _count(value: int | None) -> str:
-    return DASH if value is None else f"{value:,}"
+    return NOTHING if value is None else f"{value:,}"
 
 
 def _factor(value: float | None) -> str:
     """A ratio or an index: two digits at least, hundredths where they mean something."""
     if value is None:
-        return DASH
+        return NOTHING
     if value >= 1000 or value == 0:
         return f"{value:,.0f}"
     return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.3g}" if value > 1 else digits(value, 2)
 
 
 def _percent(value: float | None) -> str:
-    return DASH if value is None else f"{100 * value:.0f} %"
+    return NOTHING if value is None else f"{100 * value:.0f} %"

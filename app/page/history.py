@@ -24,7 +24,7 @@ class History:
     @property
     def series(self) -> dict[str, np.ndarray]:
         """Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35)
-        and the pointwise distance as ``transport/index_x`` and ``transport/apart_x``."""
+        and the pointwise distance as ``transport/index_x`` and ``transport/distance_x``."""
         return self._rows
 
     def add(self, rows: np.ndarray) -> None:
@@ -35,20 +35,19 @@ class History:
         new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step)
         for estimator in scene.active_estimators:
             for q in QUANTITIES:
-                above = self._running(f"{estimator}/estimate_{q}", new)
-                apart = self._running(f"{estimator}/distance_{q}", new)
-                below = self._running(f"error_{q}", new, key=f"{estimator}/{q}")
-                with np.errstate(divide="ignore", invalid="ignore"):
-                    new[f"{estimator}/index_{q}"] = np.where(below > 0, above / below, np.nan)
-                    new[f"{estimator}/apart_{q}"] = np.where(below > 0, apart / below, np.nan)
+                true = self._running(f"error_{q}", new, key=f"{estimator}/{q}")
+                for ratio, norm in (("index", "estimate"), ("distance", "difference")):
+                    with np.errstate(divide="ignore", invalid="ignore"):
+                        new[f"{estimator}/{ratio}_{q}"] = np.where(
+                            true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
         kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
         self._seen += len(rows)
-        rows = {name: np.concatenate([self._rows.get(name, values[:0]), values[kept]])
-                for name, values in new.items()}
-        while len(rows["time"]) > MOST_ROWS:
-            rows = {name: values[::2] for name, values in rows.items()}
+        series = {name: np.concatenate([self._rows.get(name, values[:0]), values[kept]])
+                  for name, values in new.items()}
+        while len(series["time"]) > MOST_ROWS:
+            series = {name: values[::2] for name, values in series.items()}
             self._stride *= 2
-        self._rows = rows  # at once, so that whoever plots sees series of equal length
+        self._rows = series  # at once, so that whoever plots sees series of equal length
 
     def crossings_per_second(self) -> tuple[np.ndarray, np.ndarray]:
         """Times and grid crossings per second of simulated time, each over a twentieth of a period or more."""

@@ -12,21 +12,20 @@ import viser
 from app.drawing import RECTANGLE, ColourBar
 from app.page.camera import FlatCamera
 from app.page.panels.about import add_about
-from app.page.panels.controls import QUANTITIES, Controls
+from app.page.panels.controls import Controls
 from app.page.panels.cost import CostTab
-from app.page.panels.furniture import add_head, furnish
+from app.page.panels.head import add_head, set_up
 from app.page.panels.lessons import add_lessons
 from app.page.panels.measurements import Measurements
 from app.page.probe import Probe
-from app.page.session import FIRST_SCENE, Notice, Session
+from app.page.session import FIRST_SCENE, Engines, Notice, Session
 from app.page.view import View, look
-from app.page.worst import WorstPlaces
-from app.problems.bar.stage import BarStage
-from app.problems.ring.stage import RingStage
+from app.page.worst import WorstRegions
+from app.problems.views import VIEWS
 from app.scale import ColourScale
+from app.words import QUANTITIES
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
-from solvers.engine.pool import EnginePool
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 
@@ -34,28 +33,29 @@ REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every
 class Page:
     """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own."""
 
-    def __init__(self, client: viser.ClientHandle, pool: EnginePool):
+    def __init__(self, client: viser.ClientHandle, pool: Engines):
+        self._ready = False
         self._closed = threading.Event()
         self._drawing = threading.Lock()
         self._client = client
         self._last: tuple[FrameReport, FrameArrays] | None = None
-        self._controls: Controls | None = None
-        self._cost: CostTab | None = None
         self._view: View | None = None
         self._scale = ColourScale()
-        furnish(client.gui)
+        set_up(client.gui)
         add_head(client.gui)
         self._notice = client.gui.add_html("")
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
         self._colour_bar = ColourBar(client.scene, self._scale)
-        self._stages = {"bar": BarStage(client, self._scale), "ring": RingStage(client, self._scale)}
-        self._stages["ring"].root.visible = False
+        self._stages = {problem: view.stage(client, self._scale) for problem, view in VIEWS.items()}
+        self._show_stage(FIRST_SCENE.problem)
         self._camera = FlatCamera(client, RECTANGLE)
         self._probe = Probe(client, self._camera)
-        self._places = WorstPlaces()
+        self._worst = WorstRegions()
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
         self._tabs(client)
+        self._ready = True
+        self._redraw()
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()
 
     def close(self) -> None:
@@ -80,29 +80,31 @@ class Page:
             self._scale.forget()
         self._last = (report, arrays)
         self._redraw()
-        if self._cost is not None:
+        if self._ready:
             self._cost.follow(report, self._session.history)
 
+    def _show_stage(self, problem: str) -> None:
+        for name, stage in self._stages.items():
+            if stage.root.visible != (name == problem):
+                stage.root.visible = name == problem
+
     def _redraw(self) -> None:
-        if self._last is None or self._controls is None or self._closed.is_set():
+        if self._last is None or not self._ready or self._closed.is_set():
             return
         with self._drawing:
             report, arrays = self._last
             scene, controls, choice = report.scene, self._controls, self._controls.estimators
-            name = controls.quantity
-            view = look(report, arrays, name, list(QUANTITIES).index(name), choice.drawn, choice.difference)
+            view = look(report, arrays, controls.quantity, choice.drawn, choice.difference)
             if choice.difference and scene.has("truth") and scene.active_estimators and not report.differences:
                 return  # the frame is one from before they were asked for; the next is on its way
             self._scale.follow(view.left.sizes, view.right.sizes)
             stage = self._stages[scene.problem]
-            self._stages["ring"].domains = controls.domains
+            stage.domains = controls.domains
             with self._client.atomic():
-                for problem, other in self._stages.items():
-                    if other.root.visible != (problem == scene.problem):
-                        other.root.visible = problem == scene.problem
+                self._show_stage(scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time, self._session.speed)
                 stage.caption(view.left, view.right)
-                self._colour_bar.draw(view.measures, QUANTITIES[name][1])
+                self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._view = view
@@ -116,8 +118,8 @@ class Page:
 
     def _refresh(self) -> None:
         if self._last is not None and self._view is not None:
-            self._places.look(*self._last, self._view)
-        self._measurements.refresh(self._session, self._controls, self._probe.text, self._places)
+            self._worst.look(*self._last, self._view)
+        self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst)
         notice = _notice_html(self._session.notice())
         if notice != self._notice.content:
             self._notice.content = notice

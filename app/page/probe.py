@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 import viser
 
 from app.drawing import AWAY, DOT, in_plane, joined, lines
 from app.page.camera import FlatCamera
+from app.problems.stage import Stage
 from app.words import number
 from solvers.engine.frames import FrameArrays
-
-
-class Stage(Protocol):
-    """What a stage knows of rectangles."""
-
-    def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray: ...
 
 
 class Probe:

@@ -11,7 +11,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 from app.page.session import FIRST_SCENE
 from solvers.engine.pool import EnginePool, Listener, SessionLink
@@ -23,23 +23,18 @@ class ServeError(Exception):
     """The page cannot be served; the message says why."""
 
 
-class Client(Protocol):
-    """What is known of a visitor here."""
-
-    client_id: int
-
-
 class Closable(Protocol):
     """What is known of a page here."""
 
     def close(self) -> None: ...
 
 
-class Lines:
+class PageLinks:
     """The pool as one page sees it. Knows what the page opened, so that one that fails leaves nothing behind."""
 
     def __init__(self, pool: EnginePool):
-        self._pool, self._links = pool, []
+        self._pool = pool
+        self._links: list[SessionLink] = []
 
     def open(self, listener: Listener) -> SessionLink:
         link = self._pool.open(listener)
@@ -54,19 +49,21 @@ class Lines:
 class Visitors:
     """Who is here: a page for each of at most ``places`` visitors, closed when its visitor leaves.
 
+    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines.
+
     The web server calls from many threads: a visitor may leave while the page is being made, or even before
     :meth:`connect` is called.
     """
 
-    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Client, Lines], Closable],
-                 show: Callable[[Client, str], None]):
+    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Closable],
+                 show: Callable[[Any, str], None]):
         self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
         self._lock = threading.Lock()
         self._pages: dict[int, Closable | None] = {}  # places taken; None while the page is being made
         self._pageless: set[int] = set()  # here, but refused or with a page that failed
         self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
 
-    def connect(self, client: Client) -> None:
+    def connect(self, client: Any) -> None:
         """Take a visitor in, or say why not."""
         visitor = client.client_id
         with self._lock:
@@ -83,7 +80,7 @@ class Visitors:
         else:
             self._show(client, "Every place on this server is taken. Reload the page in a while.")
 
-    def disconnect(self, client: Client) -> None:
+    def disconnect(self, client: Any) -> None:
         """Close the visitor's page, now or as soon as it is made."""
         visitor = client.client_id
         with self._lock:
@@ -97,7 +94,7 @@ class Visitors:
             del self._pages[visitor]
         page.close()
 
-    def _admit(self, client: Client) -> None:
+    def _admit(self, client: Any) -> None:
         """Make the page of a visitor who has a place."""
         visitor = client.client_id
         page = self._try_page(client)
@@ -115,13 +112,13 @@ class Visitors:
         elif not left:
             self._show(client, "The page could not be made. Reload it, or see the terminal for the reason.")
 
-    def _try_page(self, client: Client) -> Closable | None:
-        lines = Lines(self._pool)
+    def _try_page(self, client: Any) -> Closable | None:
+        links = PageLinks(self._pool)
         try:
-            return self._make_page(client, lines)
+            return self._make_page(client, links)
         except Exception:
             logging.getLogger(__name__).exception("the page of visitor %d could not be made", client.client_id)
-            lines.close()
+            links.close()
             return None
 
 
@@ -146,21 +143,23 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
     import viser
 
     from app.page.page import Page
-    from app.page.panels.furniture import add_head, furnish
+    from app.page.panels.head import set_up
 
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     with contextlib.redirect_stdout(io.StringIO()):  # it would announce itself in a box of its own
         server = viser.ViserServer(host=host, port=port, verbose=False)
-    furnish(server.gui)
-    visitors = Visitors(pool, max_sessions, Page, lambda client, sentence: _show(client, sentence, add_head))
+    set_up(server.gui)
+    visitors = Visitors(pool, max_sessions, Page, _show)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     server.on_client_connect(visitors.connect)
     return server
 
 
-def _show(client, sentence: str, add_head: Callable) -> None:
+def _show(client: Any, sentence: str) -> None:
     """Nothing but a sentence: whatever had been put on the page goes."""
+    from app.page.panels.head import add_head
+
     client.gui.reset()
     client.scene.reset()
     add_head(client.gui)

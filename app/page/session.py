@@ -6,18 +6,19 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from time import monotonic
+from typing import Any, Protocol
 
 from app.page.history import History
+from app.problems.views import VIEWS
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
-from solvers.engine.pool import EnginePool
+from solvers.engine.pool import Listener, SessionLink
 from solvers.problems import PROBLEMS
 from solvers.rules import SceneError
 from solvers.scene import Scene
 
 FIRST_SCENE = BarScene(periods=1)
-FIRST_SPEED = {"bar": 0.5, "ring": 0.2}  # periods a second
 CAPPED_BELOW = 0.9  # of the speed asked for
 LOST = 0.5  # error of x over the amplitude from which on a run shows something else than the solution
 BROKEN = 30.0  # error index from which on an estimate is no estimate
@@ -32,10 +33,16 @@ class Notice:
     sentence: str
 
 
+class Engines(Protocol):
+    """What a session needs of the pool."""
+
+    def open(self, listener: Listener) -> SessionLink: ...
+
+
 class Session:
     """Holds the wished scene (the latest wins), the last frame and the run's history."""
 
-    def __init__(self, pool: EnginePool, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
+    def __init__(self, pool: Engines, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
         self._lock = threading.RLock()
         self.turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
         self._on_frame = on_frame
@@ -47,7 +54,7 @@ class Session:
         self._asked_at = monotonic()
         self._number = 0
         self._wished = _fields(scene)
-        self.scene, self.playing, self.speed = scene, True, FIRST_SPEED[scene.problem] * scene.period
+        self.scene, self.playing, self.speed = scene, True, _first_speed(scene)
         self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
         self._link = pool.open(self)
@@ -73,7 +80,7 @@ class Session:
         """Take another problem's scene whole; what was wished of the one before is forgotten."""
         with self._lock:
             self._wished, self.scene, self._refusal = _fields(scene), scene, None
-            self.playing, self.speed = True, FIRST_SPEED[scene.problem] * scene.period
+            self.playing, self.speed = True, _first_speed(scene)
             self._ask()
 
     def play(self, playing: bool) -> None:
@@ -191,5 +198,10 @@ def _preparing(seconds: float) -> str:
             "it is used; several estimators at once take longest.")
 
 
-def _fields(scene: Scene) -> dict[str, object]:
+def _first_speed(scene: Scene) -> float:
+    """Simulated seconds a second at which a problem begins."""
+    return VIEWS[scene.problem].speed * scene.period
+
+
+def _fields(scene: Scene) -> dict[str, Any]:
     return {field.name: getattr(scene, field.name) for field in fields(scene)}

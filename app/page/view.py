@@ -6,6 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.problems.stage import Half
+from app.words import QUANTITIES
+from solvers import samples
+from solvers.effects import EFFECTS
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
@@ -15,18 +19,9 @@ VIEWS = (SIDE_BY_SIDE, DIFFERENCE)
 
 UNKNOWN = "true error unknown here: no exact solution is built in"
 TRUTH_OFF = "true error not computed: its effect is off"
-ESTIMATE_OFF = "not estimated: the effect \"estimate\" is off"
+ESTIMATE_OFF = f"not estimated: the effect \"{EFFECTS['estimate'].label}\" is off"
 NONE_CHOSEN = "no estimator is chosen"
-ACCELERATION_OFF = "not computed: the effect \"acceleration error\" is off"
-
-
-@dataclass(frozen=True)
-class Half:
-    """One lane of the bar or half of the ring: ``sizes`` (P,) of errors, or None and the reason in ``silence``."""
-
-    title: str
-    sizes: np.ndarray | None
-    silence: str = ""
+ACCELERATION_OFF = f"not computed: the effect \"{EFFECTS['acceleration'].label}\" is off"
 
 
 @dataclass(frozen=True)
@@ -40,23 +35,22 @@ class View:
     true: np.ndarray | None
 
 
-def look(report: FrameReport, arrays: FrameArrays, quantity: str, column: int, estimator: str | None,
-         difference: bool) -> View:
-    """The view of a frame: ``column`` of the errors, called ``quantity``, by ``estimator`` and in truth."""
-    scene, measures = report.scene, f"size of the error of {quantity}"
+def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None, difference: bool) -> View:
+    """The view of a frame: the errors of ``quantity``, by its key, as estimated by ``estimator`` and in truth."""
+    scene, column = report.scene, samples.QUANTITIES.index(quantity)
+    measures, named = f"size of the error of {QUANTITIES[quantity]}", f" by {estimator}" if estimator else ""
     no_truth = why_no_truth(scene, quantity)
     no_estimate = why_no_estimate(scene, report.not_valid, estimator, quantity)
-    true = None if no_truth else np.abs(arrays.error[:, column])
-    estimated = None if no_estimate else _known(np.abs(arrays.estimate[estimator][:, column]))
-    if estimated is None and not no_estimate:
-        no_estimate = f"{estimator} does not estimate the {quantity}"
-    named = f" by {estimator}" if estimator else ""
+    true, estimated = None if no_truth else np.abs(arrays.error[:, column]), None
+    if estimator is not None and not no_estimate:
+        estimated = _known(np.abs(arrays.estimate[estimator][:, column]))
+        no_estimate = "" if estimated is not None else f"{estimator} does not estimate the {QUANTITIES[quantity]}"
     left = Half(f"estimated error{named}", estimated, no_estimate)
     if difference:
-        measures = f"size of the error, and of estimate − truth, of {quantity}"
+        measures = f"size of the error, and of estimate − truth, of {QUANTITIES[quantity]}"
         silence = no_estimate or no_truth
-        apart = None if silence or not arrays.difference else arrays.difference[estimator][:, column]
-        left = Half(f"estimate{named} − truth", apart, silence)
+        sizes = arrays.difference[estimator][:, column] if estimator in arrays.difference and not silence else None
+        left = Half(f"estimate{named} − truth", sizes, silence)
     return View(left, Half("true error", true, no_truth), measures, estimated, true)
 
 
@@ -83,7 +77,7 @@ def why_no_estimate(scene: Scene, not_valid: dict[str, str], estimator: str | No
 
 
 def _why_no_acceleration(scene: Scene, quantity: str) -> str:
-    return ACCELERATION_OFF if quantity.startswith("acceleration") and not scene.has("acceleration") else ""
+    return ACCELERATION_OFF if quantity == "a" and not scene.has("acceleration") else ""
 
 
 def _known(sizes: np.ndarray) -> np.ndarray | None:

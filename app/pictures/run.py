@@ -13,38 +13,30 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from app.pictures.series import DRAWN, draw_index, draw_norm
-from app.problems.bar import pictures as plots_bar
-from app.problems.ring import pictures as plots_ring
+from app.problems.views import VIEWS
+from app.words import method_name, per_cell
 from solvers.result import Result
 
 DOTS_PER_INCH = 110
-METHODS = {"mpm": "MPM", "ugimp": "uGIMP", "cpgimp": "cpGIMP", "bspline": "B-spline MPM", "cpdi": "CPDI"}
-#: Height of the picture in inches, and of its lower row over the upper one.
-SHAPES = {"bar": (10.0, 1.25 / 3), "ring": (13.5, 0.85)}
 
 
 def run_figure(result: Result) -> Figure:
     """The picture of a run, ready to be saved."""
-    height, lower = SHAPES[result.scene.problem]
+    view = VIEWS[result.scene.problem]
+    height, lower = view.picture
     figure = Figure(figsize=(12.5, height), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(_title(result), fontsize=12)
     places = figure.add_gridspec(2, 2, height_ratios=(1, lower))
     left, right = places[0, 0].subgridspec(len(DRAWN), 1), places[0, 1].subgridspec(2, 1)
-    norms = [figure.add_subplot(place) for place in left]
+    norms = [figure.add_subplot(left[k]) for k in range(len(DRAWN))]
     for axes, quantity in zip(norms, DRAWN, strict=True):
         draw_norm(axes, result, quantity)
         axes.tick_params(labelbottom=axes is norms[-1])
     norms[0].set_title("error norms (RMS over particles)", fontsize=10)
     norms[-1].set_xlabel("time t (s)")
     draw_index(figure.add_subplot(right[0]), result)
-    space, particles = figure.add_subplot(right[1]), places[1, :]
-    if result.scene.problem == "bar":
-        plots_bar.draw_curve(space, result)
-        plots_bar.draw_lanes(figure, figure.add_subplot(particles), result)
-    else:
-        plots_ring.draw_profile(space, result)
-        plots_ring.draw_halves(figure, particles, result)
+    view.draw(figure, figure.add_subplot(right[1]), places[1, :], result)
     return figure
 
 
@@ -65,11 +57,9 @@ def save_png(result: Result, path: str) -> None:
 def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
-    ring = scene.problem == "ring"
-    per_cell = f"{scene.ppc} × {scene.ppc}" if ring else scene.ppc
-    layout = f" ({scene.layout} layout)" if ring else ""
-    first = (f"{scene.problem.capitalize()}, {METHODS.get(scene.method, scene.method)}{lp} · "
-             f"{scene.cells} cells (h = {scene.spacing:.3g} m) · {per_cell} particles per "
+    layout = f" ({scene.layout} layout)" if hasattr(scene, "layout") else ""
+    first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · "
+             f"{scene.cells} cells (h = {scene.spacing:.3g} m) · {per_cell(scene.problem, scene.ppc)} particles per "
              f"cell{layout} · A = {scene.amplitude:g} m")
     steps = f"{result.steps:,} step{'s' * (result.steps != 1)} to t = {result.time:.4g} s"
     second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g}"

@@ -7,12 +7,13 @@ from matplotlib.axes import Axes
 
 from app.colours import ESTIMATE, TRUTH
 from app.figures import say, styled
+from app.words import QUANTITIES
+from solvers.estimators.registry import ESTIMATORS
 from solvers.result import Result
 
-#: The quantities drawn, as they are written, and their units.
-DRAWN = {"x": ("position x", "m"), "v": ("velocity v", "m/s"), "sigma": ("stress σ", "Pa")}
+DRAWN = ("x", "v", "sigma")
 INDEX_STYLES = {"x": "-", "v": "--", "sigma": ":"}
-INDEX_COLOUR = "#333333"
+INDEX_COLOUR = "#333333"  # of one estimator; several have their shades, for the line styles tell quantities apart
 FEW_SAMPLES = 10  # fewer are marked one by one: a line through one point shows nothing
 HIGHEST_INDEX = 10.0  # a run that blows up must not squeeze the 1 out of sight
 MOST_DECADES = 8  # nor its errors everything that came before
@@ -31,8 +32,7 @@ def draw_norm(axes: Axes, result: Result, quantity: str) -> None:
                       label=label, marker=_marker(values), markersize=4)
             drawn.append(values)
     _time_axis(axes, result)
-    name, unit = DRAWN[quantity]
-    axes.set_ylabel(f"{name} ({unit})")
+    axes.set_ylabel(f"{QUANTITIES[quantity]} ({QUANTITIES[quantity].unit})")
     silent = not_estimated(result, quantity)
     if not drawn:
         axes.set_yticks([])
@@ -58,15 +58,15 @@ def draw_index(axes: Axes, result: Result) -> None:
     several = len(result.scene.active_estimators) > 1
     for name, _ in styled(result):
         for quantity, style in INDEX_STYLES.items():
-            symbol = "σ" if quantity == "sigma" else quantity
+            symbol = QUANTITIES[quantity].symbol
             ratio = _running_ratio(result, name, quantity)
             if not np.isfinite(ratio).any():
                 silent += [f"{symbol} by {name}"] * (name in not_estimated(result, quantity))
                 continue
             highest = max(highest, float(np.nanpercentile(ratio, 90)))
-            axes.plot(result.series["time"], ratio, color=_estimator_shade(result, name), linestyle=style,
-                      linewidth=1.4, label=f"{symbol} ({name})" if several else symbol, marker=_marker(ratio),
-                      markersize=4)
+            axes.plot(result.series["time"], ratio, color=ESTIMATORS[name].colour if several else INDEX_COLOUR,
+                      linestyle=style, linewidth=1.4, label=f"{symbol} ({name})" if several else symbol,
+                      marker=_marker(ratio), markersize=4)
     _time_axis(axes, result)
     if not axes.get_legend_handles_labels()[0]:
         axes.set_yticks([])
@@ -86,12 +86,6 @@ def not_estimated(result: Result, quantity: str) -> list[str]:
     """The active estimators that say nothing about a quantity."""
     return [name for name in result.scene.active_estimators
             if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
-
-
-def _estimator_shade(result: Result, name: str) -> str:
-    """Black for one estimator; greys for several, whose quantities share the line styles."""
-    names = result.scene.active_estimators
-    return INDEX_COLOUR if len(names) == 1 else str(0.65 * names.index(name) / (len(names) - 1))
 
 
 def _running_ratio(result: Result, estimator: str, quantity: str) -> np.ndarray:

@@ -14,30 +14,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from app.colours import ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
-from app.pictures.run import METHODS
+from app.figures import Look, say
+from app.pictures import study_parts as parts
+from app.pictures.series import DRAWN
 from app.pictures.study_cost import cost_figure
-from app.pictures.study_parts import (
-    NAMES,
-    UNSTABLE_LOOK,
-    UNSTABLE_ROOM,
-    frame,
-    known,
-    legend_below,
-    lined,
-    logarithmic,
-    mark_unstable,
-    nothing,
-    room,
-    split,
-    ticks_at,
-)
+from app.pictures.study_parts import UNSTABLE_LOOK
 from app.pictures.study_step import error_step_figure
+from app.words import QUANTITIES
 from solvers.study.fit import pareto
 from solvers.study.row import OK, UNSTABLE
 from solvers.study.series import Series, error_of, measured
 
 NO_TRUTH = "no row has a true error"
-PANELS = ("x", "v", "sigma")
 WIDTH = 13.5
 MOST_NAMED = 8
 MOST_ORDERS = 8
@@ -47,33 +35,33 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
     """Error against seconds: lower left is better. The front is made of the rows that none beats in both."""
     title = "What accuracy costs: error against time"
     cells = sorted({row["scene"]["cells"] for row in measured(rows)})
-    shown = [q for q in known(rows) if q in PANELS]
+    shown = parts.known(rows, DRAWN)
     if not shown:
-        return nothing(title, NO_TRUTH)
-    lines = lined(rows)
+        return parts.nothing(title, NO_TRUTH)
+    lines = parts.lined(rows)
     if 1 < len(cells) <= MOST_NAMED:
         title += f"; from left to right along a line: {', '.join(map(str, cells))} cells"
-    figure, axes = frame(title, 1, len(shown), (WIDTH, 5.6))
+    figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 5.6))
     for panel, quantity in zip(axes[0], shown, strict=True):
         _front(panel, rows, quantity)
-        _errors(panel, lines, quantity, lambda row: row["seconds"]["min"])
+        parts.draw_errors(panel, lines, quantity, lambda row: row["seconds"]["min"])
         panel.set_xlabel("time of the bare run (s), shortest of the repeats")
-        logarithmic(panel)
+        parts.logarithmic(panel)
     front = Line2D([], [], **FRONT, label="Pareto front: no row has less error in less time")
-    legend_below(figure, lines, [front], any(row["status"] == UNSTABLE for row in rows))
+    parts.legend_below(figure, lines, [front], any(row["status"] == UNSTABLE for row in rows))
     return figure
 
 
 def error_spacing_figure(rows: Sequence[dict]) -> Figure:
     """Error against h, with the orders fitted and triangles to compare with."""
     title = "Convergence: error against cell size"
-    shown = [q for q in known(rows) if q in PANELS]
+    shown = parts.known(rows, DRAWN)
     if not shown:
-        return nothing(title, NO_TRUTH)
-    lines = lined(rows)
-    figure, axes = frame(title, 1, len(shown), (WIDTH, 6.2))
+        return parts.nothing(title, NO_TRUTH)
+    lines = parts.lined(rows)
+    figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.2))
     for panel, quantity in zip(axes[0], shown, strict=True):
-        _errors(panel, lines, quantity, lambda row: row["h"], joined=False)
+        parts.draw_errors(panel, lines, quantity, lambda row: row["h"], joined=False)
         spacings = sorted({row["h"] for row in measured(rows)})
         _fits(panel, lines, quantity)
         if len(spacings) > 1:
@@ -82,9 +70,9 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
         else:
             panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, fontsize=9, color="0.3")
         panel.set_xlabel("cell size h (m)")
-        logarithmic(panel)
-        ticks_at(panel, spacings)
-    legend_below(figure, lines, unstable=any(row["status"] == UNSTABLE for row in rows))
+        parts.logarithmic(panel)
+        parts.ticks_at(panel, spacings)
+    parts.legend_below(figure, lines, unstable=any(row["status"] == UNSTABLE for row in rows))
     return figure
 
 
@@ -93,24 +81,22 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     title = "Can the estimate be believed? Estimated against true error (largest RMS of each run)"
     rows = measured(rows)
     names = list(dict.fromkeys(name for row in rows for name in row["estimate"]))
-    shown = known(rows)
+    shown = parts.known(rows)
     if not names or not shown:
-        return nothing(title, NO_TRUTH if names else "no row has an estimate")
-    figure, axes = frame(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
+        return parts.nothing(title, NO_TRUTH if names else "no row has an estimate")
+    figure, axes = parts.frame(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
     for line, name in zip(axes, names, strict=True):
         for panel, quantity in zip(line, shown, strict=True):
             _agreement(panel, rows, name, quantity)
-    methods = [m for m in METHODS if any(row["scene"]["method"] == m for row in rows)]
-    handles = [Line2D([], [], color=METHOD_COLOURS[m], marker=METHOD_MARKS[m], linestyle="none", label=METHODS[m])
-               for m in methods] + [Line2D([], [], color=TRUTH, label="perfect"),
-                                    Line2D([], [], color=TRUTH, linestyle=":", label="off by a factor of 2")]
+    handles = [*parts.method_handles(rows), Line2D([], [], color=TRUTH, label="perfect"),
+               Line2D([], [], color=TRUTH, linestyle=":", label="off by a factor of 2")]
     if any(row["status"] == UNSTABLE for row in rows):
         handles.append(Line2D([], [], color="0.3", label="went unstable", **UNSTABLE_LOOK))
     figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=len(handles))
     return figure
 
 
-FRONT = {"color": "0.75", "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
+FRONT: Look = {"color": "0.75", "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
 
 
 def _front(axes: Axes, rows: Sequence[dict], quantity: str) -> None:
@@ -119,27 +105,6 @@ def _front(axes: Axes, rows: Sequence[dict], quantity: str) -> None:
     if points:
         best = [points[k] for k in pareto(*zip(*points, strict=True))]
         axes.plot(*zip(*best, strict=True), marker="o", markersize=6, **FRONT)
-
-
-def _errors(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str, abscissa: Callable[[dict], float],
-            joined: bool = True) -> None:
-    """The errors of each series; what went unstable is marked."""
-    stood, crosses = [], []
-    for line, look in lines:
-        rows, unstable = split(line)
-        points = [(abscissa(row), error) for row in rows if (error := error_of(row, quantity))]
-        if points:
-            axes.plot(*zip(*points, strict=True), **(look if joined else {**look, "linestyle": "none"}), zorder=3)
-        stood += [error for _, error in points]
-        crosses += [(abscissa(row), error_of(row, quantity), look["color"]) for row in unstable]
-    limit = UNSTABLE_ROOM * max(stood) if stood else np.inf
-    inside = [e for _, e, _ in crosses if e is not None and 0 < e <= limit]
-    if stood or inside:
-        room(axes, stood + inside, 4.0 if crosses else 1.6)
-    mark_unstable(axes, crosses, limit)
-    name, unit = NAMES[quantity]
-    axes.set_title(f"{name}", fontsize=10)
-    axes.set_ylabel(f"largest RMS error ({unit})")
 
 
 def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> None:
@@ -155,7 +120,6 @@ def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> No
         bottom, top = axes.get_ylim()
         axes.set_ylim(bottom / (top / bottom) ** (0.055 * len(handles)), top)
         axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
-
 
 
 def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
@@ -174,10 +138,10 @@ def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None
 
 
 def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
-    name, unit = NAMES[quantity]
+    name = QUANTITIES[quantity]
     axes.set_title(f"{estimator}: {name}", fontsize=10)
-    axes.set_xlabel(f"true error ({unit})", color=TRUTH)
-    axes.set_ylabel(f"estimated error ({unit})", color=ESTIMATE)
+    axes.set_xlabel(f"true error ({name.unit})", color=TRUTH)
+    axes.set_ylabel(f"estimated error ({name.unit})", color=ESTIMATE)
     axes.set_box_aspect(1)
     points = []
     for row in rows:
@@ -188,8 +152,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         axes.set_xticks([])
         axes.set_yticks([])
         silent = any(row["estimate"].get(estimator) for row in rows)
-        axes.text(0.5, 0.5, "not estimated" if silent else "not valid here", transform=axes.transAxes, ha="center",
-                  fontsize=9, color="0.3")
+        say(axes, "not estimated" if silent else "not valid here")
         return
     low, high = _common_range(points)
     edge, far = (high / low) ** 0.025, 0
@@ -206,7 +169,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         axes.plot(ends, factor * ends, color=TRUTH, linewidth=0.9, linestyle=":", zorder=2)
     axes.set_xlim(low, high)
     axes.set_ylim(low, high)
-    logarithmic(axes)
+    parts.logarithmic(axes)
 
 
 def _common_range(points: Sequence[tuple[float, float, str, bool]]) -> tuple[float, float]:

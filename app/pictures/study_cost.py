@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from app.colours import ESTIMATE, METHOD_COLOURS, METHOD_MARKS
-from app.pictures.run import METHODS
-from app.pictures.study_parts import frame, logarithmic, nothing, ticks_at
+from app.pictures.study_parts import frame, logarithmic, method_handles, nothing, ticks_at
+from app.words import METHODS
 from solvers.study.row import OK
 from solvers.study.series import measured
 
@@ -29,12 +29,9 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
     figure, axes = frame(title, 1, 2, (13.5, max(4.6, 1.8 + 0.55 * len(prices))))
     _steps(axes[0, 0], rows)
     _extras(axes[0, 1], prices)
-    methods = [m for m in METHODS if any(row["scene"]["method"] == m for row in rows)]
-    figure.legend(handles=[Line2D([], [], color=METHOD_COLOURS[m], marker=METHOD_MARKS[m], linestyle="none",
-                                  label=METHODS[m]) for m in methods]
-                  + [Line2D([], [], color="0.3", marker="|", markersize=16, markeredgewidth=2.5, linestyle="none",
-                            label="median")],
-                  loc="outside lower center", fontsize=9, frameon=False, ncols=len(methods) + 1)
+    handles = [*method_handles(rows), Line2D([], [], color="0.3", marker="|", markersize=16, markeredgewidth=2.5,
+                                             linestyle="none", label="median")]
+    figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=len(handles))
     return figure
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,21 +13,19 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from app.colours import METHOD_COLOURS, METHOD_MARKS
-from app.figures import ESTIMATOR_STYLES, say
-from app.pictures.run import METHODS
-from app.pictures.series import DRAWN
-from solvers.samples import QUANTITIES
+from app.figures import Look, say
+from app.words import METHODS, QUANTITIES
 from solvers.study.row import UNSTABLE
-from solvers.study.series import Series, measured, series
+from solvers.study.series import Series, error_of, measured, series
 
-NAMES = {**DRAWN, "a": ("acceleration a", "m/s²")}
+LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12
 LEGEND_WIDTH = 190  # letters
 MOST_TICKS = 8
 NARROW = 100.0  # an axis that spans less gets labels between the powers of ten
 UNSTABLE_ROOM = 30.0  # times the largest error of a stable run: up to there an unstable one is drawn where it is
 TOP = 0.97  # of the axes: where an unstable run goes whose error is beyond that, or not a number
-UNSTABLE_LOOK = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
+UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
 
 
 def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
@@ -45,18 +44,17 @@ def nothing(title: str, sentence: str) -> Figure:
     return figure
 
 
-def known(rows: Iterable[dict], problem_norm: str = "error") -> list[str]:
-    """The quantities of which some row knows an error (or an estimate)."""
-    rows = measured(rows)
-    return [q for q in QUANTITIES if any((row[problem_norm].get(q) or {}).get("max") for row in rows)]
+def known(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) -> list[str]:
+    """The quantities of which some row knows an error."""
+    return [q for q in among if any(error_of(row, q) for row in measured(rows))]
 
 
-def looks(lines: Sequence[Series]) -> list[dict]:
+def looks(lines: Sequence[Series]) -> list[Look]:
     """How each series is drawn: colour and mark say the method, the line style and the filling what else differs."""
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
     return [{"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
-             "linewidth": 1.3, "linestyle": ESTIMATOR_STYLES[(k := numbers[line.variant]) % len(ESTIMATOR_STYLES)],
-             "fillstyle": ("full", "none")[k // len(ESTIMATOR_STYLES) % 2]} for line in lines]
+             "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[line.variant]) % len(LINE_STYLES)],
+             "fillstyle": ("full", "none")[k // len(LINE_STYLES) % 2]} for line in lines]
 
 
 def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, dict]]:
@@ -65,31 +63,55 @@ def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, dict
     return list(zip(lines, looks(lines), strict=True))
 
 
+def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str, abscissa: Callable[[dict], float],
+                joined: bool = True) -> None:
+    """The errors of each series; what went unstable is marked."""
+    stood: list[float] = []
+    crosses = []
+    for line, look in lines:
+        points = [(abscissa(row), error) for row in line.rows
+                  if row["status"] != UNSTABLE and (error := error_of(row, quantity))]
+        if points:
+            axes.plot(*zip(*points, strict=True), **(look if joined else {**look, "linestyle": "none"}), zorder=3)
+        stood += [error for _, error in points]
+        crosses += [(abscissa(row), error_of(row, quantity), look["color"]) for row in line.rows
+                    if row["status"] == UNSTABLE]
+    limit = UNSTABLE_ROOM * max(stood, default=np.inf)
+    shown = stood + [error for _, error, _ in crosses if error is not None and 0 < error <= limit]
+    if shown:
+        axes.set_ylim(min(shown) / 1.6, max(shown) * (4.0 if crosses else 1.6))
+    mark_unstable(axes, crosses, limit)
+    axes.set_title(str(QUANTITIES[quantity]), fontsize=10)
+    axes.set_ylabel(f"largest RMS error ({QUANTITIES[quantity].unit})")
+
+
 def mark_unstable(axes: Axes, points: Iterable[tuple[float, float | None, str]], limit: float) -> None:
     """Crosses for runs that went unstable, at (abscissa, error, colour); at the top edge where the error is far out."""
     for x, error, colour in points:
-        inside = error is not None and np.isfinite(error) and 0 < error <= limit
-        place = {} if inside else {"transform": axes.get_xaxis_transform(), "clip_on": False}
-        axes.plot([x], [error if inside else TOP], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
+        height, place = TOP, dict[str, Any](transform=axes.get_xaxis_transform(), clip_on=False)
+        if error is not None and np.isfinite(error) and 0 < error <= limit:
+            height, place = error, {}
+        axes.plot([x], [height], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
 
 
-def split(line: Series) -> tuple[list[dict], list[dict]]:
-    """The rows that stood, and those that went unstable."""
-    unstable = [row for row in line.rows if row["status"] == UNSTABLE]
-    return [row for row in line.rows if row["status"] != UNSTABLE], unstable
+def method_handles(rows: Iterable[dict]) -> list[Line2D]:
+    """The methods of the rows, as they stand in a legend."""
+    there = {row["scene"]["method"] for row in rows}
+    return [Line2D([], [], color=METHOD_COLOURS[m], marker=METHOD_MARKS[m], linestyle="none", label=METHODS[m].name)
+            for m in METHODS if m in there]
 
 
 def legend_below(figure: Figure, entries: Sequence[tuple[Series, dict]], extra: Sequence[Line2D] = (),
                  unstable: bool = False) -> None:
     """One legend for all panels, below them, where it hides nothing."""
-    shown = entries[:MOST_LEGEND_ENTRIES]
-    handles = [Line2D([], [], label=line.label(METHODS), **look) for line, look in shown] + list(extra)
+    shown, names = entries[:MOST_LEGEND_ENTRIES], {code: method.name for code, method in METHODS.items()}
+    handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
     if len(entries) > len(shown):
         handles.append(Line2D([], [], linestyle="none", label=f"and {len(entries) - len(shown)} more"))
     if unstable:
         handles.append(Line2D([], [], color="0.3", label="went unstable (at the top edge: error beyond the scale)",
                               **UNSTABLE_LOOK))
-    lengths = [len(handle.get_label()) + 7 for handle in handles]
+    lengths = [len(str(handle.get_label())) + 7 for handle in handles]
     columns = len(handles) if sum(lengths) < LEGEND_WIDTH else max(1, LEGEND_WIDTH // max(lengths))
     figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=columns)
 
@@ -112,11 +134,6 @@ def ticks_at(axes: Axes, values: Sequence[float]) -> None:
     if len(values) <= MOST_TICKS:
         axes.set_xticks(values, [f"{value:.3g}" if value < 1 else f"{value:,.6g}" for value in values])
         axes.xaxis.set_minor_formatter(NullFormatter())
-
-
-def room(axes: Axes, values: Sequence[float], above: float = 1.6, below: float = 1.6) -> None:
-    """Limits of the error axis around the values, whatever unstable runs did."""
-    axes.set_ylim(min(values) / below, max(values) * above)
 
 
 def _two_or_five(value: float, position: int) -> str:

@@ -1,1 +1,1 @@
-"""The vibrating bar: one dimension, periodic, unit length (NUMERICS of the paper's section 5)."""
+"""The vibrating bar: one dimension, periodic, unit length (paper, section 5)."""

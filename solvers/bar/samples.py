@@ -1,7 +1,7 @@
 """The bar's samples: sums over particles for the norms of the true and the estimated error, and the energy.
 
 True errors are at fixed X: computed minus exact. The acceleration is the one that the last step used, so it is
-compared at that step's time, one step before the rest.
+compared at that step's time, one step before the others'.
 """
 
 import taichi as ti
@@ -55,18 +55,18 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
         out[row, ti.static(column("error_extra"))] = extra
     running.report(bar, step, HOOKS, on)
     for e in range(ti.static(len(on.estimators))):
-        squares, apart = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+        squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(bar.particles):
             estimate = bar.estimate[e * bar.particles + p]
             squares += estimate * estimate
             if ti.static(on.truth):
                 d = estimate - true_error(bar, p, sin_t, cos_t, sin_before, on)
-                apart += d * d
+                missed += d * d
         for q in ti.static(range(4)):
             at = ti.static(len(BASE)) + ti.static(len(EACH)) * e + q
             out[row, at] = squares[q]
             if ti.static(on.truth and (q < 3 or on.acceleration)):
-                out[row, at + 4] = apart[q]
+                out[row, at + 4] = missed[q]
     if ti.static(on.energy):
         kinetic, strain = 0.0, 0.0
         for p in range(bar.particles):

@@ -9,7 +9,7 @@ import numpy as np
 from solvers import runtime
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
-from solvers.bar.state import HOOKS, BarState, allocate, farthest
+from solvers.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
 from solvers.bar.step import advance, measure, report
 from solvers.result import Snapshot
 from solvers.solver import Solver
@@ -20,6 +20,8 @@ class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
     HOOKS = HOOKS
+    scene: BarScene
+    _arrays: WatchedBar
 
     def __init__(self, scene: BarScene):
         super().__init__(scene)
@@ -50,13 +52,13 @@ class BarSolver(Solver):
                                   axis=1)
         estimates = {name: a.estimate[k * len(X):(k + 1) * len(X)].copy()
                      for k, name in enumerate(self._switches.estimators)}
-        apart = {} if errors is None or not differences else {
+        missed = {} if errors is None or not differences else {
             name: np.abs(estimate - errors) for name, estimate in estimates.items()}
         return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
                         error=errors, estimate=estimates,
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None,
                         velocity=a.velocity.copy(), deformation_gradient=a.deformation_gradient.copy(),
-                        difference=apart)
+                        difference=missed)
 
     def _run(self, steps: int) -> None:
         advance(self.step, steps, self._pack, self._switches)

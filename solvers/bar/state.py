@@ -10,7 +10,7 @@ from solvers.arrays import Watch, watch
 from solvers.bar.body import BarBody, body
 from solvers.bar.scene import BarScene
 from solvers.estimators import registry
-from solvers.estimators.interface import memory_types
+from solvers.estimators.memory import memory_types
 from solvers.switches import switches
 
 HOOKS = registry.hooks_of("bar")

@@ -7,49 +7,39 @@ import platform
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
 
 from solvers import runtime
-from solvers.bench import apart, measure
+from solvers.bench import measure
 from solvers.bench.example import example
 from solvers.bench.start import start_times
 from solvers.problems import PROBLEMS
 
 SCHEMA = "mpm-lab/bench/1"
-COMMAND_TURNS = 3
 
 
 def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], None]) -> dict:
     """Measure everything. ``command`` is what a person starts, and ends at once; ``on_progress`` gets 0 to 1."""
     begun = time.perf_counter()
     effort = measure.QUICK if quick else measure.FULL
-    parts = {"start": [lambda: _start(command)], "example": [example]}
-    rates = [lambda p=problem, m=method: measure.rates(p, m, effort)
-             for problem in PROBLEMS for method in PROBLEMS[problem].scene.choices("method")]
-    parts |= {"rates": rates}
-    for name, what in (("estimators", measure.estimator_prices), ("effects", measure.effect_prices),
-                       ("off", measure.off)):
-        parts[name] = [lambda p=problem, w=what: w(p, effort) for problem in PROBLEMS]
-    total, done, found = sum(len(tasks) for tasks in parts.values()), 0, {}
-    for name, tasks in parts.items():
-        for task in tasks:
-            on_progress(done / total)
-            found.setdefault(name, []).append(task())
-            done += 1
+    tasks: list[tuple[str, Callable[[], Any]]] = [
+        ("start", partial(start_times, command)), ("example", example),
+        *(("rates", partial(measure.rates, name, method, effort))
+          for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
+        *(("estimators", partial(measure.estimator_prices, name, effort)) for name in PROBLEMS),
+        *(("effects", partial(measure.effect_prices, name, effort)) for name in PROBLEMS),
+        *(("off", partial(measure.off, name, effort)) for name, problem in PROBLEMS.items() if problem.stripped)]
+    found: dict[str, list] = {name: [] for name in ("start", "example", "rates", "estimators", "effects", "off")}
+    for done, (name, task) in enumerate(tasks):
+        on_progress(done / len(tasks))
+        found[name].append(task())
     on_progress(1.0)
     flat = {name: [row for rows in found[name] for row in rows] for name in ("rates", "estimators", "effects")}
     return {"schema": SCHEMA, "quick": quick, "machine": _machine(), "precision": "double", "threads": 1,
             "arch": runtime.running_arch(), "unit": "million particle-steps per second of processor time",
             **flat, "off": found["off"], "start": found["start"][0], "example": found["example"][0],
             "seconds": time.perf_counter() - begun}
-
-
-def _start(command: Sequence[str]) -> dict:
-    """Start-up times; null with a reason where a process fails."""
-    try:
-        ready = min(apart.seconds(command) for _ in range(COMMAND_TURNS))
-        return {"command": ready, **start_times(), "failed": None}
-    except apart.Failed as error:
-        return dict.fromkeys(("command", "import", "taichi", "cold", "warm")) | {"failed": str(error)}
 
 
 def _machine() -> dict:

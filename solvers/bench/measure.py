@@ -20,7 +20,7 @@ from solvers.run import build
 from solvers.scene import Scene
 from solvers.solver import Solver
 from solvers.study.row import PRICED
-from solvers.study.timing import Stretch, rate, take_turns
+from solvers.timing import Stretch, rate, take_turns
 
 
 def priced(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
@@ -74,8 +74,7 @@ def estimator_prices(problem: str, effort: Effort) -> list[dict]:
     with_it = {name: _scene_for(problem, name, effort) for name in PROBLEMS[problem].estimators}
     without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
     valid = [name for name, scene in with_it.items() if not scene.not_valid]
-    seconds = _fastest([scenes[name] for name in valid for scenes in (with_it, without)], effort.price_turns)
-    ratios = {name: seconds[with_it[name]] / seconds[without[name]] for name in valid}
+    ratios = _ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
     return [{**_identity(scene), "name": name, "ratio": _number(ratios.get(name, math.nan)),
              "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
 
@@ -93,42 +92,43 @@ def effect_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each effect over one without it."""
     scene = bare(problem, effort.priced_cells[_dimensions(problem)])
     pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in priced(type(scene)).items()}
-    seconds = _fastest([one for pair in pairs.values() for one in pair], effort.price_turns)
-    return [{**_identity(scene), "name": name, "ratio": _number(seconds[on] / seconds[off])}
-            for name, (on, off) in pairs.items()]
+    ratios = _ratios(pairs, effort.price_turns)
+    return [{**_identity(scene), "name": name, "ratio": _number(ratio)} for name, ratio in ratios.items()]
 
 
 def off(problem: str, effort: Effort) -> dict:
     """A bare step over one stripped by hand of all that is optional, and how far to believe that.
 
-    Two solvers of each kind take turns. ``ratio`` is of the fastest turns, ``low`` and ``high`` are the quartiles over
-    the turns; ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How
+    Two solvers of each kind take turns. ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles;
+    ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How
     the compiler lays code out is not in that: kernels of the same phases, compiled apart, were 1 to 3 % apart. ``call``
     and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
     part of a step, but more arguments, used or not, make a call longer.
     """
     scene = bare(problem, effort.priced_cells[_dimensions(problem)])
     own, stripped = PROBLEMS[problem].solver, PROBLEMS[problem].stripped
-    kinds = (stripped, own, stripped, own)
-    solvers = [kind(scene) for kind in kinds]
+    if stripped is None:
+        raise ValueError(f"the {problem} has no stripped solver")
+    solvers = [kind(scene) for kind in (stripped, own, stripped, own)]
     stretches = [Stretch(solver, effort.off_seconds) for solver in solvers]
     steps = max(stretch.steps for stretch in stretches)
     for stretch in stretches:
         stretch.steps = steps
     calls = np.array([_call_seconds(solver) for solver in solvers])
     turns = take_turns(stretches, effort.off_turns) - calls / steps
-    best = turns.min(axis=0)
-    low, high = np.quantile(turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1), [0.25, 0.75])
-    return {**_identity(scene), "ratio": _number(min(best[1], best[3]) / min(best[0], best[2])),
-            "low": _number(low), "high": _number(high), "same": _number(best[3] / best[1]),
+    ratios = turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1)
+    low, ratio, high = np.quantile(ratios, [0.25, 0.5, 0.75])
+    return {**_identity(scene), "ratio": _number(ratio), "low": _number(low), "high": _number(high),
+            "same": _number(np.median(turns[:, 3] / turns[:, 1])),
             "call": min(calls[1], calls[3]), "call_stripped": min(calls[0], calls[2])}
 
 
-def _fastest(scenes: list[Scene], turns: int) -> dict[Scene, float]:
-    """Seconds a step of each scene, in turns."""
-    scenes = list(dict.fromkeys(scenes))
-    best = take_turns([Stretch(build(scene)) for scene in scenes], turns).min(axis=0)
-    return dict(zip(scenes, best, strict=True))
+def _ratios(pairs: Mapping[str, tuple[Scene, Scene]], turns: int) -> dict[str, float]:
+    """How many times as long a step of the one takes as of the other, by name: the median over turns."""
+    scenes = list(dict.fromkeys(scene for pair in pairs.values() for scene in pair))
+    columns = take_turns([Stretch(build(scene)) for scene in scenes], turns).T if scenes else ()
+    seconds = dict(zip(scenes, columns, strict=True))
+    return {name: float(np.median(seconds[one] / seconds[other])) for name, (one, other) in pairs.items()}
 
 
 def _call_seconds(solver: Solver) -> float:

@@ -1,28 +1,50 @@
 """How long it takes from nothing to a solver that can step: imports, Taichi's start, compiling. Wall time.
 
 Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that a process has filled it
-before. Run as a module, this is the process that is measured.
+before.
 """
 
 from __future__ import annotations
 
-import json
+import subprocess
 import tempfile
 import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from solvers.processes import ProcessDied, ask_fresh
 
 CACHE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable by which Taichi is told where its cache is
-MODULE = "solvers.bench.start"
+ROOT = Path(__file__).resolve().parents[2]  # where the packages lie, so that -m finds them
+TURNS = 3
+PATIENCE = 120.0  # seconds
 
 
-def start_times() -> dict:
-    """Seconds to import, to start Taichi and to compile each problem's default scene, cold and warm."""
-    from solvers.bench.apart import ask
-    with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
-        cold, warm = (ask(MODULE, {CACHE: cache}) for _ in range(2))
-    return {"import": warm["import"], "taichi": warm["taichi"], "cold": cold["compile"], "warm": warm["compile"]}
+def start_times(command: Sequence[str]) -> dict:
+    """Seconds of a command, to import, to start Taichi and to compile each problem's default scene, cold and warm; all
+    None, with a reason, where a process fails."""
+    try:
+        ready = min(seconds(command) for _ in range(TURNS))
+        with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
+            cold, warm = (ask_fresh(f"{__name__}:measure", {CACHE: cache}) for _ in range(2))
+    except ProcessDied as error:
+        return dict.fromkeys(("command", "import", "taichi", "cold", "warm")) | {"failed": str(error)}
+    return {"command": ready, "import": warm["import"], "taichi": warm["taichi"], "cold": cold["compile"],
+            "warm": warm["compile"], "failed": None}
 
 
-def _measure() -> dict:
+def seconds(command: Sequence[str]) -> float:
+    """Wall time from the start of a process to its end."""
+    begun = time.perf_counter()
+    try:
+        subprocess.run(command, cwd=ROOT, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, check=True)
+    except (OSError, subprocess.SubprocessError) as error:
+        raise ProcessDied(" ".join(str(error).split())) from None
+    return time.perf_counter() - begun
+
+
+def measure(question: dict, answer: Callable[[dict], None]) -> None:
+    """What the fresh process does."""
     clock = _Clock()
     from solvers import runtime
     from solvers.problems import PROBLEMS
@@ -36,7 +58,8 @@ def _measure() -> dict:
         clock.lap()
         solver.compile()
         compiled[name] = clock.lap()
-    return {"import": imported, "taichi": started, "compile": compiled}
+    runtime.ti.reset()  # writes the cache, which a process that is ended in the middle of things would not
+    answer({"import": imported, "taichi": started, "compile": compiled})
 
 
 class _Clock:
@@ -47,7 +70,3 @@ class _Clock:
         """Seconds since the last lap."""
         before, self._last = self._last, time.perf_counter()
         return self._last - before
-
-
-if __name__ == "__main__":
-    print(json.dumps(_measure()))

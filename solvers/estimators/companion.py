@@ -2,7 +2,7 @@
 
 An embedded pair, as in the step control of ordinary differential equations: the difference of two methods of very
 different order is the error of the poorer one. The companion is a total-Lagrangian spectral-element solve of order
-p = 4 to 6 (``companion_bar``, ``companion_ring``, ``spectral``) on a mesh of its own. It takes nothing from the
+p = 4 to 6 (``spectral``; in each problem's ``estimators``) on a mesh of its own. It takes nothing from the
 particles: body force b(X, t) and initial velocity are the problem's, the rest is Newton's law. It reports
 
     e_x = x_p - X_p - u(X_p, t), e_v = v_p - v(X_p, t), e_sigma = sigma_p - sigma(X_p, t), e_a = a_p - a(X_p, t - dt),

@@ -15,12 +15,12 @@ from solvers.kinds import integers, pairs
 
 CUBIC = 4  # coefficients
 
-#: Types of a stencil table's members, for ``solvers.estimators.views``.
-TABLE = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
+#: Types of the members of a set of stencils, for ``solvers.estimators.packing``.
+MEMBERS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
 
 
-def table(places: np.ndarray, count: int, windows: tuple[int, int], closed: bool) -> dict:
-    """Stencils at ``places``, in spacings from the first of ``count`` lattice points, as members of ``TABLE``.
+def stencils(places: np.ndarray, count: int, windows: tuple[int, int], closed: bool) -> dict:
+    """Stencils at ``places``, in spacings from the first of ``count`` lattice points, as the members in ``MEMBERS``.
 
     ``windows`` are the numbers of points in the fits of two kinds of quantities; weights of the shorter are padded with
     zeros. Stencil t begins at point ``first[t]`` and its weights at ``weights[row[t]]``; equal ones are kept once, so

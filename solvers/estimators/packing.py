@@ -1,8 +1,8 @@
 """Many numbers and arrays in few: one array for each type, because a kernel takes 64 arguments and no more.
 
 Every member of a state's argument pack counts, and an estimator with a second run has a state's worth of them. So all
-that estimators keep is in a :class:`Pool`: the arrays of one type lie one behind the other in a single one, and the
-numbers and the places where arrays begin stand in front. In kernels ``look`` gives the state with the pooled members as
+that estimators keep is in a :class:`Packing`: the arrays of one type lie one behind the other in a single one, and the
+numbers and the places where arrays begin stand in front. In kernels ``look`` gives the state with the packed members as
 attributes, for reading and for writing to arrays, and ``part`` gives those of one prefix by the rest of their names, so
 that functions written for a state (``bar.position[p]``) work on a second one.
 """
@@ -10,6 +10,7 @@ that functions written for a state (``bar.position[p]``) work on a second one.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import taichi as ti
@@ -17,18 +18,20 @@ import taichi as ti
 from solvers import kinds
 
 PREFIX = "memory_"  # of the arrays that hold the others
-#: Types of arrays that can be pooled, by name, with the shape of an entry.
+#: Types of arrays that can be packed, by name, with the shape of an entry.
 ARRAYS = {"integers": (), "integer_quads": (4,), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
 
 
-class Pool:
-    """Members by name and type. Arrays of types that cannot be pooled stay as they are.
+class Packing:
+    """Members by name and type. Arrays of types that cannot be packed stay as they are.
 
     ``types`` are the state's members that hold them, ``values`` fills these, ``parts`` finds the members in them again.
     """
 
     def __init__(self, members: Mapping[str, object]):
-        self.types, self.places, self.front = {}, {}, {"integers": 0, "reals": 0}
+        self.types: dict[str, object] = {}
+        self.places: dict[str, tuple[str, int, bool]] = {}  # array, entry in front, whether it is an array
+        self.front = {"integers": 0, "reals": 0}
         for name, kind in members.items():
             array = next((a for a in ARRAYS if getattr(kinds, a) is kind), None)
             if array is None and kind not in (kinds.real, ti.i32):
@@ -41,10 +44,10 @@ class Pool:
         used = {"integers", "reals"} | {place[0] for place in self.places.values()}
         self.types.update({PREFIX + array: getattr(kinds, array) for array in ARRAYS if array in used})
 
-    def values(self, members: Mapping[str, object]) -> dict[str, np.ndarray]:
-        """The pooled arrays that hold these members."""
-        pieces = {array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))]
-                  for array, shape in ARRAYS.items()}
+    def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        """The packed arrays that hold these members."""
+        pieces: dict[str, list[np.ndarray]] = {
+            array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in ARRAYS.items()}
         length = {array: len(piece[0]) for array, piece in pieces.items()}
         for name, (array, slot, is_array) in self.places.items():
             front = pieces["reals" if array == "reals" and not is_array else "integers"][0]
@@ -52,8 +55,8 @@ class Pool:
             if is_array:
                 pieces[array].append(np.asarray(members[name], _dtype(array)).reshape(-1, *ARRAYS[array]))
                 length[array] += len(pieces[array][-1])
-        pooled = {PREFIX + array: np.concatenate(piece) for array, piece in pieces.items()}
-        return {name: pooled[name] if name in pooled else members[name] for name in self.types}
+        packed = {PREFIX + array: np.concatenate(piece) for array, piece in pieces.items()}
+        return {name: packed[name] if name in packed else members[name] for name in self.types}
 
     def parts(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The arrays among the members, as they are now."""
@@ -67,15 +70,15 @@ class Pool:
 
 
 class _Look:
-    """A state, and the pool's members as more of its attributes, while a kernel is compiled."""
+    """A state, and the packed members as more of its attributes, while a kernel is compiled."""
 
-    def __init__(self, state: object, pool: Pool):
-        self._state, self._pool = state, pool
+    def __init__(self, state: object, packing: Packing):
+        self._state, self._packing = state, packing
 
     def __getattr__(self, name: str) -> object:
-        if name not in self._pool.places:
+        if name not in self._packing.places:
             return getattr(self._state, name)
-        array, slot, is_array = self._pool.places[name]
+        array, slot, is_array = self._packing.places[name]
         integers, own = (getattr(self._state, PREFIX + held) for held in ("integers", array))
         return _Array(own, _entry(integers, slot)) if is_array else _entry(own, slot)
 
@@ -91,9 +94,9 @@ class _Part:
 
 
 class _Array:
-    """An array within a pooled one: its index counts from where it begins."""
+    """An array within a packed one: its index counts from where it begins."""
 
-    def __init__(self, array: object, begin: object):
+    def __init__(self, array: object, begin: Any):
         self._array, self._begin = array, begin
 
     def __getitem__(self, index: object) -> object:
@@ -104,18 +107,22 @@ def _entry(array: object, index: object) -> object:
     return ti.lang.impl.subscript(None, array, index)
 
 
+def as_it_is(function: Any) -> Any:
+    """The compiler warns of a call that it does not translate unless told so; here nothing is to be."""
+    function.__dict__["_is_taichi_function"] = False
+    return function
+
+
+@as_it_is
 def look(state: object, members: Mapping[str, object]) -> _Look:
-    """For kernels: the state with these members, which it keeps in a pool, as attributes."""
-    return _Look(state, Pool(members))
+    """For kernels: the state with these members, which it keeps packed, as attributes."""
+    return _Look(state, Packing(members))
 
 
+@as_it_is
 def part(state: object, prefix: str) -> _Part:
     """For kernels: the members whose names begin with ``prefix``, as attributes by the rest of their names."""
     return _Part(state, prefix)
-
-
-#: The compiler warns of a call that it does not translate unless the function has this; here nothing is to be.
-look._is_taichi_function = part._is_taichi_function = False
 
 
 def _dtype(array: str) -> type:

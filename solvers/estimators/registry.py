@@ -12,13 +12,12 @@ import functools
 import importlib
 import importlib.util
 import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.interface import EstimatorHooks
 
 EXTENSIONS = "MPM_LAB_EXTENSIONS"
 EXPLANATIONS = Path(__file__).parent / "explanations"
@@ -74,7 +73,10 @@ ESTIMATORS: dict[str, Estimator] = {}
 
 
 def register(estimator: Estimator) -> None:
-    """Make an estimator known, before any solver is imported."""
+    """Make an estimator known, before the solvers that it is for are imported: their kernels name what it keeps."""
+    late = [problem for problem in estimator.hooks if f"solvers.{problem}.state" in sys.modules]
+    if late:
+        raise RuntimeError(f"register {estimator.name} before the solver of the {' and '.join(late)} is imported")
     ESTIMATORS[estimator.name] = estimator
     names.cache_clear()
 

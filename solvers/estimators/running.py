@@ -2,16 +2,15 @@
 
 import taichi as ti
 
-from solvers.estimators.interface import NEVER, members
-from solvers.estimators.packing import look
+from solvers.estimators.interface import NEVER
+from solvers.estimators.memory import members
+from solvers.estimators.packing import as_it_is, look
 
 
+@as_it_is
 def whole(state, estimators):
     """The state with the estimators' memory as members; it runs while kernels are compiled."""
     return look(state, members(estimators))
-
-
-whole._is_taichi_function = False  # see ``solvers.estimators.packing``
 
 
 @ti.func
@@ -34,7 +33,7 @@ def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.tem
 
 @ti.func
 def report(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """Bring every estimate up to date after ``step`` steps, unless its estimator rests."""
+    """Bring every estimate up to date after ``step`` steps, unless its estimator is left out."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].report):
             if state.estimate_intervals[e] != NEVER:

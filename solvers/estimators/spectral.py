@@ -80,10 +80,10 @@ def lobatto(order: int) -> tuple[np.ndarray, np.ndarray]:
 
 def differentiation(points: np.ndarray) -> np.ndarray:
     """D with (D f)_i the derivative at point i of the polynomial through f, by barycentric weights."""
-    apart = points[:, None] - points
-    np.fill_diagonal(apart, 1.0)
-    scale = apart.prod(axis=1)
-    D = scale[:, None] / scale / apart
+    gap = points[:, None] - points
+    np.fill_diagonal(gap, 1.0)
+    scale = gap.prod(axis=1)
+    D = scale[:, None] / scale / gap
     np.fill_diagonal(D, 0.0)
     np.fill_diagonal(D, -D.sum(axis=1))
     return D

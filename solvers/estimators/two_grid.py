@@ -15,15 +15,18 @@ at rest of the forces, a(0) = 0), which is known and taken into account for both
 
 Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
 longer than a few cells that do not fall like h^2. Cannot be used where it is known that they do not (see
-``solvers.estimators.validity``).
+each problem's ``validity``).
 """
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from solvers.scene import Scene
-from solvers.switches import Switches
+if TYPE_CHECKING:
+    from solvers.scene import Scene
+    from solvers.switches import Switches
 
 WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid

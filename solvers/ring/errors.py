@@ -12,8 +12,9 @@ from solvers.ring import exact
 from solvers.ring.scene import RingScene
 from solvers.ring.state import WatchedRing
 
-#: Components of the errors of x, v, sigma and a: (x, y) of vectors, (xx, xy, yy) of tensors, None where unknown.
-Fields = list[tuple[np.ndarray, ...] | None]
+#: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
+Parts = tuple[np.ndarray, ...] | None
+Fields = list[Parts]  # of x, v, sigma and a
 
 
 def true_fields(scene: RingScene, a: WatchedRing, step: int, with_acceleration: bool) -> Fields:
@@ -43,7 +44,7 @@ def estimated_fields(a: WatchedRing, estimator: int) -> Fields:
 
 def sizes(errors: Fields) -> np.ndarray:
     """Lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
-    out = np.zeros((len(errors[0][0]), len(errors)))
+    out = np.zeros((next(len(parts[0]) for parts in errors if parts), len(errors)))
     with np.errstate(over="ignore", invalid="ignore"):
         for column, parts in enumerate(errors):
             if parts is not None:  # numpy's norm along so short an axis takes four times as long
@@ -54,9 +55,10 @@ def sizes(errors: Fields) -> np.ndarray:
 
 
 def difference(one: Fields, other: Fields) -> np.ndarray:
-    """Sizes (P, 4) of ``one`` minus ``other``: how far apart they are, direction and all. What is None counts as 0."""
+    """Sizes (P, 4) of ``one`` minus ``other``, direction and all. What is None counts as 0."""
     with np.errstate(over="ignore", invalid="ignore"):
-        return sizes([mine if theirs is None else tuple(a - b for a, b in zip(mine, theirs, strict=True))
+        return sizes([mine if mine is None or theirs is None else
+                      tuple(a - b for a, b in zip(mine, theirs, strict=True))
                       for mine, theirs in zip(one, other, strict=True)])
 
 

@@ -18,10 +18,10 @@ def update_grid(ring: ti.template(), t, on: ti.template()):
     """The first half of a step on one thread, from time t: particles to nodes, and the nodes' new motion."""
     radial_forces(ring, t, on)
     particles_to_nodes(ring, 0, on)
-    fold(ring)
+    fold(ring, fold_sums)
     for j in range(GHOSTS, ring.active):
         update_nodes(ring, j, on)
-    mirror(ring)
+    mirror_motion(ring)
 
 
 # ---- particles ------------------------------------------------------------------------------------------------
@@ -109,10 +109,11 @@ def sum_slabs(ring: ti.template(), j):
 
 
 @ti.func
-def fold(ring: ti.template()):
+def fold(ring: ti.template(), fold_pair: ti.template()):
     """Add what fell beyond a symmetry plane to its mirror image, the component across the plane with odd sign.
 
-    Setting it to zero instead costs up to a factor 2.5 in accuracy.
+    Setting it to zero instead costs up to a factor 2.5 in accuracy. ``fold_pair(ring, ghost, image, in_x, in_y)`` adds
+    a node's values, with these signs, to those of its image.
     """
     for j in range(ring.active):
         for i in ti.static(range(GHOSTS)):
@@ -123,9 +124,9 @@ def fold(ring: ti.template()):
 
 
 @ti.func
-def fold_pair(ring: ti.template(), ghost, mirror, in_x, in_y):
+def fold_sums(ring: ti.template(), ghost, image, in_x, in_y):
     sign = ti.Vector([in_x, in_y, in_x, in_y, 1.0, 1.0, 1.0, 1.0])
-    ring.node_sums[mirror] = ring.node_sums[mirror] + sign * ring.node_sums[ghost]
+    ring.node_sums[image] = ring.node_sums[image] + sign * ring.node_sums[ghost]
 
 
 @ti.func
@@ -150,13 +151,17 @@ def update_nodes(ring: ti.template(), j, on: ti.template()):
 
 
 @ti.func
-def mirror(ring: ti.template()):
-    """Copy the motion of nodes to their images beyond the symmetry planes."""
+def mirror(ring: ti.template(), values: ti.template(), in_x: ti.template(), in_y: ti.template()):
+    """Copy the nodes' values, with the signs of either plane, to their images beyond the symmetry planes."""
     for j in range(GHOSTS, ring.active):
         for i in ti.static(range(GHOSTS)):
-            image = ring.node_motion[j * ring.row + 2 * GHOSTS - i]
-            ring.node_motion[j * ring.row + i] = ti.Vector([-image[0], image[1], -image[2], image[3]])
+            values[j * ring.row + i] = ti.Vector(in_x) * values[j * ring.row + 2 * GHOSTS - i]
     for i in range(ring.active):
         for j in ti.static(range(GHOSTS)):
-            image = ring.node_motion[(2 * GHOSTS - j) * ring.row + i]
-            ring.node_motion[j * ring.row + i] = ti.Vector([image[0], -image[1], image[2], -image[3]])
+            values[j * ring.row + i] = ti.Vector(in_y) * values[(2 * GHOSTS - j) * ring.row + i]
+
+
+@ti.func
+def mirror_motion(ring: ti.template()):
+    """The same for v and a."""
+    mirror(ring, ring.node_motion, (-1.0, 1.0, -1.0, 1.0), (1.0, -1.0, 1.0, -1.0))

@@ -126,7 +126,7 @@ def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
     running.report(ring, step, HOOKS, on)
     expansion, speed, before = phase(ring, step)
     for e in range(ti.static(len(on.estimators))):
-        squares, apart = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+        squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(ring.particles):
             motion, stress = ring.estimate[e * ring.particles + p], ring.estimate_stress[e * ring.particles + p]
             sigma = ti.Vector([stress[0], stress[1], stress[2]])
@@ -134,12 +134,12 @@ def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
             squares += squared_parts(motion, sigma, a)
             if ti.static(on.truth):
                 true_motion, true_a = vector_errors(ring, p, expansion, speed, before, on)
-                apart += squared_parts(motion - true_motion, sigma - stress_error(ring, p, expansion), a - true_a)
+                missed += squared_parts(motion - true_motion, sigma - stress_error(ring, p, expansion), a - true_a)
         at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
         for q in ti.static(range(4)):
             ring.samples[row, at + q] = squares[q]
             if ti.static(on.truth and (q < 3 or on.acceleration)):
-                ring.samples[row, at + 4 + q] = apart[q]
+                ring.samples[row, at + 4 + q] = missed[q]
 
 
 @ti.func

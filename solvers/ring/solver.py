@@ -8,7 +8,7 @@ from solvers import runtime
 from solvers.result import Snapshot
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
 from solvers.ring.scene import RingScene
-from solvers.ring.state import HOOKS, RingState, allocate, farthest
+from solvers.ring.state import HOOKS, RingState, WatchedRing, allocate, farthest
 from solvers.ring.step import CHECK_EVERY, advance, inspect, report, step_in_slabs
 from solvers.solver import SOUND, Solver
 from solvers.switches import switches
@@ -20,6 +20,8 @@ class RingSolver(Solver):
     """Owns the arrays of one ring. Two plans: one serial kernel for many steps, or slabs side by side."""
 
     HOOKS = HOOKS
+    scene: RingScene
+    _arrays: WatchedRing
 
     def __init__(self, scene: RingScene):
         super().__init__(scene)
@@ -39,12 +41,12 @@ class RingSolver(Solver):
         F = a.deformation_gradient.reshape(-1, 2, 2)
         true = true_fields(self.scene, a, self.step, on.acceleration) if on.truth else None
         estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
-        apart = {name: difference(fields, true) for name, fields in estimates.items()} if true and differences else {}
+        missed = {name: difference(fields, true) for name, fields in estimates.items()} if true and differences else {}
         return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
                         position=a.motion[:, :2].copy(), velocity=a.motion[:, 2:].copy(),
                         deformation_gradient=F.copy(), error=sizes(true) if true else None,
                         estimate={name: sizes(fields) for name, fields in estimates.items()},
-                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=apart)
+                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed)
 
     def compile(self) -> None:
         super().compile()

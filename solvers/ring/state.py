@@ -8,7 +8,7 @@ import taichi as ti
 
 from solvers.arrays import Watch, watch, zeros
 from solvers.estimators import registry
-from solvers.estimators.interface import memory_types
+from solvers.estimators.memory import memory_types
 from solvers.kinds import Pairs, Quads
 from solvers.ring.body import RingBody, body, farthest
 from solvers.ring.scene import RingScene

@@ -6,18 +6,9 @@
 import taichi as ti
 
 from solvers.estimators import running
+from solvers.ring import phases
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
-from solvers.ring.phases import (
-    fold,
-    mirror,
-    nodes_to_particles,
-    particles_to_nodes,
-    slab_range,
-    sum_slabs,
-    update_grid,
-    update_nodes,
-)
 from solvers.ring.samples import sample
 from solvers.ring.state import HOOKS, RingState
 from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
@@ -52,9 +43,9 @@ def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
     for k in range(steps):
         if ring.verdict[0] == SOUND:
             step = start + k
-            update_grid(ring, step * ring.dt, on)
+            phases.update_grid(ring, step * ring.dt, on)
             running.in_step(ring, step + 1, HOOKS, on)
-            nodes_to_particles(ring, 0, step + 1, on)
+            phases.nodes_to_particles(ring, 0, step + 1, on)
             running.after_step(ring, step + 1, HOOKS, on)
             if (step + 1) % CHECK_EVERY == 0:
                 check(ring, step + 1)
@@ -70,25 +61,25 @@ def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template(
         radial_forces(ring, step * ring.dt, on)
     for task in range(TASK * slabs):
         if task % TASK == 0:
-            particles_to_nodes(ring, task // TASK, on)
+            phases.particles_to_nodes(ring, task // TASK, on)
     for task in range(TASK * slabs):
         if task % TASK == 0:
-            first, last = slab_range(ring.active, task // TASK, ring.slabs)
+            first, last = phases.slab_range(ring.active, task // TASK, ring.slabs)
             for j in range(first, last):
-                sum_slabs(ring, j)
+                phases.sum_slabs(ring, j)
     for _ in range(ti.min(slabs, 1)):
-        fold(ring)
+        phases.fold(ring, phases.fold_sums)
     for task in range(TASK * slabs):
         if task % TASK == 0:
-            first, last = slab_range(ring.active - GHOSTS, task // TASK, ring.slabs)
+            first, last = phases.slab_range(ring.active - GHOSTS, task // TASK, ring.slabs)
             for j in range(first, last):
-                update_nodes(ring, GHOSTS + j, on)
+                phases.update_nodes(ring, GHOSTS + j, on)
     for _ in range(ti.min(slabs, 1)):
-        mirror(ring)
+        phases.mirror_motion(ring)
         running.in_step(ring, step + 1, HOOKS, on)
     for task in range(TASK * slabs):
         if task % TASK == 0:
-            nodes_to_particles(ring, task // TASK, step + 1, on)
+            phases.nodes_to_particles(ring, task // TASK, step + 1, on)
     for _ in range(ti.min(slabs, 1)):
         running.after_step(ring, step + 1, HOOKS, on)
 

@@ -11,7 +11,7 @@ from solvers.arrays import part_of, part_types
 from solvers.ring import cpdi
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_force_at
-from solvers.ring.phases import EMPTY, fold, mirror
+from solvers.ring.phases import EMPTY, fold, fold_sums, mirror_motion
 from solvers.ring.solver import RingSolver
 from solvers.ring.state import WatchedRing
 from solvers.ring.step import CHECK_EVERY, check
@@ -40,7 +40,7 @@ def particles_to_nodes(ring: ti.template(), t, on: ti.template()):
     for p in range(ring.particles):
         cpdi.find_weights(ring, p)
     cpdi.particles_to_nodes(ring, 0, ring.particles, 0, on)
-    fold(ring)
+    fold(ring, fold_sums)
 
 
 @ti.func
@@ -59,7 +59,7 @@ def update_nodes(ring: ti.template()):
                 if j == GHOSTS:
                     motion[1], motion[3] = 0.0, 0.0
             ring.node_motion[node] = motion
-    mirror(ring)
+    mirror_motion(ring)
 
 
 @ti.func

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 from solvers.run import build, run
 from solvers.scene import MOST_PARTICLES, Scene
-from solvers.study.timing import rate
+from solvers.timing import rate
 
 ESTIMATOR = "companion"
 HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best

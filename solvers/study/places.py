@@ -1,21 +1,42 @@
-"""Where rows are measured. A place takes tasks and gives futures; ``execute`` does not care which place it is.
+"""Where rows are measured, and how every task ends as a row there.
 
-Every place runs its rows over a standard ``concurrent.futures.Executor``: :class:`Here` over threads of which each
-waits for a process (``apart``), :class:`~solvers.study.cluster.Cluster` over the executor of a Dask client.
+A place takes tasks and gives futures, over a standard ``concurrent.futures.Executor``: :class:`Here` over threads of
+which each waits for a process of its own, :class:`Cluster` over the executor of a Dask client, on whose workers mpm-lab
+must be installed. On each worker one row is measured at a time, by a process that the worker keeps for that, however
+many threads it has: rows side by side would disturb each other's timing. If the worker is killed its process ends too,
+and Dask runs the row on another. ``distributed`` is an optional dependency, imported only where a cluster is used.
 """
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor
+import functools
+import logging
+import os
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from queue import SimpleQueue
 from typing import Protocol
 
-from solvers.study.apart import RowProcess
+from solvers.estimators.registry import EXTENSIONS
+from solvers.processes import ProcessDied, WorkerProcess
 from solvers.study.grid import Task
+from solvers.study.row import failed, measure
+
+ATTEMPTS = 3  # that a row has to lose its worker until it is given up
+LOOK_SECONDS = 1.0
+ANSWER_SECONDS = 10.0  # for the scheduler of a cluster to answer
+PATIENCE = 60.0  # seconds without a single worker
 
 
 class PlaceLost(Exception):
     """The place can measure no more rows; one sentence says why and what to do."""
+
+
+class NoCluster(Exception):
+    """The cluster cannot be used; one sentence says why."""
 
 
 class Place(Protocol):
@@ -32,6 +53,89 @@ class Place(Protocol):
     def close(self) -> None:
         """Stop everything at once."""
         ...
+
+
+def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None]) -> None:
+    """Measure every task at a place, and hand each row over as it comes, in the caller's thread.
+
+    A lost worker is replaced; a row that keeps losing its workers is marked as failed.
+    """
+    lost: Counter[str] = Counter()
+    waiting = {place.submit(task): task for task in tasks}
+    while waiting:
+        done, _ = wait(waiting, LOOK_SECONDS, FIRST_COMPLETED)
+        for future in done:
+            task = waiting.pop(future)
+            row = _outcome(task, future, lost)
+            if row is None:
+                waiting[place.submit(task)] = task
+            else:
+                on_row(row)
+        if not done:
+            place.check()
+
+
+def _outcome(task: Task, future: Future[dict], lost: Counter[str]) -> dict | None:
+    """The row of a task, or None where it is to be measured once more."""
+    try:
+        error = future.exception()
+    except CancelledError:
+        raise PlaceLost("the connection to the workers was lost") from None
+    if error is None:
+        return future.result()
+    lost[task.key] += 1
+    given_up = type(error).__name__ == "KilledWorker"  # Dask has tried it on several workers
+    if lost[task.key] < ATTEMPTS and not given_up:
+        return None
+    times = "several times" if given_up else f"{ATTEMPTS} times"
+    return failed(task, f"lost its worker {times}; the last one: {type(error).__name__}: {error}")
+
+
+class RowProcess:
+    """A process that measures rows. It starts with the first row, and again after it died. Safe from any thread."""
+
+    def __init__(self, environment: Mapping[str, str] | None = None) -> None:
+        self._environment = environment
+        self._lock = threading.Lock()
+        self._process: WorkerProcess | None = None
+        self._closed = False
+
+    @property
+    def process_id(self) -> int | None:
+        """Of the process that runs now, if one does."""
+        process = self._process
+        return process.process_id if process and process.running else None
+
+    def measure(self, task: Task) -> dict:
+        """The row of a task; :class:`ProcessDied` if the process ends before it is done."""
+        with self._lock:
+            [row] = self._ready().ask(task.to_dict())
+            return row
+
+    def close(self) -> None:
+        """End the process, whatever it does. From any thread, also while a row is measured."""
+        self._closed = True
+        process = self._process
+        if process:
+            process.kill()  # whoever waits for a row learns it now, and lets go of the lock
+            with self._lock:
+                process.end()
+
+    def _ready(self) -> WorkerProcess:
+        if self._closed:
+            raise ProcessDied("was closed")
+        if self._process is None or not self._process.running:
+            if self._process:
+                self._process.end()
+            self._process = WorkerProcess(f"{__name__}:measure_row", self._environment)
+            if self._closed:  # meanwhile
+                self._process.kill()
+        return self._process
+
+
+def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
+    """What a row process does."""
+    answer(measure(Task(**task)))
 
 
 class Here:
@@ -67,3 +171,54 @@ class Here:
             return process.measure(task)
         finally:
             self._idle.put(process)
+
+
+@functools.cache
+def _workers_process(extensions: str) -> RowProcess:
+    return RowProcess({EXTENSIONS: extensions})
+
+
+def measure_on_worker(task: dict, extensions: str) -> dict:
+    """What a worker of a cluster runs: one row, in the worker's own row process with the extensions of the sweep."""
+    return _workers_process(extensions).measure(Task(**task))
+
+
+class Cluster:
+    """The workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
+
+    def __init__(self, address: str):
+        try:
+            from distributed import Client
+        except ImportError:
+            raise NoCluster("needs the package distributed; install mpm-lab[cluster]") from None
+        for name in ("distributed.client", "distributed.core", "distributed.comm", "tornado.application"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said in one sentence
+        try:
+            self._client = Client(address, timeout=ANSWER_SECONDS, set_as_default=False, name="mpm-lab")
+        except (OSError, ValueError, ImportError) as error:
+            raise NoCluster(f"no Dask scheduler answers there ({type(error).__name__}); start one with "
+                            "\"dask scheduler\" and give the address that it prints") from None
+        self._address = address
+        self._executor = self._client.get_executor(pure=False)
+        self._seen = time.monotonic()
+
+    @property
+    def workers(self) -> int:
+        """Workers there are now."""
+        return len(self._client.scheduler_info(n_workers=-1)["workers"])
+
+    def submit(self, task: Task) -> Future[dict]:
+        return self._executor.submit(measure_on_worker, task.to_dict(), os.environ.get(EXTENSIONS, ""))
+
+    def check(self) -> None:
+        if self._client.status not in ("running", "connecting"):
+            raise PlaceLost(f"the scheduler at {self._address} is gone")
+        if self._client.status == "running" and self.workers:
+            self._seen = time.monotonic()
+        elif time.monotonic() - self._seen > PATIENCE:
+            raise PlaceLost(f"the cluster at {self._address} has had no worker for {PATIENCE:g} seconds")
+
+    def close(self) -> None:
+        """Take back what waits. A row that is being measured is finished by its worker, and forgotten."""
+        self._executor.shutdown(wait=False)
+        self._client.close(timeout=2)

@@ -6,6 +6,7 @@ import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
 
+from solvers.markdown import grid
 from solvers.study.fit import pareto
 from solvers.study.row import FAILED, OK, REFUSED, UNSTABLE
 from solvers.study.series import error_of, fits, measured, series, varying
@@ -65,7 +66,7 @@ def _rows(rows: Sequence[dict]) -> str:
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
                       _number((row.get("seconds") or {}).get("min"), ".4g"), _number(row.get("rate"), ".3g")])
     return "Errors are the largest RMS over particles; seconds the shortest of the bare runs.\n\n" \
-        + _markdown(heads, lines)
+        + grid(heads, lines)
 
 
 def _slopes(rows: Sequence[dict]) -> str:
@@ -80,7 +81,7 @@ def _slopes(rows: Sequence[dict]) -> str:
     if not lines:
         return title + "Nothing to fit: it takes two grids at least, and true errors."
     return title + "Fitted over all stable grids, and from each grid to the next finer one.\n\n" \
-        + _markdown(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
+        + grid(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
 
 
 def _front(rows: Sequence[dict]) -> str:
@@ -92,7 +93,7 @@ def _front(rows: Sequence[dict]) -> str:
     lines = [[*(_cell(usable[k]["scene"].get(name)) for name in names), _number(error_of(usable[k], "x"), ".3e"),
               _number(usable[k]["seconds"]["min"], ".4g")] for k in front]
     return "## Best for its time\n\nNo other row has a smaller error of x in less time.\n\n" \
-        + _markdown([*names, "error x", "seconds"], lines)
+        + grid([*names, "error x", "seconds"], lines)
 
 
 def _trouble(rows: Sequence[dict]) -> str:
@@ -108,11 +109,6 @@ def _trouble(rows: Sequence[dict]) -> str:
         more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
         lines.append(f"* {first}{more}: {status}: {reason}")
     return "## Not ok\n\n" + "\n".join(lines) if lines else ""
-
-
-def _markdown(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    rows = [heads, ["---"] * len(heads), *lines]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
 
 
 def _cell(value: object) -> str:

@@ -26,6 +26,14 @@ def document(table: Table, results: Mapping[str, Results]) -> dict:
                                   for result in results[row.name].values()) for part in ("setup", "compile", "run")}}
 
 
+def parts(table: dict) -> dict[str, list[dict]]:
+    """The rows of a table's object under each heading, in order."""
+    found: dict[str, list[dict]] = {}
+    for row in table["rows"]:
+        found.setdefault(row["part"], []).append(row)
+    return found
+
+
 def _row(number: str, row: Row, results: Results) -> dict:
     run = results["errors"]
     ours = {"1": _bar_numbers, "2": _ring_errors, "3": _ring_index}[number](results)

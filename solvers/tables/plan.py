@@ -7,7 +7,7 @@ estimator; and for Table 1 ``crossings``, longer and with nothing else switched 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from solvers.bar.scene import BarScene
@@ -87,7 +87,8 @@ class Table:
 
 def make(number: str, estimators: Mapping[str, Iterable[str]]) -> Table:
     """A table of the paper, with the estimators that each problem has."""
-    return {"1": table_1, "2": table_2, "3": table_3}[number](estimators)
+    makers: dict[str, Callable[..., Table]] = {"1": table_1, "2": table_2, "3": table_3}
+    return makers[number](estimators)
 
 
 def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_CELLS, end: float = 1.0,
@@ -141,4 +142,4 @@ def _ring_row(name: str, method: str, cells: int, estimators: tuple[str, ...], e
 
 def _errors_and_cost(scene: Scene) -> dict[str, Scene]:
     return {"errors": replace(scene, sample_every=scene.estimate_interval),
-            "cost": replace(scene, t_end=COST_PART * scene.t_end)}
+            "cost": replace(scene, t_end=COST_PART * scene.end_time)}

@@ -10,7 +10,7 @@ from tests.processes import children, held
 
 def job_processes(parent):
     """Ids of the processes that ``parent`` has started for a sweep or a search."""
-    return children(parent, "study.aside")
+    return children(parent, "study.jobs")
 
 
 def begin(page, server):

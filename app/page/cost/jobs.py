@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from app import __version__
-from app.page.cost.runs import LIVE, SWEEP, Run, Runs
+from app.page.cost.runs import LIVE, SWEEP, NumberedRun, Runs
 from solvers.rules import SceneError
 from solvers.scene import Scene
-from solvers.study.aside import Aside, SearchJob, SweepJob
 from solvers.study.grid import Task, task_of
+from solvers.study.jobs import BackgroundJob, SearchJob, SweepJob
 
 MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
 #: Cells of a small sweep, by dimension.
@@ -20,7 +20,7 @@ SMALL = {1: (10, 20, 40, 80), 2: (12, 24, 36, 48)}
 REPEATS = 2
 PARTICLES_PER_CELL, COURANT_NUMBERS = (2, 3, 4), (0.1, 0.3, 0.5)  # that a search chooses from
 BUSY = ("Other visitors' sweeps and searches keep this server busy: it does {} at a time. Try again in a while.")
-PLACES = threading.BoundedSemaphore(MOST_JOBS)
+SLOTS = threading.BoundedSemaphore(MOST_JOBS)
 
 
 def small_sweep(scene: Scene) -> list[Task]:
@@ -39,7 +39,7 @@ def small_sweep(scene: Scene) -> list[Task]:
     return tasks
 
 
-def timings(runs: Sequence[Run]) -> list[Task]:
+def timings(runs: Sequence[NumberedRun]) -> list[Task]:
     """The scenes of those runs that were timed on the stage only: there they go in small pieces, with every effect."""
     return [Task(run.row["problem"], run.row["asked"], repeats=REPEATS, version=__version__)
             for run in runs if run.source == LIVE]
@@ -53,7 +53,7 @@ def search(scene: Scene, tolerance: float, budget: float) -> SearchJob:
 
 
 @dataclass(frozen=True)
-class Progress:
+class JobStatus:
     """How a visitor's job goes. ``kind`` is "", "sweep" or "search"; the last one's outcome stays until the next.
 
     ``total`` counts a sweep's runs, or those of a search that are certain; ``task`` is what a search looks at;
@@ -73,18 +73,18 @@ class Progress:
 class Jobs:
     """Starts and ends one visitor's jobs. Rows of a sweep go to ``runs``. Any thread may call."""
 
-    def __init__(self, runs: Runs, places: threading.BoundedSemaphore = PLACES):
-        self._runs, self._places = runs, places
+    def __init__(self, runs: Runs, slots: threading.BoundedSemaphore = SLOTS):
+        self._runs, self._slots = runs, slots
         self._lock = threading.Lock()
-        self._aside: Aside | None = None
+        self._job: BackgroundJob | None = None
         self._closed = False
-        self.progress = Progress()
+        self.status = JobStatus()
 
     @property
     def process_id(self) -> int | None:
         """Of the process that runs, if one does."""
-        aside = self._aside
-        return aside.process_id if aside else None
+        job = self._job
+        return job.process_id if job else None
 
     def sweep(self, tasks: list[Task]) -> None:
         self._start("sweep", SweepJob([task.to_dict() for task in tasks]), len(tasks))
@@ -95,9 +95,9 @@ class Jobs:
     def cancel(self) -> None:
         """End the job that runs; what it has found so far stays."""
         with self._lock:
-            if self._aside is not None:
-                self.progress = replace(self.progress, cancelled=True)
-                self._aside.cancel()
+            if self._job is not None:
+                self.status = replace(self.status, cancelled=True)
+                self._job.cancel()
 
     def close(self) -> None:
         """The visitor has gone."""
@@ -107,32 +107,32 @@ class Jobs:
 
     def _start(self, kind: str, job: SweepJob | SearchJob, total: int) -> None:
         with self._lock:
-            if self.progress.running or self._closed:
+            if self.status.running or self._closed:
                 return
-            if not self._places.acquire(blocking=False):
-                self.progress = Progress(kind, trouble=BUSY.format(MOST_JOBS))
+            if not self._slots.acquire(blocking=False):
+                self.status = JobStatus(kind, trouble=BUSY.format(MOST_JOBS))
                 return
             try:
-                self._aside = Aside(job, self._hear)
-                self.progress = Progress(kind, running=True, total=total)
+                self._job = BackgroundJob(job, self._hear)
+                self.status = JobStatus(kind, running=True, total=total)
             except OSError as error:
-                self._places.release()
-                self.progress = Progress(kind, trouble=f"No process could be started: {error.strerror or error}.")
+                self._slots.release()
+                self.status = JobStatus(kind, trouble=f"No process could be started: {error.strerror or error}.")
 
     def _hear(self, message: dict) -> None:
         """A message of the job that runs; there is no other, because the next waits for this one's last."""
         with self._lock:
-            before = self.progress
+            before = self.status
             if "done" in message:
                 trouble = None if before.cancelled else message.get("trouble") or before.trouble
-                self.progress = replace(before, running=False, trouble=trouble)
-                self._aside = None
-                self._places.release()
+                self.status = replace(before, running=False, trouble=trouble)
+                self._job = None
+                self._slots.release()
             elif "row" in message:
                 self._runs.add(message["row"], SWEEP)
-                self.progress = replace(before, done=before.done + 1)
+                self.status = replace(before, done=before.done + 1)
             elif "look" in message:
-                self.progress = replace(before, done=message["look"] - 1, total=message["coarse"],
+                self.status = replace(before, done=message["look"] - 1, total=message["coarse"],
                                         task=Task(**message["task"]))
             else:
-                self.progress = replace(before, **message)  # advice or trouble
+                self.status = replace(before, **message)  # advice or trouble

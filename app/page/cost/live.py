@@ -51,8 +51,8 @@ def live_row(report: FrameReport, history: History) -> dict:
         "particles": report.particles, "particle_steps": steps * report.particles,
         "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
         "estimate": {name: {q: summary(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},
-        "index": {name: {q: _last(series[f"{name}/index_{q}"][within]) for q in QUANTITIES} for name in valid},
-        "distance": {name: {q: _last(series[f"{name}/apart_{q}"][within]) for q in QUANTITIES} for name in valid},
+        **{ratio: {name: {q: _last(series[f"{name}/{ratio}_{q}"][within]) for q in QUANTITIES} for name in valid}
+           for ratio in ("index", "distance")},
         "not_valid": dict(report.not_valid), "effects": list(scene.effects),
         "seconds": {"full": seconds}, "rate": report.rate or None, "arch": report.arch, "version": __version__}
 

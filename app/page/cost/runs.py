@@ -17,7 +17,7 @@ LIVE, SWEEP = "live", "sweep"
 
 
 @dataclass(frozen=True)
-class Run:
+class NumberedRun:
     """A row (``solvers.study.row``) with its number and where it comes from."""
 
     number: int
@@ -69,7 +69,7 @@ class Runs:
     def __init__(self, most: int = MOST_RUNS):
         self._lock = threading.Lock()
         self._most = most
-        self._runs: dict[str, Run] = {}
+        self._runs: dict[str, NumberedRun] = {}
         self._numbers = 0
         self.version = 0
 
@@ -87,18 +87,18 @@ class Runs:
                 self._numbers += 1
                 if len(self._runs) >= self._most:
                     del self._runs[next(iter(self._runs))]
-            self._runs[key] = Run(before.number if before else self._numbers, source, row)
+            self._runs[key] = NumberedRun(before.number if before else self._numbers, source, row)
             self.version += 1
 
-    def all(self) -> list[Run]:
+    def all(self) -> list[NumberedRun]:
         """Every run, by number."""
         with self._lock:
             return sorted(self._runs.values(), key=lambda run: run.number)
 
-    def find(self, number: int) -> Run | None:
+    def find(self, number: int) -> NumberedRun | None:
         return next((run for run in self.all() if run.number == number), None)
 
 
-def csv_bytes(runs: Sequence[Run]) -> bytes:
+def csv_bytes(runs: Sequence[NumberedRun]) -> bytes:
     """The rows as ``mpm-lab sweep`` writes them, after the number and the source."""
     return table.csv_text({"run": run.number, "source": run.source, **run.row} for run in runs).encode()

@@ -6,18 +6,14 @@ import html
 import math
 from collections.abc import Sequence
 
-from app.page.cost.jobs import Progress
-from app.page.cost.runs import MOST_RUNS, Run
-from app.page.panels.choices import PROBLEMS
-from app.words import command_line, number
+from app.page.cost.jobs import JobStatus
+from app.page.cost.runs import MOST_RUNS, NumberedRun
+from app.words import NOTHING, command_line, method_name, number, per_cell
+from solvers.problems import PROBLEMS
 from solvers.scene import Scene
 from solvers.study.grid import Task
 from solvers.study.row import FAILED, UNSTABLE
 
-METHOD_NAMES = {"mpm": "MPM", "ugimp": "uGIMP", "cpgimp": "cpGIMP", "bspline": "B-spline", "cpdi": "CPDI"}
-EMPTY = ("No run of the {} yet. A run becomes a dot when it has gone through its {} on the stage. A small sweep makes "
-         "{} dots at once.")
-NOTHING = "–"
 LONGEST_BUDGET = 60.0
 MOST_WATCHED = 40_000  # particles: the sliders reach no further, and browsers not much
 
@@ -41,11 +37,11 @@ def typed(name: str, text: str, most: float = math.inf) -> float:
 def setting(scene: Scene) -> str:
     """A scene in short."""
     preserving = "linearity-preserving " * scene.linearity_preserving
-    return (f"{preserving}{METHOD_NAMES[scene.method]}, {scene.cells} cells, {scene.ppc} particles per "
-            f"cell, CFL {scene.courant_number:.3g}")
+    return (f"{preserving}{method_name(scene.method)}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} "
+            f"particles per cell, CFL {scene.courant_number:.3g}")
 
 
-def sentence(run: Run) -> str:
+def sentence(run: NumberedRun) -> str:
     """A run in a sentence."""
     scene = run.scene
     text = f"run {run.number}: {setting(scene)}, A {scene.amplitude:.3g} m, E {scene.modulus:.3g} Pa; "
@@ -70,7 +66,7 @@ def seconds(value: float | None) -> str:
     return f"{1e3 * value:.2g} ms" if value < 0.0995 else f"{value:.2g} s" if value < 99.5 else f"{value:.0f} s"
 
 
-def table(runs: Sequence[Run]) -> str:
+def table(runs: Sequence[NumberedRun]) -> str:
     """The runs as a table, the newest first; their numbers are buttons."""
     if not runs:
         return ""
@@ -80,9 +76,9 @@ def table(runs: Sequence[Run]) -> str:
             + f"</table><p>Errors of x over A, the RMS, largest over time. The newest {MOST_RUNS} runs are kept.</p>")
 
 
-def _line(run: Run) -> str:
+def _line(run: NumberedRun) -> str:
     scene, words = run.scene, html.escape(sentence(run), quote=True)
-    method = METHOD_NAMES[scene.method] + "*" * scene.linearity_preserving
+    method = method_name(scene.method) + "*" * scene.linearity_preserving
     cells = [method, scene.cells, scene.ppc, f"{scene.courant_number:.3g}"]
     if run.status in (UNSTABLE, FAILED):
         end = f"<td colspan=2 class='lab-bad'>{run.status}</td><td>{seconds(run.seconds)}</td>"
@@ -95,36 +91,37 @@ def _line(run: Run) -> str:
 
 def empty(problem: str, sweep: int) -> str:
     """Why there is no picture yet."""
-    return EMPTY.format(PROBLEMS[problem], "one period", sweep)
+    return (f"No run of the {PROBLEMS[problem].scene.TITLE} yet. A run becomes a dot when it has gone through its one "
+            f"period on the stage. A small sweep makes {sweep} dots at once.")
 
 
-def others(runs: Sequence[Run], problem: str) -> str:
+def others(runs: Sequence[NumberedRun], problem: str) -> str:
     """That there are runs of another problem than the one on the stage, if so."""
     hidden = [run for run in runs if run.row["problem"] != problem]
     if not hidden:
         return ""
-    name = PROBLEMS[hidden[0].row["problem"]]
+    name = PROBLEMS[hidden[0].row["problem"]].scene.TITLE
     count = f"{len(hidden)} runs" if len(hidden) > 1 else "1 run"
     return f"And {count} of the {name}: shown when that problem is chosen; the CSV file has all."
 
 
-def going(progress: Progress) -> str:
+def going(status: JobStatus) -> str:
     """How a job goes, or how it ended."""
-    if progress.running:
-        if progress.kind == "sweep":
-            return f"Sweep: {progress.done} of {progress.total} runs." if progress.done else "Sweep: starting."
-        if progress.task is None:
+    if status.running:
+        if status.kind == "sweep":
+            return f"Sweep: {status.done} of {status.total} runs." if status.done else "Sweep: starting."
+        if status.task is None:
             return "Search: starting."
-        coarse = f" of {progress.total} on coarse grids" if progress.done < progress.total else ""
-        return f"Search, run {progress.done + 1}{coarse}: {setting(progress.task.scene())}."
-    if progress.cancelled:
-        kept = f" The {progress.done} runs that were done are kept." if progress.kind == "sweep" else ""
-        return f"The {progress.kind} was cancelled.{kept}"
-    if progress.trouble:
-        return progress.trouble if progress.trouble.endswith(".") else f"The {progress.kind} ended: {progress.trouble}."
-    if progress.advice:
-        return found(progress.advice)
-    return f"The sweep is done: {progress.done} runs." if progress.kind == "sweep" else ""
+        coarse = f" of {status.total} on coarse grids" if status.done < status.total else ""
+        return f"Search, run {status.done + 1}{coarse}: {setting(status.task.scene())}."
+    if status.cancelled:
+        kept = f" The {status.done} runs that were done are kept." if status.kind == "sweep" else ""
+        return f"The {status.kind} was cancelled.{kept}"
+    if status.trouble:
+        return status.trouble if status.trouble.endswith(".") else f"The {status.kind} ended: {status.trouble}."
+    if status.advice:
+        return found(status.advice)
+    return f"The sweep is done: {status.done} runs." if status.kind == "sweep" else ""
 
 
 def found(advice: dict) -> str:

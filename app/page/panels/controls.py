@@ -7,25 +7,19 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from app.page.panels.choices import (
-    BODY_FORCES,
-    CFL,
-    EFFECTS,
-    LAYOUTS,
-    METHODS,
-    PROBLEMS,
-    QUANTITIES,
-    REACH,
-    VELOCITIES,
-)
+from app import words
 from app.page.panels.estimators import EstimatorChoice
-from app.page.panels.furniture import LOGARITHMIC
+from app.page.panels.head import LOGARITHMIC
 from app.page.session import Session
+from app.problems.views import VIEWS
 from app.scale import ColourScale
-from solvers import problems
+from solvers.effects import EFFECTS
+from solvers.problems import PROBLEMS
+from solvers.rules import field_label
 from solvers.scene import Scene
 
 RUN_BUTTONS = ("Play", "Pause", "Step", "Reset")
+CFL = (0.01, 2.0)
 
 
 class Controls:
@@ -36,37 +30,31 @@ class Controls:
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
         self.domains = False
         self.estimators = EstimatorChoice(session, on_view)
-        self._problem = gui.add_dropdown("Problem", tuple(PROBLEMS.values()),
-                                         initial_value=PROBLEMS[session.scene.problem])
+        self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
+                                         initial_value=session.scene.TITLE)
         self._problem.on_update(lambda _: self._choose_problem())
         self._build()
 
     @property
     def quantity(self) -> str:
-        """Label of the quantity whose error is shown."""
-        return self._quantity.value
+        """Key of the quantity whose error is shown."""
+        return self._quantities[self._quantity.value]
 
     def load(self, scene: Scene) -> None:
         """Put a scene on the stage, and all that it says into the widgets."""
         if scene.problem != self._session.scene.problem:
             self.domains = False
         self._session.choose(scene)
-        self._problem.value = PROBLEMS[scene.problem]  # has been chosen: nothing follows from it
-        self._rebuild()
-
-    def _choose_problem(self) -> None:
-        """Another problem has other choices and reaches."""
-        problem = _code_of(PROBLEMS, self._problem.value)
-        if problem != self._session.scene.problem:
-            self._session.choose(problems.PROBLEMS[problem].scene(periods=1))
-            self.domains = False
-            self._rebuild()
-
-    def _rebuild(self) -> None:
-        """Widgets for the session's present scene take the place of those there are."""
+        self._problem.value = scene.TITLE  # type: ignore[misc]  # has been chosen: nothing follows from it
         self._widgets.remove()
         with self._tab:
             self._build()
+
+    def _choose_problem(self) -> None:
+        """Another problem has other choices and reaches."""
+        if self._problem.value != self._session.scene.TITLE:
+            kind = next(problem.scene for problem in PROBLEMS.values() if problem.scene.TITLE == self._problem.value)
+            self.load(kind(periods=1))  # type: ignore[call-arg]
 
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once
@@ -87,36 +75,34 @@ class Controls:
                 "Step": session.step, "Reset": session.reset}
         buttons = gui.add_button_group("Run", RUN_BUTTONS, hint="Step pauses and takes one time step")
         buttons.on_click(lambda event: acts[event.target.value]())
-        self._logarithmic("Speed", "s/s", REACH[session.scene.problem].speed, session.speed, session.set_speed,
+        self._logarithmic("Speed", "s/s", VIEWS[session.scene.problem].reach.speed, session.speed, session.set_speed,
                           "simulated seconds per second of yours")
 
     def _scene(self) -> None:
         session, scene = self._session, self._session.scene
-        reach = REACH[scene.problem]
-        self._choice("Method", METHODS, "method", "shape functions that carry data between particles and grid")
+        view = VIEWS[scene.problem]
+        self._choice("method", "shape functions that carry data between particles and grid")
         self._cells()
-        low, high = reach.ppc
-        per_cell = self._gui.add_slider("Particles / cell", low, high, 1, scene.ppc,
-                                        hint="in each direction")
+        per_cell = self._gui.add_slider("Particles / cell", *view.reach.ppc, 1, scene.ppc, hint="in each direction")
         per_cell.on_update(lambda e: session.set(ppc=e.target.value))
-        self._logarithmic("A", "m", reach.amplitude, scene.amplitude, lambda v: session.set(amplitude=v),
-                          reach.amplitude_hint)
-        self._logarithmic("E", "Pa", reach.modulus, scene.modulus, lambda v: session.set(modulus=v),
+        self._logarithmic("A", "m", view.reach.amplitude, scene.amplitude, lambda v: session.set(amplitude=v),
+                          view.amplitude_hint)
+        self._logarithmic("E", "Pa", view.reach.modulus, scene.modulus, lambda v: session.set(modulus=v),
                           "Young's modulus: what is stiffer vibrates faster")
         self._logarithmic("CFL", "", CFL, scene.courant_number, lambda v: session.set(cfl=v),
                           "time step as a share of the time a wave takes through a cell")
 
     def _cells(self) -> None:
         session, scene = self._session, self._session.scene
-        reach = REACH[scene.problem]
+        length = f"{scene.cells * scene.spacing:g}"
 
         def label(count: int) -> str:
-            return f"Cells, h = {reach.length}/{count}"
+            return f"Cells, h = {length}/{count}"
 
-        low, high, step = reach.cells
+        low, high, step = VIEWS[scene.problem].reach.cells
         high = max(high, scene.cells)  # of a scene that was loaded
         cells = self._gui.add_slider(label(scene.cells), low, high, step, scene.cells,
-                                     hint=f"grid cells across {reach.length} m")
+                                     hint=f"grid cells across {length} m")
 
         def changed(_: viser.GuiEvent) -> None:
             with session.turn:
@@ -127,7 +113,8 @@ class Controls:
 
     def _view(self) -> None:
         gui, scale, session = self._gui, self._scale, self._session
-        self._quantity = gui.add_dropdown("Error of", tuple(QUANTITIES), initial_value="displacement x",
+        self._quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
+        self._quantity = gui.add_dropdown("Error of", tuple(self._quantities),
                                           hint="the quantity whose error gives the colours")
         self.estimators.build(gui)
         kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), hint="of estimate and truth alike",
@@ -141,34 +128,25 @@ class Controls:
 
         for widget in (self._quantity, kind, hold):
             widget.on_update(changed)
-        if session.scene.DIMENSIONS == 2:
-            self._domains_box()
+        if hint := VIEWS[session.scene.problem].domains_hint:
+            domains = gui.add_checkbox("Show domains", self.domains, hint=hint)
+            domains.on_update(lambda e: self._show_domains(e.target.value))
 
-    def _domains_box(self) -> None:
-        box = self._gui.add_checkbox("Show domains", self.domains, hint="outline what each particle stands for: a box "
-                                     "for GIMP, a parallelogram for CPDI; up to 5,000 particles")
-
-        def changed(_: viser.GuiEvent) -> None:
-            self.domains = box.value
-            self._on_view()
-
-        box.on_update(changed)
+    def _show_domains(self, shown: bool) -> None:
+        self.domains = shown
+        self._on_view()
 
     def _details(self) -> None:
-        session, scene = self._session, self._session.scene
-        if scene.problem == "bar":
-            preserving = self._gui.add_checkbox(
-                "Linearity preserving", scene.linearity_preserving,
-                hint="correct the gradient so that linear stress gives the exact force")
-            preserving.on_update(lambda e: session.set(linearity_preserving=e.target.value))
-        else:
-            self._choice("Layout", LAYOUTS, "layout", "where particles begin: the Cartesian rim is a staircase")
-        self._choice("Body force", BODY_FORCES, "body_force", "where the force is evaluated")
-        self._choice("Velocity", VELOCITIES, "velocity", "the velocity that moves the particles")
+        scene = self._session.scene
+        for field, hint in VIEWS[scene.problem].details.items():
+            if scene.choices(field):
+                self._choice(field, hint)
+            else:
+                self._switch(field, hint)
 
     def _effects(self) -> None:
-        boxes = {effect: self._gui.add_checkbox(label, effect in self._session.scene.effects)
-                 for effect, label in EFFECTS.items()}
+        boxes = {name: self._gui.add_checkbox(effect.label, name in self._session.scene.effects,
+                                              hint=effect.explanation) for name, effect in EFFECTS.items()}
 
         def changed(_: viser.GuiEvent) -> None:
             self._session.set(effects=tuple(effect for effect, box in boxes.items() if box.value))
@@ -178,12 +156,19 @@ class Controls:
 
     # ---- kinds of widget ----------------------------------------------------------------------------------
 
-    def _choice(self, label: str, words: dict[str, str], field: str, hint: str) -> None:
+    def _choice(self, field: str, hint: str) -> None:
         """A dropdown of what the scene's field may be, in words."""
         scene = self._session.scene
-        options = {words[code]: code for code in words if code in scene.choices(field)}
-        widget = self._gui.add_dropdown(label, tuple(options), initial_value=words[getattr(scene, field)], hint=hint)
-        widget.on_update(lambda e: self._session.set(**{field: options[e.target.value]}))
+        names = words.choices(type(scene), field)
+        codes = {name: code for code, name in names.items()}
+        widget = self._gui.add_dropdown(field_label(field).capitalize(), tuple(codes), hint=hint,
+                                        initial_value=names[getattr(scene, field)])
+        widget.on_update(lambda e: self._session.set(**{field: codes[e.target.value]}))
+
+    def _switch(self, field: str, hint: str) -> None:
+        """A box for a field of the scene that is true or false."""
+        box = self._gui.add_checkbox(field_label(field).capitalize(), getattr(self._session.scene, field), hint=hint)
+        box.on_update(lambda e: self._session.set(**{field: e.target.value}))
 
     def _logarithmic(self, name: str, unit: str, reach: tuple[float, float], value: float,
                      act: Callable[[float], None], hint: str) -> None:
@@ -204,7 +189,3 @@ class Controls:
                 act(v)
 
         slider.on_update(changed)
-
-
-def _code_of(words: dict[str, str], word: str) -> str:
-    return next(code for code, label in words.items() if label == word)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import viser
 
 from app.page.cost import words
-from app.page.cost.jobs import Jobs, Progress, search, small_sweep, timings
+from app.page.cost.jobs import Jobs, JobStatus, search, small_sweep, timings
 from app.page.cost.live import LiveRows
 from app.page.cost.picture import picture
 from app.page.cost.runs import LIVE, Runs, csv_bytes
@@ -62,10 +62,10 @@ class CostTab:
         if shown != self._shown:
             self._shown = shown
             self._show_runs(problem)
-        going = self.jobs.progress
-        if (going, self._remark) != self._said:
-            self._said = (going, self._remark)
-            self._show_progress(going)
+        status = self.jobs.status
+        if (status, self._remark) != self._said:
+            self._said = (status, self._remark)
+            self._show_status(status)
 
     # ---- widgets ------------------------------------------------------------------------------------------
 
@@ -76,11 +76,11 @@ class CostTab:
         self._picture = gui.add_html("")
         self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
                                      "grids with each of its methods, timed in the background")
-        self._sweep.on_click(lambda _: self._start_sweep())
+        self._sweep.on_click(lambda _: self._start_sweep(small_sweep(self._session.scene)))
         self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="hollow dots "
                                     "are timed on the stage, in small pieces and with every effect; this runs them "
                                     "bare and in one go, in the background")
-        self._time.on_click(lambda _: self._start_timing())
+        self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
         self._tolerance = gui.add_text("Tolerance / A", "1e-3", hint="largest RMS error of x that is allowed at any "
                                        "time of one period, as a part of the amplitude A")
         self._budget = gui.add_text("Longest run, s", "10", hint="longest bare run that may be recommended")
@@ -88,7 +88,7 @@ class CostTab:
                                       "cells, particles per cell and steps in the background, on estimates alone")
         self._search.on_click(lambda _: self._start_search())
         self._bar = gui.add_progress_bar(0.0, visible=False, animated=True)
-        self._status = gui.add_html("")
+        self._sentence = gui.add_html("")
         self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
         self._cancel.on_click(lambda _: self.jobs.cancel())
         self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False)
@@ -107,14 +107,15 @@ class CostTab:
         self._download.disabled = not runs
         self._time.visible = bool(timings(runs))
 
-    def _show_progress(self, going: Progress) -> None:
-        self._sweep.disabled = self._time.disabled = self._search.disabled = going.running
-        self._cancel.visible = self._bar.visible = going.running
-        if going.running:
-            self._bar.value = min(100.0, 100.0 * going.done / going.total) if going.total else 0.0
-        self._take.visible = bool(going.advice) and not going.running
-        texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(going), self._remark) if text]
-        self._status.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
+    def _show_status(self, status: JobStatus) -> None:
+        self._sweep.disabled = self._time.disabled = self._search.disabled = status.running
+        self._cancel.visible = self._bar.visible = status.running
+        if status.running:
+            share = status.done / status.total if status.total else 0.0
+            self._bar.value = min(100.0, 100.0 * share)  # type: ignore[misc]
+        self._take.visible = bool(status.advice) and not status.running
+        texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(status), self._remark) if text]
+        self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     # ---- what the visitor does (from the viewer's threads) ------------------------------------------------
 
@@ -124,13 +125,9 @@ class CostTab:
         if run is not None:
             self._put(run.scene, f"Run {run.number}")
 
-    def _start_sweep(self) -> None:
+    def _start_sweep(self, tasks: list[Task]) -> None:
         self._remark = ""
-        self.jobs.sweep(small_sweep(self._session.scene))
-
-    def _start_timing(self) -> None:
-        self._remark = ""
-        self.jobs.sweep(timings(self.runs.all()))
+        self.jobs.sweep(tasks)
 
     def _start_search(self) -> None:
         try:
@@ -144,7 +141,7 @@ class CostTab:
 
     def _load_advice(self) -> None:
         """Put the advice on the stage."""
-        advice = self.jobs.progress.advice
+        advice = self.jobs.status.advice
         if advice:
             self._put(Task(**advice["task"]).scene(), "The advice")
 

@@ -6,10 +6,11 @@ from collections.abc import Callable
 
 import viser
 
-from app.page.panels.furniture import PAIRED
+from app.page.panels.head import HALF_WIDE
 from app.page.session import Session
 from app.page.view import DIFFERENCE, SIDE_BY_SIDE, VIEWS
 from solvers.estimators.registry import ESTIMATORS
+from solvers.problems import PROBLEMS
 
 NONE = "none"
 
@@ -35,8 +36,11 @@ class EstimatorChoice:
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
         wished = self._session.scene.estimators
-        gui.add_html(PAIRED)
-        self._boxes = {name: gui.add_checkbox(name, name in wished, hint=ESTIMATORS[name].summary) for name in ESTIMATORS}
+        gui.add_html("<div class='lab-group'>Estimators, one or several</div>")
+        self._boxes = {}
+        for name in PROBLEMS[self._session.scene.problem].estimators:
+            gui.add_html(HALF_WIDE)
+            self._boxes[name] = gui.add_checkbox(ESTIMATORS[name].title, name in wished, hint=ESTIMATORS[name].summary)
         options = wished or (NONE,)
         self._drawn = self._drawn if self._drawn in options else options[0]
         self._shown = gui.add_dropdown("On the stage", options, initial_value=self._drawn,

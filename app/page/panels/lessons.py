@@ -6,7 +6,7 @@ from pathlib import Path
 
 import viser
 
-LESSONS = Path(__file__).resolve().parents[2] / "lessons"
+LESSONS = Path(__file__).resolve().parents[3] / "lessons"
 
 
 def add_lessons(gui: viser.GuiApi) -> None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import viser
 
-from app.page.panels.choices import QUANTITIES
 from app.page.panels.controls import Controls
-from app.page.panels.furniture import MEASUREMENTS_WIDTH
+from app.page.panels.head import MEASUREMENTS_WIDTH
 from app.page.panels.plots import LEAST_HEIGHT, Plots
 from app.page.panels.readout import LINE, extra_lines, readout
 from app.page.session import Session
 from app.page.view import why_no_truth
-from app.page.worst import WorstPlaces
+from app.page.worst import WorstRegions
+from solvers.engine.messages import FrameReport
 
 READOUT_HEIGHT = 434  # pixels of the window that are not plot: heading, numbers, titles and axes, with one estimator
 MOST_HEIGHT = 240  # of a plot
@@ -29,19 +29,19 @@ class Measurements:
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
 
-    def refresh(self, session: Session, controls: Controls, probed: str | None, places: WorstPlaces) -> None:
+    def refresh(self, session: Session, controls: Controls, probed: str | None, worst: WorstRegions) -> None:
         """Show what has come in since the last time."""
         report, history = session.report, session.history
         if report is None or report.scene != history.scene:
             return
-        scene, quantity = report.scene, controls.quantity
-        key, unit = QUANTITIES[quantity]
-        self._readout.content = readout(session, quantity, controls.estimators.drawn, probed, places)
-        self._plots.have(scene.active_estimators, self._height(extra_lines(session, quantity)))
+        quantity = controls.quantity
+        self._readout.content = readout(session, report, quantity, controls.estimators.drawn, probed, worst)
+        self._plots.have(report.scene.active_estimators, self._height(extra_lines(report, history.series, quantity)))
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()
         else:
-            self._plots.show(history, session.valid_estimators, key, unit, _why_no_index(session, quantity))
+            valid = session.valid_estimators
+            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity))
 
     def _height(self, lines: int) -> int:
         """Let the three plots share what the window leaves below the readout with so many lines more than usual."""
@@ -49,10 +49,10 @@ class Measurements:
         return max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3))
 
 
-def _why_no_index(session: Session, quantity: str) -> str:
-    scene = session.report.scene
+def _why_no_index(report: FrameReport, valid: tuple[str, ...], quantity: str) -> str:
+    scene = report.scene
     if not scene.solution_known:
         return "empty: no exact solution is built in"
     if why_no_truth(scene, quantity):
         return "empty: the true error is not computed"
-    return "" if session.valid_estimators else "empty: no valid estimate" if scene.estimators else "empty: no estimate"
+    return "" if valid else "empty: no valid estimate" if scene.estimators else "empty: no estimate"

@@ -9,22 +9,25 @@ from __future__ import annotations
 
 import numpy as np
 import viser
+from viser import uplot
 
-from app.colours import ESTIMATOR_LINES, TRUTH
+from app.colours import TRUTH
 from app.page.history import History
-from app.page.panels.choices import SYMBOLS
 from app.scale import BEYOND, largest
-from app.words import power_of_ten, power_text
+from app.words import QUANTITIES, power_of_ten, power_text
+from solvers.estimators.registry import ESTIMATORS
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
 LEAST_HEIGHT, LABEL_HEIGHT = 76, 15  # pixels, of a plot and of the label below the last
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
-_FROM_ZERO = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0}, "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
-_RATIOS = {"y_scale": {"distr": 3, "range": list(INDEX_RANGE)},
-           "y_axis": {"splits": [0.1, 1, 10], "values": ["0.1", "1", "10"]}}
+_FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
+                                     "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
+_RATIOS: uplot.Scale = {"distr": 3, "range": list(INDEX_RANGE)}
+_RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")}
 _EMPTY = np.array([0.0, 1e-9])  # what an empty plot holds
-_GRID = {"stroke": "#e6e9ee", "width": 1}
+_GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
+_TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}
 
 
 class Plots:
@@ -50,18 +53,18 @@ class Plots:
             if plot.height != height + with_label:
                 plot.height = height + with_label
 
-    def show(self, history: History, valid: tuple[str, ...], quantity: str, unit: str, no_index: str) -> None:
+    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str) -> None:
         """Draw a run: the truth and the ``valid`` ones of its estimators; ``no_index`` says why there is no index."""
-        series = history.series
+        series, words = history.series, QUANTITIES[quantity]
         time = series["time"]
         nothing = np.full(len(time), np.nan)
         true = series[f"error_{quantity}"]
         estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid else nothing
                      for name in self._estimators]
         power = power_of_ten(max(largest(values) for values in (*estimated, true)))
-        _set(self._headings[0], _heading(f"error norm of {SYMBOLS[quantity]} / {power_text(power)}{unit}"))
+        _set(self._headings[0], _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}"))
         self._plots[0].data = _finite(time, *(values / 10.0**power for values in (true, *estimated)))
-        _set(self._headings[1], _heading(f"error index of {SYMBOLS[quantity]}: estimated / true", no_index))
+        _set(self._headings[1], _heading(f"error index of {words.symbol}: estimated / true", no_index))
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
         self._plots[1].data = _finite(time, np.ones(len(time)), *indices)
@@ -75,16 +78,15 @@ class Plots:
     def _build(self, estimators: tuple[str, ...],
                height: int) -> list[tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]]:
         """Each plot below its heading."""
-        lines = [{"label": name, "stroke": colour, "width": 2, "dash": list(dash), "points": {"show": False}}
-                 for name in estimators for colour, dash in (ESTIMATOR_LINES[name],)]
-        true = {"label": "true", "stroke": TRUTH, "width": 3.5, "points": {"show": False}}
-        perfect = {"label": "perfect", "stroke": PERFECT, "width": 2.5, "points": {"show": False}}
-        crossings = {"label": "crossings", "stroke": CROSSINGS, "width": 1.5, "points": {"show": False}}
+        lines = [_line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
+        true, perfect = _line("true", TRUTH, 3.5), _line("perfect", PERFECT, 2.5)
+        crossings = _line("crossings", CROSSINGS, 1.5)
         with self._tab:
-            return [(self._gui.add_html(_heading(title)), self._plot(tuple(drawn), height, **axes))
-                    for title, drawn, axes in (("error norm", [true, *lines], {}),
-                                               ("error index", [perfect, *lines], _RATIOS),
-                                               ("grid crossings per second", [crossings], {"x_label": "t / s"}))]
+            return [(self._gui.add_html(_heading("error norm")), self._plot((true, *lines), height)),
+                    (self._gui.add_html(_heading("error index")),
+                     self._plot((perfect, *lines), height, _RATIOS, _RATIO_MARKS)),
+                    (self._gui.add_html(_heading("grid crossings per second")),
+                     self._plot((crossings,), height, x_label="t / s"))]
 
     def _show_crossings(self, history: History) -> None:
         time, rate = history.crossings_per_second()
@@ -94,17 +96,21 @@ class Plots:
                       "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off"))
         self._plots[2].data = _finite(time, rate / 10.0**power) if len(time) > 1 else (_EMPTY, _EMPTY)
 
-    def _plot(self, series: tuple[dict, ...], height: int, y_scale: dict | None = None,
-              y_axis: dict | None = None, x_label: str = "") -> viser.GuiUplotHandle:
+    def _plot(self, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
+              y_axis: uplot.Axis | None = None, x_label: str = "") -> viser.GuiUplotHandle:
         start = np.array([0.0, 1e-3])
-        label = {"label": x_label, "labelSize": LABEL_HEIGHT, "labelFont": _LABEL_FONT} if x_label else {}
-        axes = ({"size": 24, "font": _FONT, "grid": _GRID, "ticks": {"stroke": "#c6ccd4", "width": 1, "size": 4},
-                 **label},
-                {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}, **(y_axis or {})})
+        x: uplot.Axis = {"size": 24, "font": _FONT, "grid": _GRID, "ticks": _TICKS}
+        if x_label:
+            x |= {"label": x_label, "labelSize": LABEL_HEIGHT, "labelFont": _LABEL_FONT}
+        y: uplot.Axis = {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}}
         return self._gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series),
-                                   axes=axes, scales={"x": {"time": False}, "y": y_scale or _FROM_ZERO},
+                                   axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
                                    height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0),
                                    legend={"show": False})
+
+
+def _line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
+    return {"label": label, "stroke": colour, "width": width, "dash": dashes, "points": {"show": False}}
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:

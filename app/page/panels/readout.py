@@ -7,12 +7,14 @@ import math
 
 import numpy as np
 
-from app.colours import ESTIMATE, ESTIMATOR_LINES, TRUTH
-from app.page.panels.choices import QUANTITIES, SYMBOLS
+from app.colours import ESTIMATE, TRUTH
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
-from app.page.worst import Place, WorstPlaces
-from app.words import with_unit
+from app.page.worst import WorstRegion, WorstRegions
+from app.words import NOTHING, QUANTITIES, with_unit
+from solvers.engine.messages import FrameReport
+from solvers.estimators.registry import ESTIMATORS
+from solvers.norms import energy_drift
 
 LINE = 18  # pixels that a line of the readout is high
 SHORT = 30  # characters of a reason that fit beside a name
@@ -20,23 +22,24 @@ SILENCE_LINE = 40  # and of one that begins with it, on a line
 TRUE = "true"
 
 
-def readout(session: Session, quantity: str, drawn: str | None, probed: str | None, places: WorstPlaces) -> str:
-    """The readout as html, and what it shows of ``quantity`` (its label) with the estimator ``drawn`` on the stage."""
+def readout(session: Session, report: FrameReport, quantity: str, drawn: str | None, probed: str | None,
+            worst: WorstRegions) -> str:
+    """The readout as html, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage."""
     series = session.history.series
-    tables = (_run(session, series, probed), _estimates(session, series, quantity), _worst(places, drawn, quantity))
+    tables = (_run(session, report, series, probed), _estimates(report, series, quantity),
+              _worst(worst, drawn, quantity))
     return f"<div class='lab-readout'>{''.join(tables)}</div>"
 
 
-def extra_lines(session: Session, quantity: str) -> int:
+def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> int:
     """Lines that the readout has more than that of one estimator beside the truth."""
-    scene, silences = session.report.scene, _silences(session, quantity)
+    scene, silences = report.scene, _silences(report, series, quantity)
     wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
                   for silence in silences.values() if len(silence) > SHORT)
     return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known)
 
 
-def _run(session: Session, series: dict[str, np.ndarray], probed: str | None) -> str:
-    report = session.report
+def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None) -> str:
     scene = report.scene
     real = "–" if report.real_speed is None or not report.playing else f"{report.real_speed:.3g}"
     capped = " <span class='lab-capped'>CAPPED</span>" if session.capped else ""
@@ -45,18 +48,18 @@ def _run(session: Session, series: dict[str, np.ndarray], probed: str | None) ->
             ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
             ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
-    drift = _energy_drift(series)
+    drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
         rows.append(("energy", f"out of balance by {drift:+.2%}"))
     rows.append(("region", html.escape(probed) if probed else "drag a rectangle on the stage"))
     return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 
 
-def _estimates(session: Session, series: dict[str, np.ndarray], quantity: str) -> str:
+def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> str:
     """A line for the truth and one for each estimator: its norm now, its index and its distance so far."""
-    key, unit = QUANTITIES[quantity]
-    rows = [_row("head", f"error of {SYMBOLS[key]}", "norm", "index", "distance")]
-    for name, silence in _silences(session, quantity).items():
+    unit = QUANTITIES[key].unit
+    rows = [_row("head", f"error of {QUANTITIES[key].symbol}", "norm", "index", "distance")]
+    for name, silence in _silences(report, series, key).items():
         if len(silence) > SHORT:
             rows.append(_row("", f"<span class='lab-name'>{_named(name)}</span>: {html.escape(silence)}"))
         elif silence:
@@ -65,37 +68,36 @@ def _estimates(session: Session, series: dict[str, np.ndarray], quantity: str) -
             rows.append(_row("", _named(name), _norm(series, f"error_{key}", unit), "", ""))
         else:
             rows.append(_row("", _named(name), _norm(series, f"{name}/estimate_{key}", unit),
-                             _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/apart_{key}")))
+                             _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     return _table("".join(rows), "lab-numbers lab-estimates")
 
 
-def _silences(session: Session, quantity: str) -> dict[str, str]:
+def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
     """For the truth and each estimator asked for, why there is no number of it; "" where there is."""
-    report, series = session.report, session.history.series
-    scene, key = report.scene, QUANTITIES[quantity][0]
+    scene = report.scene
     silences = {TRUE: why_no_truth(scene, quantity)}
     for name in scene.estimators:
-        norms = series.get(f"{name}/estimate_{key}", np.zeros(0))
+        norms = series.get(f"{name}/estimate_{quantity}", np.zeros(0))
         silent = len(norms) and not np.isfinite(norms).any()
         silences[name] = report.not_valid.get(name) or why_no_estimate(scene, report.not_valid, name, quantity) \
-            or f"does not estimate the {quantity}" * bool(silent)
+            or f"does not estimate the {QUANTITIES[quantity]}" * bool(silent)
     return silences if scene.estimators else {**silences, "estimated": NONE_CHOSEN}
 
 
-def _worst(places: WorstPlaces, drawn: str | None, quantity: str) -> str:
+def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     """Where the error is worst, by the estimate on the stage and by the truth, with both errors there."""
-    unit = QUANTITIES[quantity][1]
-    by = [(drawn, places.by_estimate)] if drawn else []
+    by = [(drawn, worst.by_estimate)] if drawn else []
     rows = [_row("head", "worst region, by", "", "estimated", "true"),
-            *(_row("", html.escape(name), *_place(place, unit)) for name, place in (*by, (TRUE, places.by_truth)))]
+            *(_row("", html.escape(name), *_region(region, QUANTITIES[quantity].unit))
+              for name, region in (*by, (TRUE, worst.by_truth)))]
     return _table("".join(rows), "lab-numbers lab-worst")
 
 
-def _place(place: Place | None, unit: str) -> tuple[str, str, str]:
-    if place is None:
+def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
+    if region is None:
         return "unknown", "", ""
-    return (html.escape(place.name), *("–" if value is None else with_unit(value, unit, 2)
-                                       for value in (place.estimated, place.true)))
+    return (html.escape(region.name), *(NOTHING if value is None else with_unit(value, unit, 2)
+                                        for value in (region.estimated, region.true)))
 
 
 def _table(rows: str, kind: str = "") -> str:
@@ -112,28 +114,20 @@ def _row(kind: str, *cells: str) -> str:
 
 def _named(name: str) -> str:
     """A name behind a piece of its line in the plots."""
-    colour, dash = ESTIMATOR_LINES.get(name, (TRUTH, ()) if name == TRUE else (ESTIMATE, ()))
-    dashes = f" stroke-dasharray='{','.join(map(str, dash))}'" if dash else ""
+    known = ESTIMATORS.get(name)
+    colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE
+    dashes = f" stroke-dasharray='{','.join(map(str, known.dashes))}'" if known and known.dashes else ""
     return (f"<svg width='18' height='8'><path d='M0 4h18' stroke='{colour}' stroke-width='3'{dashes}/></svg>"
             f" {html.escape(name)}")
 
 
 def _norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
     values = series.get(name, np.zeros(0))
-    return with_unit(float(values[-1]), unit) if len(values) and np.isfinite(values[-1]) else "–"
+    return with_unit(float(values[-1]), unit) if len(values) and np.isfinite(values[-1]) else NOTHING
 
 
 def _ratio(series: dict[str, np.ndarray], name: str) -> str:
     values = series.get(name, np.zeros(0))
     if not len(values) or not np.isfinite(values[-1]):
-        return "–"
+        return NOTHING
     return f"{values[-1]:.2f}" if values[-1] > 0.095 else f"{values[-1]:.1g}"
-
-
-def _energy_drift(s: dict[str, np.ndarray]) -> float | None:
-    """(E - W - E0)/E0 now, W the body force's work, or None where the energy is not followed."""
-    if "kinetic" not in s or not len(s["kinetic"]):
-        return None
-    total = s["kinetic"] + s["strain"]
-    drift = (total[-1] - s["work"][-1] - total[0]) / total[0] if total[0] > 0 else np.nan
-    return float(drift) if np.isfinite(drift) else None

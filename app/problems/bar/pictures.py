@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, MOST_DOTS, colour_bar, robust_size, say, shared_scale, styled
+from app.figures import MOST_CELL_LINES, colour_bar, robust_size, say, shared_scale, styled, thinned
 from solvers.bar import exact
+from solvers.bar.scene import BarScene
 from solvers.result import Result
 
 
-def draw_curve(axes: Axes, result: Result) -> None:
+def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
+    """The bar's part of a run's picture."""
+    _draw_curve(space, result)
+    _draw_lanes(figure, figure.add_subplot(particles), result)
+
+
+def _draw_curve(axes: Axes, result: Result) -> None:
     """Where the particles went, on the exact displacement."""
-    final, scene = result.final, result.scene
+    final, scene = result.final, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
     curve = exact.displacement(scene, fine, final.time)
     axes.plot(fine, curve, color=TRUTH, linewidth=1.2, label="exact", zorder=4)
@@ -29,12 +39,12 @@ def draw_curve(axes: Axes, result: Result) -> None:
     axes.set_xlim(0, 1)
     limit = 1.4 * max(abs(curve).max(), robust_size(moved))
     axes.set_ylim(-(limit or scene.amplitude), limit or scene.amplitude)
-    axes.yaxis.get_major_formatter().set_powerlimits((-2, 3))
+    axes.ticklabel_format(axis="y", scilimits=(-2, 3))
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", fontsize=8, ncols=2, markerscale=np.sqrt(30 / size))
 
 
-def draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
+def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """The bar at the end: a lane for each estimate and one for the truth, on one colour scale."""
     final, cells = result.final, result.scene.cells
     lanes = [("truth", None if final.error is None else np.abs(final.error[:, 0]), TRUTH)]
@@ -67,8 +77,3 @@ def draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
                    fontsize=10)
     if len(few) and lanes[0][1] is not None:
         colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)
-
-
-def thinned(count: int) -> np.ndarray:
-    """Indices of the particles to draw: all, or every so many."""
-    return np.arange(0, count, -(-count // MOST_DOTS) or 1)

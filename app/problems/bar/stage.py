@@ -8,24 +8,9 @@ from __future__ import annotations
 import numpy as np
 import viser
 
+from app import drawing
 from app.colours import TRUTH
-from app.drawing import (
-    AWAY,
-    CELL,
-    DOT,
-    FAINT,
-    FLASH_SECONDS,
-    flash_colours,
-    in_plane,
-    joined,
-    label,
-    lines,
-    points,
-    rgb,
-    shades,
-    write,
-)
-from app.page.view import Half
+from app.problems.stage import Stage
 from app.scale import ColourScale
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
@@ -35,56 +20,45 @@ ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
 CURVE_MIDDLE, CURVE_HEIGHT = 0.255, 0.23
 LANE_POINTS = 4000  # points that a lane may be made of
-SILENCE_WIDTH = 72  # characters in a line of the reason why a lane is empty
 
 
-class BarStage:
+class BarStage(Stage[BarScene]):
     """Draws frames of the bar in one client's scene."""
 
+    SILENCE_WIDTH = 72
+
     def __init__(self, client: viser.ClientHandle, scale: ColourScale):
-        self._scale = scale
-        self._drawn_scene: BarScene | None = None
+        super().__init__(client, scale, "bar")
         s = client.scene
-        self.root = s.add_frame("/bar", show_axes=False)
-        self._lanes = [points(s, f"/bar/{name}", 0.005, "square") for name in ("estimate", "truth")]
-        self._cells = lines(s, "/bar/cells", CELL, 1.0)
-        self._exact = lines(s, "/bar/exact", rgb(TRUTH), 3.0)
-        self._dots = points(s, "/bar/particles", 0.006)
-        self._flashes = points(s, "/bar/crossings", 0.015)
+        self._lanes = [drawing.points(s, f"/bar/{name}", 0.005, "square") for name in ("estimate", "truth")]
+        self._cells = drawing.lines(s, "/bar/cells", drawing.CELL, 1.0)
+        self._exact = drawing.lines(s, "/bar/exact", drawing.rgb(TRUTH), 3.0)
+        self._dots = drawing.points(s, "/bar/particles", 0.006)
+        self._flashes = drawing.points(s, "/bar/crossings", 0.015)
         self._labels(s)
-
-    def draw(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
-             true: np.ndarray | None,
-             t: float, speed: float) -> None:
-        """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); t in s, ``speed`` in simulated s per s."""
-        x = np.clip(np.nan_to_num(arrays.position[:, 0], nan=AWAY), -0.5, 1.5)
-        self._draw_grid(scene)
-        for lane, middle, sizes in zip(self._lanes, (ESTIMATE_LANE, TRUTH_LANE), (estimated, true), strict=True):
-            lane.points = self._lane.points(x, middle)
-            lane.colors = np.tile(shades(self._scale, sizes, len(x)), (self._lane.rows, 1))
-        self._draw_displacement(scene, arrays, t)
-        since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
-        shown = (arrays.steps_since_crossing >= 0) & (since < FLASH_SECONDS)
-        self._flashes.points = in_plane(x, np.where(shown, CROSSINGS_AT, AWAY), 0.02)
-        self._flashes.colors = flash_colours(since)
-
-    def caption(self, estimate: Half, truth: Half) -> None:
-        """Title the lanes, and say in an empty one why it is."""
-        for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
-            write(title, half.title)
-            write(silence, half.silence, SILENCE_WIDTH)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
         return (arrays.position[:, 0] >= low[0]) & (arrays.position[:, 0] <= high[0])
 
+    def _draw_frame(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
+                    true: np.ndarray | None, t: float, speed: float) -> None:
+        x = np.clip(np.nan_to_num(arrays.position[:, 0], nan=drawing.AWAY), -0.5, 1.5)
+        self._draw_grid(scene)
+        for lane, middle, sizes in zip(self._lanes, (ESTIMATE_LANE, TRUTH_LANE), (estimated, true), strict=True):
+            lane.points = self._lane.points(x, middle)
+            lane.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (self._lane.rows, 1))
+        self._draw_displacement(scene, arrays, t)
+        since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
+        shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS)
+        self._flashes.points = drawing.in_plane(x, np.where(shown, CROSSINGS_AT, drawing.AWAY), 0.02)
+        self._flashes.colors = drawing.flash_colours(since)
+
     def _draw_grid(self, scene: BarScene) -> None:
-        if scene == self._drawn_scene:
-            return
-        self._drawn_scene = scene
         edges = np.arange(scene.cells + 1) * scene.spacing
-        low, high = TRUTH_LANE - 0.7 * LANE_HEIGHT, ESTIMATE_LANE + 0.7 * LANE_HEIGHT
-        self._cells.points = joined(in_plane(edges, np.array(low), -0.01), in_plane(edges, np.array(high), -0.01))
+        low, high = (drawing.in_plane(edges, np.array(y), -0.01)
+                     for y in (TRUTH_LANE - 0.7 * LANE_HEIGHT, ESTIMATE_LANE + 0.7 * LANE_HEIGHT))
+        self._cells.points = drawing.joined(low, high)
         self._lane = _Lane(scene.particles)
         for lane in self._lanes:
             lane.point_size = self._lane.size / 2
@@ -97,32 +71,32 @@ class BarStage:
     def _draw_displacement(self, scene: BarScene, arrays: FrameArrays, t: float) -> None:
         X = np.linspace(0, 1, 121)
         scaled = CURVE_MIDDLE + CURVE_HEIGHT * exact.displacement(scene, X, t) / scene.motion_amplitude
-        curve = in_plane(X, scaled)
-        self._exact.points = joined(curve[:-1], curve[1:])
-        share = np.clip(np.nan_to_num(arrays.displacement[:, 0] / scene.motion_amplitude, nan=AWAY), -1.1, 1.1)
+        curve = drawing.in_plane(X, scaled)
+        self._exact.points = drawing.joined(curve[:-1], curve[1:])
+        share = np.clip(np.nan_to_num(arrays.displacement[:, 0] / scene.motion_amplitude, nan=drawing.AWAY), -1.1, 1.1)
         X_p = (np.arange(scene.particles) + 0.5) / scene.particles
-        self._dots.points = in_plane(X_p, CURVE_MIDDLE + CURVE_HEIGHT * share, 0.01)
-        self._dots.colors = np.full((scene.particles, 3), DOT, np.uint8)
+        self._dots.points = drawing.in_plane(X_p, CURVE_MIDDLE + CURVE_HEIGHT * share, 0.01)
+        self._dots.colors = np.full((scene.particles, 3), drawing.DOT, np.uint8)
 
     def _labels(self, s: viser.SceneApi) -> None:
         above = 0.5 * LANE_HEIGHT + 0.03
-        self._titles = [label(s, "/bar/l1", " ", 0.0, ESTIMATE_LANE + above, "bottom-left"),
-                        label(s, "/bar/l2", " ", 0.0, TRUTH_LANE - above, "top-left")]
-        self._silences = [label(s, f"/bar/silence{lane}", " ", 0.5, lane, "center-center", 0.85)
+        self._titles = [drawing.label(s, "/bar/l1", " ", 0.0, ESTIMATE_LANE + above, "bottom-left"),
+                        drawing.label(s, "/bar/l2", " ", 0.0, TRUTH_LANE - above, "top-left")]
+        self._silences = [drawing.label(s, f"/bar/silence{lane}", " ", 0.5, lane, "center-center", 0.85)
                           for lane in (ESTIMATE_LANE, TRUTH_LANE)]
-        label(s, "/bar/l3", "between the lanes: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
+        drawing.label(s, "/bar/l3", "between the lanes: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
               "top-right", 0.85)
         reach = 1.1 * CURVE_HEIGHT
-        lines(s, "/bar/axes", FAINT, 1.0).points = joined(
-            in_plane(np.zeros(2), np.array([CURVE_MIDDLE, CURVE_MIDDLE - reach]), -0.01),
-            in_plane(np.array([1.0, 0.0]), np.array([CURVE_MIDDLE, CURVE_MIDDLE + reach]), -0.01))
+        drawing.lines(s, "/bar/axes", drawing.FAINT, 1.0).points = drawing.joined(
+            drawing.in_plane(np.zeros(2), np.array([CURVE_MIDDLE, CURVE_MIDDLE - reach]), -0.01),
+            drawing.in_plane(np.array([1.0, 0.0]), np.array([CURVE_MIDDLE, CURVE_MIDDLE + reach]), -0.01))
         top, bottom = CURVE_MIDDLE + CURVE_HEIGHT, CURVE_MIDDLE - CURVE_HEIGHT
-        self._largest = label(s, "/bar/high", "", -0.01, top, "center-right", 0.85)
-        self._smallest = label(s, "/bar/low", "", -0.01, bottom, "center-right", 0.85)
-        label(s, "/bar/zero", "0", -0.01, CURVE_MIDDLE, "center-right", 0.85)
-        self._below = label(s, "/bar/l4", "", 0.5, bottom - 0.035, "top-center")
-        label(s, "/bar/l5", "X = 0", 0.0, bottom - 0.035, "top-center", 0.85)
-        label(s, "/bar/l6", "1 m", 1.0, bottom - 0.035, "top-center", 0.85)
+        self._largest = drawing.label(s, "/bar/high", "", -0.01, top, "center-right", 0.85)
+        self._smallest = drawing.label(s, "/bar/low", "", -0.01, bottom, "center-right", 0.85)
+        drawing.label(s, "/bar/zero", "0", -0.01, CURVE_MIDDLE, "center-right", 0.85)
+        self._below = drawing.label(s, "/bar/l4", "", 0.5, bottom - 0.035, "top-center")
+        drawing.label(s, "/bar/l5", "X = 0", 0.0, bottom - 0.035, "top-center", 0.85)
+        drawing.label(s, "/bar/l6", "1 m", 1.0, bottom - 0.035, "top-center", 0.85)
 
 
 class _Lane:
@@ -142,4 +116,7 @@ class _Lane:
         """(rows * P, 3) points of particles at x in the lane around y = middle."""
         heights = middle + (np.arange(self.rows) - (self.rows - 1) / 2) * self.size
         x = np.clip(x + self.shift, self.size / 2, 1 - self.size / 2)
-        return in_plane(np.tile(x, self.rows), np.repeat(heights, len(x)))
+        return drawing.in_plane(np.tile(x, self.rows), np.repeat(heights, len(x)))
+
+
+STAGE = BarStage

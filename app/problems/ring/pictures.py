@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -11,9 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, MOST_DOTS, colour_bar, robust_size, say, shared_scale, styled
+from app.figures import MOST_CELL_LINES, colour_bar, robust_size, say, shared_scale, styled, thinned
 from solvers.result import Result
 from solvers.ring import exact
+from solvers.ring.scene import RingScene
 
 UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
 LEFT, RIGHT = -1, 1  # the sign of x
@@ -22,16 +25,23 @@ MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to av
 RIM_ANGLES = np.linspace(0, 0.5 * np.pi, 181)
 
 
-def draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
+def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
+    """The ring's part of a run's picture."""
+    _draw_profile(space, result)
+    _draw_halves(figure, particles, result)
+
+
+def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
     """The ring at the end, once an estimator: the estimate mirrored about x = 0, the truth beside it, one scale."""
     final = result.final
-    few = _thinned(len(final.position))
+    few = thinned(len(final.position))
     few = few[np.isfinite(final.position[few]).all(axis=1)]  # an unstable run leaves NaN
     truth = None if final.error is None else final.error[few, 0]
     estimates = {name: final.estimate[name][few, 0] for name, _ in styled(result)}
     scale = shared_scale(truth, list(estimates.values()))
     names = list(estimates) or [""]
-    panels = [figure.add_subplot(part) for part in place.subgridspec(1, len(names))]
+    parts = place.subgridspec(1, len(names))
+    panels = [figure.add_subplot(parts[0, k]) for k in range(len(names))]
     for axes, name in zip(panels, names, strict=True):
         _frame(axes, result)
         _half(axes, result, few, LEFT, estimates.get(name), scale)
@@ -49,13 +59,13 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
                    aspect=60, shrink=0.75)
 
 
-def draw_profile(axes: Axes, result: Result) -> None:
+def _draw_profile(axes: Axes, result: Result) -> None:
     """Where between the inner and the outer surface the error is: each particle, and the RMS over a thin shell."""
     final = result.final
     radius = np.linalg.norm(final.material_position, axis=1)
     lines = [] if final.error is None else [("truth", final.error[:, 0], TRUTH, "-")]
     lines += [(f"estimate ({name})", final.estimate[name][:, 0], ESTIMATE, style) for name, style in styled(result)]
-    few, drawn = _thinned(len(radius)), []
+    few, drawn = thinned(len(radius)), []
     for label, sizes, colour, style in lines:
         shown = np.where(np.isfinite(sizes) & (sizes > 0), sizes, np.nan)
         if not np.isfinite(shown).any():
@@ -99,7 +109,7 @@ def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray) -> tuple[np.n
 
 def _frame(axes: Axes, result: Result) -> None:
     """Cell lines, the exact surfaces and the plane of mirroring; equal scales, so that a circle is one."""
-    scene, final = result.scene, result.final
+    scene, final = cast(RingScene, result.scene), result.final
     outer = exact.OUTER + abs(float(exact.displacement(scene, np.array([[exact.OUTER, 0.0]]), final.time)[0, 0]))
     reach = float(np.clip(robust_size(np.linalg.norm(final.position, axis=1)), outer, 2 * outer)) * 1.06
     if scene.cells <= MOST_CELL_LINES:
@@ -142,10 +152,3 @@ def _dot_area(result: Result, shown: int) -> float:
 
 
 POINTS_PER_METRE = 400  # of the picture of the ring, roughly
-
-
-def _thinned(count: int) -> np.ndarray:
-    """Indices of the particles to draw: all, or some by chance, for every k-th may all lie at one radius."""
-    if count <= MOST_DOTS:
-        return np.arange(count)
-    return np.sort(np.random.default_rng(0).choice(count, MOST_DOTS, replace=False))

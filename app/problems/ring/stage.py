@@ -8,19 +8,8 @@ from __future__ import annotations
 import numpy as np
 import viser
 
-from app.drawing import (
-    AWAY,
-    CELL,
-    FLASH,
-    in_plane,
-    joined,
-    label,
-    lines,
-    points,
-    shades,
-    write,
-)
-from app.page.view import Half
+from app import drawing
+from app.problems.stage import Stage
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
 from solvers.ring.exact import OUTER
@@ -32,49 +21,29 @@ RADIUS = 0.46  # of the outermost the ring should come, on the stage
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
 FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gone bad are drawn at most
-SILENCE_WIDTH = 22  # characters in a line of the reason why a half is empty: it stands in the ring's hole
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
-class RingStage:
-    """Draws frames of the ring in one client's scene. ``domains`` says whether particle domains are outlined."""
+class RingStage(Stage[RingScene]):
+    """Draws frames of the ring in one client's scene."""
+
+    SILENCE_WIDTH = 22  # it stands in the ring's hole
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale):
-        self._scale = scale
-        self._drawn_scene: RingScene | None = None
-        self.domains = False
+        super().__init__(client, scale, "ring")
         s = client.scene
-        self.root = s.add_frame("/ring", show_axes=False)
-        self._halves = [points(s, f"/ring/{name}", 0.01) for name in ("truth", "estimate")]
-        self._cells = lines(s, "/ring/cells", (225, 229, 234), 1.0)
-        self._planes = lines(s, "/ring/planes", CELL, 1.5)
-        self._outlines = lines(s, "/ring/domains", (120, 125, 132), 0.8)
-        self._flashes = points(s, "/ring/crossings", 0.01)
-        self._flashes.colors = np.array(FLASH, np.uint8)  # of all: one colour a point would cost a fifth of its bytes
-        self._titles = [label(s, "/ring/l1", " ", 0.02, 0.89, "top-left"),
-                        label(s, "/ring/l2", " ", 0.98, 0.89, "top-right")]
-        self._silences = [label(s, "/ring/silence1", " ", MIDDLE[0] - 0.015, MIDDLE[1], "center-right", 0.85),
-                          label(s, "/ring/silence2", " ", MIDDLE[0] + 0.015, MIDDLE[1], "center-left", 0.85)]
-        self._size_note = label(s, "/ring/l3", "", 0.0, -0.05, "bottom-left", 0.85)
-        label(s, "/ring/l4", "magenta dots: crossing a cell boundary", 1.0, -0.05, "bottom-right", 0.85)
-
-    def draw(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None,
-             true: np.ndarray | None,
-             t: float, speed: float) -> None:
-        """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); ``speed`` in simulated s per s."""
-        self._draw_grid(scene)
-        x = np.fmax(np.fmin(arrays.position, FARTHEST), -FARTHEST)  # what is not a number becomes FARTHEST
-        for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
-            half.points = self._images(x, mirrors)
-            half.colors = np.tile(shades(self._scale, sizes, len(x)), (2, 1))
-        self._draw_crossings(scene, arrays, x, speed)
-        self._draw_domains(scene, arrays, x)
-
-    def caption(self, estimate: Half, truth: Half) -> None:
-        """Title the halves, and say in the hole beside an empty one why it is."""
-        for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
-            write(title, half.title)
-            write(silence, half.silence, SILENCE_WIDTH)
+        self._halves = [drawing.points(s, f"/ring/{name}", 0.01) for name in ("truth", "estimate")]
+        self._cells = drawing.lines(s, "/ring/cells", (225, 229, 234), 1.0)
+        self._planes = drawing.lines(s, "/ring/planes", drawing.CELL, 1.5)
+        self._outlines = drawing.lines(s, "/ring/domains", (120, 125, 132), 0.8)
+        self._flashes = drawing.points(s, "/ring/crossings", 0.01)
+        self._flashes.colors = np.array(drawing.FLASH, np.uint8)  # of all: one each would cost a fifth of the bytes
+        self._titles = [drawing.label(s, "/ring/l1", " ", 0.02, 0.89, "top-left"),
+                        drawing.label(s, "/ring/l2", " ", 0.98, 0.89, "top-right")]
+        self._silences = [drawing.label(s, "/ring/silence1", " ", MIDDLE[0] - 0.015, MIDDLE[1], "center-right", 0.85),
+                          drawing.label(s, "/ring/silence2", " ", MIDDLE[0] + 0.015, MIDDLE[1], "center-left", 0.85)]
+        self._size_note = drawing.label(s, "/ring/l3", "", 0.0, -0.05, "bottom-left", 0.85)
+        drawing.label(s, "/ring/l4", "magenta dots: crossing a cell boundary", 1.0, -0.05, "bottom-right", 0.85)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""
@@ -84,9 +53,18 @@ class RingStage:
             inside |= ((place >= low) & (place <= high)).all(axis=1)
         return inside
 
+    def _draw_frame(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None,
+                    true: np.ndarray | None, t: float, speed: float) -> None:
+        x = np.fmax(np.fmin(arrays.position, FARTHEST), -FARTHEST)  # what is not a number becomes FARTHEST
+        for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
+            half.points = self._images(x, mirrors)
+            half.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1))
+        self._draw_crossings(scene, arrays, x, speed)
+        self._draw_domains(scene, arrays, x)
+
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Positions in metres (n, 2) as points of the stage (n, 3)."""
-        return in_plane(MIDDLE[0] + self._per_metre * x[:, 0], MIDDLE[1] + self._per_metre * x[:, 1], depth)
+        return drawing.in_plane(MIDDLE[0] + self._per_metre * x[:, 0], MIDDLE[1] + self._per_metre * x[:, 1], depth)
 
     def _images(self, x: np.ndarray, mirrors: tuple[tuple[int, int], ...], depth: float = 0.0) -> np.ndarray:
         """The mirror images of positions (n, 2) one after the other, as points of the stage (len(mirrors) n, 3).
@@ -103,9 +81,6 @@ class RingStage:
         return out.reshape(-1, 3)
 
     def _draw_grid(self, scene: RingScene) -> None:
-        if scene == self._drawn_scene:
-            return
-        self._drawn_scene = scene
         reach = OUTER + scene.amplitude
         self._per_metre = RADIUS / reach
         end = 1.05 * reach
@@ -113,8 +88,8 @@ class RingStage:
         at = np.arange(-count, count + 1) * scene.spacing
         ends = np.full(len(at), end)
         self._cells.points = np.concatenate([
-            joined(self._place(np.stack([at, -ends], 1), -0.02), self._place(np.stack([at, ends], 1), -0.02)),
-            joined(self._place(np.stack([-ends, at], 1), -0.02), self._place(np.stack([ends, at], 1), -0.02))])
+            drawing.joined(self._place(np.stack([at, -ends], 1), -0.02), self._place(np.stack([at, ends], 1), -0.02)),
+            drawing.joined(self._place(np.stack([-ends, at], 1), -0.02), self._place(np.stack([ends, at], 1), -0.02))])
         axes = np.array([[-end, 0], [end, 0], [0, -end], [0, end]])
         self._planes.points = self._place(axes, -0.01).reshape(2, 2, 3)
         width = scene.spacing / scene.ppc * self._per_metre
@@ -129,21 +104,21 @@ class RingStage:
         steps = arrays.steps_since_crossing
         where = x[(steps >= 0) & (steps < brief)]
         if not len(where):
-            where = np.full((1, 2), AWAY)
+            where = np.full((1, 2), drawing.AWAY)
         self._flashes.points = self._images(where, MIRRORS, 0.02)
 
     def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
         """Outline what each particle stands for: a box for GIMP, a parallelogram for CPDI."""
-        shown = self.domains and self._edges is not None and len(x) == len(self._edges)
-        self._outlines.visible = shown
-        if not shown:
+        if not self.domains or self._edges is None or len(x) != len(self._edges):
+            self._outlines.visible = False
             return
+        self._outlines.visible = True
         first, second = _half_edges(scene, arrays, self._edges)
         corners = [x - first - second, x + first - second, x + first + second, x - first + second]
         segments = []
         for m in ((1, 1), (-1, 1)):
             placed = [self._place(c * m, 0.01) for c in corners]
-            segments += [joined(placed[k], placed[(k + 1) % 4]) for k in range(4)]
+            segments += [drawing.joined(placed[k], placed[(k + 1) % 4]) for k in range(4)]
         self._outlines.points = np.concatenate(segments)
 
 
@@ -157,3 +132,6 @@ def _half_edges(scene: RingScene, arrays: FrameArrays, edges: np.ndarray) -> tup
         else np.full((len(F), 2), 0.0 if scene.method == "mpm" else 1.0)
     zero = np.zeros(len(F))
     return np.stack([reach * stretch[:, 0], zero], 1), np.stack([zero, reach * stretch[:, 1]], 1)
+
+
+STAGE = RingStage

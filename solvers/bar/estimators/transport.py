@@ -61,7 +61,7 @@ def gather_errors(bar: ti.template(), base):
         i = bar.first_node[p]
         F = bar.deformation_gradient[p]
         error = bar.estimate[base + p]
-        source = error[2] + (F - 1) * error[2] / F  # EF = Esigma/E and sigma = E(F - 1)
+        source = error[2] + (F - 1) * error[2] / F  # Esigma + sigma EF/F of eq 12: EF = Esigma/E, sigma = E(F - 1)
         r = offset(bar, p)
         for k in ti.static(range(3)):
             D = -dS[k] * F * bar.volume
@@ -93,13 +93,13 @@ def node_errors(bar: ti.template(), on: ti.template()):
             mean, scale = divergence_form(bar, i, on)
             sigma_x = bar.transport_slope[i]
             sigma_xx = (bar.transport_slope[i + 1] - bar.transport_slope[i - 1]) / (2 * bar.spacing)
-            constant = (moments[0] - mean * weight) * moments[3] / weight
-            linear = ((moments[1] - mean * moments[2]) * scale - bar.node_volume[i]) * sigma_x
-            quadratic = (errors[3] - mean * bar.transport_spread[i]) * 0.5 * sigma_xx
-            fed_back = errors[1] - mean * errors[2]
+            constant = (moments[0] - mean * weight) * moments[3] / weight  # (sum D) f_i of eq 46
+            linear = ((moments[1] - mean * moments[2]) * scale - bar.node_volume[i]) * sigma_x  # (sum D r - 1) a_i
+            quadratic = (errors[3] - mean * bar.transport_spread[i]) * 0.5 * sigma_xx  # C h^k of eq 12
+            fed_back = errors[1] - mean * errors[2]  # sum D (Esigma F + sigma EF) V0 of eq 12
             mass = bar.density * bar.volume * weight
-            Ea = ((fed_back + quadratic + constant) * scale + linear) / mass
-            Ev = errors[0] / weight + bar.transport_dt * Ea
+            Ea = ((fed_back + quadratic + constant) * scale + linear) / mass  # eq 12
+            Ev = errors[0] / weight + bar.transport_dt * Ea  # eq 21 at the node
         bar.transport_errors[i] = ti.Vector([Ev, Ea, v_xx, 0.0])
     spread(bar.transport_errors, bar.cells)
 
@@ -121,13 +121,14 @@ def particle_errors(bar: ti.template(), base, on: ti.template()):
             L += dS[k] * bar.node_motion[i + k][0]
             second += dS[k] * (r - k * bar.spacing) ** 2
         error = bar.estimate[base + p]
-        Ev = error[1] + bar.transport_dt * at_particle[1]
+        Ev = error[1] + bar.transport_dt * at_particle[1]  # eqs 21, 22: Ev += dt sum S Ea_i
         moving = at_particle[0]
         if ti.static(on.velocity == "particle"):
             moving = Ev
         EF = error[2] / bar.modulus
         EF += bar.transport_dt * (L * EF + F * (error_slope + 0.5 * at_particle[2] * second))
-        bar.estimate[base + p] = ti.Vector([error[0] + bar.transport_dt * moving, Ev, bar.modulus * EF, at_particle[1]])
+        Ex = error[0] + bar.transport_dt * moving  # eqs 25, 27: Ex += dt Ev, in steps of H
+        bar.estimate[base + p] = ti.Vector([Ex, Ev, bar.modulus * EF, at_particle[1]])
 
 
 def allocate(scene):

@@ -25,7 +25,7 @@ TABLES = ("down", "across", "up")  # from the run's lattice to the common one, f
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
-    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.TABLE.items()},
+    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.MEMBERS.items()},
     "two_grid_gain": real,  # 1/(r^2 - 1)
     "two_grid_interval": ti.i32,
     "two_grid_before": pairs,  # F and a of the second bar a step ago
@@ -149,9 +149,9 @@ def allocate(scene):
     P, Q = scene.particles, second.particles
     members = body(second, two_grid.bare(switches(second)))
     windows = two_grid.windows(scene.ppc)
-    tables = {"down": lattice.table(lattice.centres(Q, P), P, windows, closed=False),
-              "across": lattice.table(lattice.centres(Q, Q), Q, windows, closed=False),
-              "up": lattice.table(lattice.centres(P, Q), Q, (lattice.CUBIC, lattice.CUBIC), closed=False)}
+    tables = {"down": lattice.stencils(lattice.centres(Q, P), P, windows, closed=False),
+              "across": lattice.stencils(lattice.centres(Q, Q), Q, windows, closed=False),
+              "up": lattice.stencils(lattice.centres(P, Q), Q, (lattice.CUBIC, lattice.CUBIC), closed=False)}
     return {
         **{"coarse_" + name: value for name, value in members.items()},
         **{f"two_grid_{name}_{member}": value for name, t in tables.items() for member, value in t.items()},

@@ -1,4 +1,4 @@
-"""The recovered estimator on the ring: as on the bar (``recovered_bar``), on the polar material lattice.
+"""The recovered estimator on the ring: as on the bar (see there), on the polar material lattice.
 
 The weak form, in the material frame with the error grid's functions N = N_b(R) N_a(angle) and Cartesian components,
 
@@ -37,33 +37,7 @@ from solvers.estimators.recovery import (
 )
 from solvers.kinds import integers, quads, reals
 from solvers.ring import cpdi, exact, gimp
-from solvers.ring.estimators.recovered_operators import (
-    DIRECTION,
-    ERRORS,
-    FIELD,
-    FORCE,
-    GATHERED,
-    MOTION,
-    PARTICLE_BLOCKS,
-    RATE,
-    STRESS,
-    across,
-    angular_fit,
-    angular_gather,
-    angular_gather_stress,
-    angular_smoothing,
-    angular_spread,
-    gather_force,
-    line_slopes,
-    node_at,
-    node_count,
-    particle_at,
-    radial_fit,
-    radial_gather,
-    radial_gather_stress,
-    radial_smoothing,
-    radial_spread,
-)
+from solvers.ring.estimators import recovered_operators as op
 from solvers.ring.material import kirchhoff_stress
 from solvers.ring.scene import polar_counts
 
@@ -78,41 +52,41 @@ def after_step(ring: ti.template(), base, step, on: ti.template()):
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
     for p in range(ring.particles):
         q, X = ring.motion[p], ring.material_position[p]
-        ring.recovered_particles[particle_at(ring, FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
-    radial_gather(ring)
+        ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
+    op.radial_gather(ring)
     damped_errors(ring)
-    angular_spread(ring)
+    op.angular_spread(ring)
     find_stress(ring)
-    gather_force(ring, step * ring.dt, on)
-    radial_gather_stress(ring)
+    op.gather_force(ring, step * ring.dt, on)
+    op.radial_gather_stress(ring)
     move_reference(ring, step * ring.dt < 1.5 * ring.recovered_numbers[H])
 
 
 @ti.func
 def damped_errors(ring: ti.template()):
     """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
-    B = across(ring)
-    for a in range(node_count(ring) // B):
+    B = op.across(ring)
+    for a in range(op.node_count(ring) // B):
         for b in range(B):
             i = a * B + b
-            r = ring.recovered_nodes[node_at(ring, MOTION, i)]
+            r = ring.recovered_nodes[op.node_at(ring, op.MOTION, i)]
             r += ring.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
-            ring.recovered_nodes[node_at(ring, MOTION, i)] = r
-            ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - r
-    radial_smoothing(ring)
-    for a in range(node_count(ring) // B):
+            ring.recovered_nodes[op.node_at(ring, op.MOTION, i)] = r
+            ring.recovered_nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b) - r
+    op.radial_smoothing(ring)
+    for a in range(op.node_count(ring) // B):
         for b in range(B):
-            e = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)]
-            rough = e - angular_smoothing(ring, a, b)
-            ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] = rough
-            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = ti.Vector(
+            e = ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)]
+            rough = e - op.angular_smoothing(ring, a, b)
+            ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)] = rough
+            ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)] = ti.Vector(
                 [e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
-    radial_smoothing(ring)
-    for a in range(node_count(ring) // B):
+    op.radial_smoothing(ring)
+    for a in range(op.node_count(ring) // B):
         for b in range(B):
-            rough = ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
-            e = ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)]  # not +=, which would be an atomic addition
-            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = e + ring.recovered_numbers[TAU] * ti.Vector(
+            rough = ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)] - op.angular_smoothing(ring, a, b)
+            e = ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)]  # not +=, an atomic addition
+            ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)] = e + ring.recovered_numbers[TAU] * ti.Vector(
                 [rough[2], rough[3], 0.0, 0.0])
 
 
@@ -122,11 +96,11 @@ def find_stress(ring: ti.template()):
     for line in range(ring.particles // ring.radius_count):
         for j in range(ring.radius_count):
             p = line * ring.radius_count + j
-            along, around = line_slopes(ring, line, j)
-            _, error_along, error_around = radial_spread(ring, line, j)
+            along, around = op.line_slopes(ring, line, j)
+            _, error_along, error_around = op.radial_spread(ring, line, j)
             a, b, c, d = polar_gradient(ring, p, along - error_along, around - error_around)
             per_J = 1 / (a * d - b * c)
-            ring.recovered_particles[particle_at(ring, STRESS, p)] = ring.shear_modulus * ti.Vector(
+            ring.recovered_particles[op.particle_at(ring, op.STRESS, p)] = ring.shear_modulus * ti.Vector(
                 [a - per_J * d, c + per_J * b, b + per_J * c, d - per_J * a])
 
 
@@ -140,20 +114,21 @@ def polar_gradient(ring: ti.template(), p, along, around):
 @ti.func
 def move_reference(ring: ti.template(), first):
     """The acceleration of every node, and the rate that follows."""
-    B = across(ring)
-    for a in range(node_count(ring) // B):
-        e = ring.recovered_nodes[node_at(ring, DIRECTION, a)]
+    B = op.across(ring)
+    for a in range(op.node_count(ring) // B):
+        e = ring.recovered_nodes[op.node_at(ring, op.DIRECTION, a)]
         for b in range(B):
             i = a * B + b
-            push = ring.recovered_nodes[node_at(ring, FORCE, b)][0]
-            divergence = angular_gather_stress(ring, a, b)
-            r, before = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
+            push = ring.recovered_nodes[op.node_at(ring, op.FORCE, b)][0]
+            divergence = op.angular_gather_stress(ring, a, b)
+            r = ring.recovered_nodes[op.node_at(ring, op.MOTION, i)]
+            before = ring.recovered_nodes[op.node_at(ring, op.RATE, i)]
             x = next_reference(ti.Vector([r[0], r[2], before[0], before[2]]),
                                push * e[0] - divergence[0] / ring.density, ring.recovered_numbers[H], first)
             y = next_reference(ti.Vector([r[1], r[3], before[1], before[3]]),
                                push * e[1] - divergence[1] / ring.density, ring.recovered_numbers[H], first)
-            ring.recovered_nodes[node_at(ring, MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
-            ring.recovered_nodes[node_at(ring, RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
+            ring.recovered_nodes[op.node_at(ring, op.MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
+            ring.recovered_nodes[op.node_at(ring, op.RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
 
 
 # ---- the report ---------------------------------------------------------------------------------------------------
@@ -164,13 +139,14 @@ def report(ring: ti.template(), base, step, on: ti.template()):
     """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
     for p in range(ring.particles):
         q, X, v_g = ring.motion[p], ring.material_position[p], grid_velocity(ring, p, on)
-        ring.recovered_particles[particle_at(ring, FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
+        field = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
+        ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = field
     find_errors(ring, step, False)
     for p in range(ring.particles):
         line, j = p // ring.radius_count, p % ring.radius_count
-        fitted, along, around = angular_fit(ring, line, j)
-        error, error_along, error_around = radial_spread(ring, line, j)
-        field, q = ring.recovered_particles[particle_at(ring, FIELD, p)], ring.motion[p]
+        fitted, along, around = op.angular_fit(ring, line, j)
+        error, error_along, error_around = op.radial_spread(ring, line, j)
+        field, q = ring.recovered_particles[op.particle_at(ring, op.FIELD, p)], ring.motion[p]
         ring.estimate[base + p] = error + field - fitted + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
         ring.estimate_stress[base + p] = stress_error(ring, p, along - error_along, around - error_around)
         ring.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
@@ -188,13 +164,13 @@ def report_acceleration(ring: ti.template(), base, step):
     """Estimated error of the last step's acceleration."""
     for p in range(ring.particles):
         a_p = ring.acceleration[p]
-        ring.recovered_particles[particle_at(ring, FIELD, p)] = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
+        ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
     find_errors(ring, step, True)
     for p in range(ring.particles):
         line, j = p // ring.radius_count, p % ring.radius_count
-        fitted, _, _ = angular_fit(ring, line, j)
-        error, _, _ = radial_spread(ring, line, j)
-        E = error + ring.recovered_particles[particle_at(ring, FIELD, p)] - fitted
+        fitted, _, _ = op.angular_fit(ring, line, j)
+        error, _, _ = op.radial_spread(ring, line, j)
+        E = error + ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] - fitted
         ring.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
 
 
@@ -212,12 +188,13 @@ def grid_velocity(ring: ti.template(), p, on: ti.template()):
 @ti.func
 def find_errors(ring: ti.template(), step, of_acceleration: ti.template()):
     """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted along each radius."""
-    radial_gather(ring)
-    since, B = time_since(step, ring.dt, ring.recovered_numbers[H]), across(ring)
-    for a in range(node_count(ring) // B):
+    op.radial_gather(ring)
+    since, B = time_since(step, ring.dt, ring.recovered_numbers[H]), op.across(ring)
+    for a in range(op.node_count(ring) // B):
         for b in range(B):
             i = a * B + b
-            r, rate = ring.recovered_nodes[node_at(ring, MOTION, i)], ring.recovered_nodes[node_at(ring, RATE, i)]
+            r = ring.recovered_nodes[op.node_at(ring, op.MOTION, i)]
+            rate = ring.recovered_nodes[op.node_at(ring, op.RATE, i)]
             U_x, V_x, A_x = reference_at(ti.Vector([r[0], r[2], rate[0], rate[2]]),
                                          ring.recovered_numbers[H], since, ring.dt)
             U_y, V_y, A_y = reference_at(ti.Vector([r[1], r[3], rate[1], rate[3]]),
@@ -225,14 +202,14 @@ def find_errors(ring: ti.template(), step, of_acceleration: ti.template()):
             true_mean = ti.Vector([U_x, U_y, V_x, V_y])
             if ti.static(of_acceleration):
                 true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
-            ring.recovered_nodes[node_at(ring, GATHERED, i)] = angular_gather(ring, a, b) - true_mean
-    radial_smoothing(ring)
-    for a in range(node_count(ring) // B):
+            ring.recovered_nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b) - true_mean
+    op.radial_smoothing(ring)
+    for a in range(op.node_count(ring) // B):
         for b in range(B):
-            ring.recovered_nodes[node_at(ring, ERRORS, a * B + b)] = \
-                2 * ring.recovered_nodes[node_at(ring, GATHERED, a * B + b)] - angular_smoothing(ring, a, b)
-    angular_spread(ring)
-    radial_fit(ring)
+            ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)] = \
+                2 * ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)] - op.angular_smoothing(ring, a, b)
+    op.angular_spread(ring)
+    op.radial_fit(ring)
 
 
 @ti.func
@@ -275,11 +252,11 @@ def allocate(scene):
     # The initial velocity is radial, and the body force is zero at the start.
     v0 = scene.amplitude * scene.angular_frequency * exact.shape(exact.INNER + radius.particles() / radius.per_point)[0]
     nodes = np.zeros((7, angle.nodes * radius.nodes, 4))
-    nodes[MOTION, :, 2:] = (direction[:, None] * radial[2](v0)[:, 0, 0, None]).reshape(-1, 2)
-    nodes[DIRECTION, :angle.nodes, :2] = direction
+    nodes[op.MOTION, :, 2:] = (direction[:, None] * radial[2](v0)[:, 0, 0, None]).reshape(-1, 2)
+    nodes[op.DIRECTION, :angle.nodes, :2] = direction
     return {"recovered_numbers": numbers(scene, interval(scene)), "recovered_index": index,
             "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
-            "recovered_particles": np.zeros((PARTICLE_BLOCKS * angle.points * radius.points
+            "recovered_particles": np.zeros((op.PARTICLE_BLOCKS * angle.points * radius.points
                                              + 2 * angle.points * radius.nodes, 4))}
 
 

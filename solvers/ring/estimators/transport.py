@@ -21,6 +21,7 @@ from solvers.kinds import pairs, quads, real
 from solvers.ring import cpdi, gimp
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
+from solvers.ring.phases import fold, mirror
 
 
 @ti.func
@@ -28,7 +29,7 @@ def in_step(ring: ti.template(), base, on: ti.template()):
     """Advance Ex by H = k dt and report Ev and Ea, between the node update and the particle update."""
     clear(ring)
     gather_moments(ring, on)
-    fold(ring)
+    fold(ring, fold_pair)
     node_errors(ring)
     particle_errors(ring, base, on)
 
@@ -83,18 +84,8 @@ def add(ring: ti.template(), p, node, S, S_x, S_y, volume, stress, push):
 
 
 @ti.func
-def fold(ring: ti.template()):
-    """Add what fell beyond a symmetry plane to its mirror image: D across the plane and the force are odd."""
-    for j in range(ring.active):
-        for i in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, j * ring.row + 2 * GHOSTS - i, -1.0, 1.0)
-    for i in range(ring.active):
-        for j in ti.static(range(GHOSTS)):
-            fold_pair(ring, j * ring.row + i, (2 * GHOSTS - j) * ring.row + i, 1.0, -1.0)
-
-
-@ti.func
 def fold_pair(ring: ti.template(), ghost, image, in_x, in_y):
+    """D across the plane and the force are odd."""
     moments, push = ring.transport_moments[ghost], ring.transport_error[ghost]
     ring.transport_stress[image] = ring.transport_stress[image] + ring.transport_stress[ghost]
     ring.transport_moments[image] = ring.transport_moments[image] \
@@ -114,21 +105,14 @@ def node_errors(ring: ti.template()):
                 motion, push = ring.node_motion[node], ring.transport_error[node]
                 a = ti.Vector([motion[2] - push[0] / mass, motion[3] - push[1] / mass])
                 # f over the nodal density: (sum V S sigma / V_i)/(m_i/V_i) = sum V S sigma / m_i.
-                error[0] = moments[0] / sums[2] * sums[0] / mass + (moments[2] / sums[2] - 1) * a[0]
-                error[1] = moments[1] / sums[2] * sums[1] / mass + (moments[3] / sums[2] - 1) * a[1]
+                error[0] = moments[0] / sums[2] * sums[0] / mass + (moments[2] / sums[2] - 1) * a[0]  # eq 46
+                error[1] = moments[1] / sums[2] * sums[1] / mass + (moments[3] / sums[2] - 1) * a[1]  # eq 47
                 if i == GHOSTS:
                     error[0] = 0.0
                 if j == GHOSTS:
                     error[1] = 0.0
             ring.transport_error[node] = error
-    for j in range(GHOSTS, ring.active):
-        for i in ti.static(range(GHOSTS)):
-            image = ring.transport_error[j * ring.row + 2 * GHOSTS - i]
-            ring.transport_error[j * ring.row + i] = ti.Vector([-image[0], image[1]])
-    for i in range(ring.active):
-        for j in ti.static(range(GHOSTS)):
-            image = ring.transport_error[(2 * GHOSTS - j) * ring.row + i]
-            ring.transport_error[j * ring.row + i] = ti.Vector([image[0], -image[1]])
+    mirror(ring, ring.transport_error, (-1.0, 1.0), (1.0, -1.0))
 
 
 @ti.func
@@ -136,9 +120,9 @@ def particle_errors(ring: ti.template(), base, on: ti.template()):
     """Ea and Ev at the particles, and Ex carried on by H."""
     for p in range(ring.particles):
         Ea = interpolate(ring, p, on)
-        Ev = ring.dt * Ea
+        Ev = ring.dt * Ea  # eq 48
         before = ring.estimate[base + p]
-        ring.estimate[base + p] = ti.Vector([before[0] + ring.transport_dt * Ev[0],
+        ring.estimate[base + p] = ti.Vector([before[0] + ring.transport_dt * Ev[0],  # eq 49, in steps of H
                                              before[1] + ring.transport_dt * Ev[1], Ev[0], Ev[1]])
         ring.estimate_acceleration[base + p] = Ea
 

@@ -29,7 +29,7 @@ PARITY = (1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 1.0)  # of the mirror image of u
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in RingBody.types().items()},
-    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.TABLE.items()},
+    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.MEMBERS.items()},
     "two_grid_gain": real,  # 1/(r^2 - 1)
     "two_grid_interval": ti.i32,
     "two_grid_angles": ti.i32, "two_grid_coarse_angles": ti.i32, "two_grid_common_radii": ti.i32,  # of the lattices
@@ -117,7 +117,7 @@ def run_fields(ring: ti.template(), own: ti.template(), on: ti.template()):
 def coarse_fields(ring: ti.template(), own: ti.template(), coarse: ti.template(), step):
     """Fields of the second ring, carried on from its last step to the present one, ``late`` seconds.
 
-    v is early by r^2 dt/2 on purpose, and a belongs to a step before: see ``two_grid_bar.coarse_fields``.
+    v is early by r^2 dt/2 on purpose, and a belongs to a step before: see ``coarse_fields`` of the bar.
     """
     dt, H, mu = ring.dt, coarse.dt, ring.shear_modulus
     late = step % own.interval * dt
@@ -226,7 +226,7 @@ def coarse_scene(scene):
                           "threads": 1})
 
 
-def stencils(scene, second):
+def all_stencils(scene, second):
     """The six tables, and the numbers of points (around, across) of the run's, the second's and the common lattice."""
     fine, coarse = (polar_counts(s.cells, s.ppc) for s in (scene, second))
     common = coarse[0], max(coarse[1], lattice.CUBIC)
@@ -235,7 +235,7 @@ def stencils(scene, second):
     for way, source, target, fit in (("down", fine, common, windows), ("across", coarse, common, windows),
                                      ("up", common, fine, cubic)):
         for along, k in (("radius", 1), ("angle", 0)):
-            tables[f"{way}_{along}"] = lattice.table(lattice.centres(target[k], source[k]), source[k], fit,
+            tables[f"{way}_{along}"] = lattice.stencils(lattice.centres(target[k], source[k]), source[k], fit,
                                                      closed=along == "radius")
     return tables, fine, coarse, common
 
@@ -245,7 +245,7 @@ def allocate(scene):
     second = coarse_scene(scene)
     members = body(second, two_grid.bare(switches(second)), slabs=1)
     Q = members["particles"]
-    tables, fine, coarse, common = stencils(scene, second)
+    tables, fine, coarse, common = all_stencils(scene, second)
     P, C = fine[0] * fine[1], common[0] * common[1]
     band = max((fine[0] + 2 * tables["down_angle"]["taps"]) * common[1],
                (coarse[0] + 2 * tables["across_angle"]["taps"]) * common[1],

@@ -1,0 +1,57 @@
+"""The head of the page: title, icon, style and theme. The viewer lets them be set by html of one's own only."""
+
+from __future__ import annotations
+
+import colorsys
+from pathlib import Path
+
+import viser
+
+from app.colours import ESTIMATE, TRUTH
+from app.drawing import rgb
+
+PAGE_TITLE = "mpm-lab"
+CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the left panel
+
+#: Put before a slider whose number box would show a logarithm: the style hides the box.
+LOGARITHMIC = "<i class='lab-logarithmic'></i>"
+#: Put before each of the boxes that stand two in a row.
+HALF_WIDE = "<i class='lab-half'></i>"
+
+_ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
+         "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "
+         "stroke='white' stroke-width='1.6'/%3E%3Ccircle cx='5' cy='4.6' r='1.7' fill='%23D55E00'/%3E%3C/svg%3E")
+_PIXEL = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///ywAAAAAAQABAAACAUwAOw=="
+_STYLE = (Path(__file__).parents[1] / "style.css").read_text(encoding="utf-8")
+# An image's onload is the one moment in a page's life that html alone can hook: it sets the tab's title and icon.
+# The viewer's own buttons (its server, its scene tree, its share link) are of no use to a visitor, and its warning
+# of slow graphics, which would cover the colour bar, does not hold for so light a picture.
+_HEAD = f"""<img src='{_PIXEL}' style='display:none' onload="document.title='{PAGE_TITLE}';
+document.querySelector('link[rel=icon]').href=this.dataset.icon;
+new MutationObserver(()=>document.querySelectorAll('.mantine-Notification-root').forEach(n=>{{
+if(n.innerText.startsWith('Software WebGL'))n.style.display='none'}})).observe(document.body,{{childList:true,
+subtree:true}})" data-icon="{_ICON}">
+<style>
+:root {{ --lab-estimate: {ESTIMATE}; --lab-truth: {TRUTH}; --lab-left-panel: {MEASUREMENTS_WIDTH}px;
+--lab-right-panel: {CONTROLS_WIDTH}px; }}
+{_STYLE}</style>"""
+
+
+def set_up(gui: viser.GuiApi) -> None:
+    """Theme and panel of a page."""
+    gui.configure_theme(dark_mode=False, show_logo=False, show_share_button=False, brand_color=_brand(TRUTH))
+    gui.main_panel.dock_right()
+    gui.main_panel.set_width(CONTROLS_WIDTH)
+    gui.set_panel_label("mpm-lab: how wrong is it?")
+
+
+def add_head(gui: viser.GuiApi) -> None:
+    """The html that sets title, icon and style, in an element of its own so that it runs once."""
+    gui.add_html(_HEAD)
+
+
+def _brand(colour: str) -> tuple[int, int, int]:
+    """The theme colour for which buttons come out as ``colour``: they are drawn two shades lighter."""
+    hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(colour)))
+    red, green, blue = colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full)
+    return round(255 * red), round(255 * green), round(255 * blue)

@@ -1,0 +1,87 @@
+"""What a problem tells the page and the pictures about itself."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import viser
+
+    from app.problems.stage import Stage
+    from app.scale import ColourScale
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Ends of a problem's sliders: whole numbers (low, high, step), and (low, high) of those whose steps are factors.
+
+    Some reach beyond what a scene can be: the page then says why not, and that is worth reading.
+    """
+
+    cells: tuple[int, int, int]
+    ppc: tuple[int, int]
+    amplitude: tuple[float, float]
+    modulus: tuple[float, float]
+    speed: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Regions:
+    """``names`` of the regions, and for each of P particles the ``number`` of the one where it was at rest."""
+
+    names: tuple[str, ...]
+    number: np.ndarray
+
+    def errors(self, sizes: np.ndarray) -> np.ndarray:
+        """The root of the mean square of sizes (P,) in each region; NaN where there is no particle."""
+        with np.errstate(all="ignore"):  # a region may be empty, and a run gone bad holds anything
+            squares = np.bincount(self.number, sizes.astype(float) ** 2, len(self.names))
+            return np.sqrt(squares / np.bincount(self.number, minlength=len(self.names)))
+
+
+@dataclass(frozen=True)
+class ProblemView:
+    """How one problem is shown.
+
+    ``regions`` divides the material by where particles were at rest (P, D), and ``division`` says how in words:
+    "the bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and that of
+    its lower row over the upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the
+    fields of the scene among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can
+    outline domains.
+    """
+
+    problem: str
+    regions: Callable[[np.ndarray], Regions]
+    division: str
+    picture: tuple[float, float]
+    reach: Reach
+    amplitude_hint: str
+    speed: float
+    details: Mapping[str, str]
+    domains_hint: str = ""
+
+    @property
+    def about(self) -> str:
+        """Html on what moves: the folder's ``about.html``, if it has one."""
+        path = Path(__file__).parent / self.problem / "about.html"
+        return path.read_text(encoding="utf-8") if path.exists() else ""
+
+    @property
+    def stage(self) -> Callable[[viser.ClientHandle, ColourScale], Stage[Any]]:
+        """The ``STAGE`` of the folder's ``stage.py``, imported when it is asked for: a picture needs no viewer."""
+        return self._module("stage").STAGE
+
+    @property
+    def draw(self) -> Callable:
+        """``draw(figure, space, particles, result)`` of the folder's ``pictures.py``: the error in space into the axes
+        ``space``, the particles at the end into the place ``particles``. Matplotlib takes long to import."""
+        return self._module("pictures").draw
+
+    def _module(self, name: str) -> Any:
+        return importlib.import_module(f"app.problems.{self.problem}.{name}")

@@ -1,0 +1,31 @@
+"""How the ring is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.problems.interface import ProblemView, Reach, Regions
+from solvers.ring.exact import INNER, OUTER
+
+ANGLES, THIRDS = 6, ("inner", "middle", "outer")  # regions of the quarter: 15 degrees each, from the x axis on
+
+
+def regions(X: np.ndarray) -> Regions:
+    share = (np.hypot(X[:, 0], X[:, 1]) - INNER) / (OUTER - INNER)
+    third = np.clip((share * len(THIRDS)).astype(int), 0, len(THIRDS) - 1)
+    angle = np.clip((np.arctan2(X[:, 1], X[:, 0]) / (0.5 * np.pi) * ANGLES).astype(int), 0, ANGLES - 1)
+    step = 90 // ANGLES
+    names = tuple(f"{third} third, {k * step}–{(k + 1) * step}°" for third in THIRDS for k in range(ANGLES))
+    return Regions(names, third * ANGLES + angle)
+
+
+RING = ProblemView(
+    "ring", regions, f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the "
+    "wall", picture=(13.5, 0.85), speed=0.2,
+    reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-5, 0.1)),
+    amplitude_hint="largest displacement of the outer rim; above 0.198 m a real ring wrinkles, from 0.386 m on the "
+                   "exact one turns inside out",
+    details={"layout": "where particles begin: the Cartesian rim is a staircase",
+             "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"},
+    domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
+                 "particles")

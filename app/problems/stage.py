@@ -1,0 +1,74 @@
+"""What the stages of all problems share: two halves, estimate and truth, each with a title or the reason it is empty.
+
+Both halves and the colour bar use one scale.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, Generic, TypeVar
+
+import numpy as np
+import viser
+
+from app.drawing import write
+from app.scale import ColourScale
+from solvers.engine.frames import FrameArrays
+from solvers.scene import Scene
+
+AnyScene = TypeVar("AnyScene", bound=Scene)
+
+
+@dataclass(frozen=True)
+class Half:
+    """One lane of the bar or half of the ring: ``sizes`` (P,) of errors, or None and the reason in ``silence``."""
+
+    title: str
+    sizes: np.ndarray | None
+    silence: str = ""
+
+
+class Stage(ABC, Generic[AnyScene]):
+    """Draws frames of a problem in one client's scene.
+
+    ``domains`` says whether the particles' domains are outlined, on a stage that can. ``_titles`` and ``_silences``
+    hold two labels each, the estimate's and the truth's.
+    """
+
+    SILENCE_WIDTH: ClassVar[int]  # characters in a line of the reason why a half is empty
+
+    _titles: list[viser.LabelHandle]
+    _silences: list[viser.LabelHandle]
+
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, problem: str):
+        self._scale, self.domains = scale, False
+        self._drawn_scene: AnyScene | None = None
+        self.root = client.scene.add_frame(f"/{problem}", show_axes=False)
+
+    def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
+             t: float, speed: float) -> None:
+        """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); t in s, ``speed`` in simulated s per s."""
+        if scene != self._drawn_scene:
+            self._drawn_scene = scene
+            self._draw_grid(scene)
+        self._draw_frame(scene, arrays, estimated, true, t, speed)
+
+    def caption(self, estimate: Half, truth: Half) -> None:
+        """Title the halves, and say in an empty one why it is."""
+        for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
+            write(title, half.title)
+            write(silence, half.silence, self.SILENCE_WIDTH)
+
+    @abstractmethod
+    def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
+        """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage."""
+
+    @abstractmethod
+    def _draw_grid(self, scene: AnyScene) -> None:
+        """Draw what stays while a scene runs."""
+
+    @abstractmethod
+    def _draw_frame(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None,
+                    true: np.ndarray | None, t: float, speed: float) -> None:
+        """Draw what moves."""

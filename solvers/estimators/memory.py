@@ -1,0 +1,56 @@
+"""What the estimators of a run keep: the types of their numbers and arrays, and their values at the start."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from solvers.estimators.interface import NEVER, EstimatorHooks
+from solvers.estimators.packing import Packing
+
+if TYPE_CHECKING:
+    from solvers.scene import Scene
+
+
+def members(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
+    """The memory of all estimators, by name, with types."""
+    return {name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()}
+
+
+def memory_types(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
+    """The types of the members of the state that hold all estimators' memory (see ``solvers.estimators.packing``)."""
+    return Packing(members(estimators)).types
+
+
+def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
+    """What these hold: the active estimators' own values, and for the others the least that a kernel accepts."""
+    values: dict[str, object] = {}
+    for name, estimator in estimators.items():
+        blank = {member: _blank(kind) for member, kind in estimator.memory.items()}
+        own = estimator.allocate(scene) if name in scene.active_estimators else {}
+        if own and own.keys() != blank.keys():
+            raise TypeError(f"estimator {name} allocates {sorted(own.keys() ^ blank.keys())} against its own list")
+        values.update(own or blank)
+    return Packing(members(estimators)).values(values)
+
+
+def memory_parts(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
+    """All estimators' arrays by name, out of what holds them."""
+    return Packing(members(estimators)).parts(memory)
+
+
+def intervals(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> np.ndarray:
+    """Steps between two steps of each active estimator; one entry at least."""
+    return np.array([estimators[name].interval(scene) for name in scene.active_estimators] or [NEVER], np.int32)
+
+
+def _blank(kind: Any) -> float | int | np.ndarray:
+    """Zero, or an array of length one, of a Taichi type."""
+    if not hasattr(kind, "ndim"):
+        return 0
+    element = kind.dtype
+    shape = (1,) * kind.ndim + tuple(element.get_shape() if hasattr(element, "get_shape") else ())
+    integer = getattr(element, "dtype", element).to_string() == "i32"
+    return np.zeros(shape, np.int32 if integer else np.float64)

@@ -1,0 +1,130 @@
+"""Work in a process of its own: a fresh Python that does nothing else, asked and answering in lines of JSON.
+
+Taichi wants one thread for all its calls, holds Python's lock while it runs, and can take its process down; a timing
+wants nothing else going on beside it. So rows of a study, visitors' sweeps and searches and the bench's start-up times
+are done by processes that can be killed. They find modules where whoever started them does, and end when that is gone.
+``multiprocessing`` would not do: workers of a Dask cluster are daemons, which must not have children of that kind.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Mapping
+from typing import IO, cast
+
+START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); import solvers.processes as p; p.serve(sys.argv[2])"
+
+
+class ProcessDied(Exception):
+    """The process ended before its work was done, or the work failed in it; the sentence says how."""
+
+
+class WorkerProcess:
+    """A process that does ``work``, given as ``"module:function"``: the function is called with every question and with
+    another to call with each answer. One question at a time; :meth:`kill` from any thread."""
+
+    def __init__(self, work: str, environment: Mapping[str, str] | None = None):
+        paths = json.dumps([path or os.getcwd() for path in sys.path])
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", START, paths, work], env={**os.environ, **(environment or {})},
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self._questions, self._answers = cast(IO[str], self._process.stdin), cast(IO[str], self._process.stdout)
+
+    @property
+    def process_id(self) -> int:
+        return self._process.pid
+
+    @property
+    def running(self) -> bool:
+        return self._process.poll() is None
+
+    def ask(self, question: Mapping) -> Iterator[dict]:
+        """The answers to a question as they come; :class:`ProcessDied` if there will be no more of them."""
+        failure = None
+        with contextlib.suppress(OSError):  # it has ended: there is nothing to read
+            self._questions.write(json.dumps(question) + "\n")
+            self._questions.flush()
+        for line in self._answers:
+            if not line.endswith("\n"):
+                break  # it was killed in the middle of it
+            message = json.loads(line)
+            if "answer" not in message:
+                failure = message["failure"]
+                if failure is None:
+                    return
+                break
+            yield message["answer"]
+        status = self.end()
+        raise ProcessDied(failure or status)
+
+    def kill(self) -> None:
+        """End the process at once, whatever it does; who waits for an answer learns it. No harm when it has ended."""
+        self._process.kill()
+
+    def end(self) -> str:
+        """Make sure that the process has ended and left nothing behind; says how it ended."""
+        self._process.kill()
+        for pipe in (self._questions, self._answers):
+            with contextlib.suppress(OSError):  # what was not written yet
+                pipe.close()
+        status = self._process.wait()
+        if status >= 0:
+            return f"ended with status {status}"
+        with contextlib.suppress(ValueError):
+            return f"was ended by {signal.Signals(-status).name}"
+        return f"was ended by signal {-status}"
+
+
+def ask_fresh(work: str, environment: Mapping[str, str] | None = None, patience: float = 120.0) -> dict:
+    """The only answer of a fresh process; :class:`ProcessDied` if none comes within ``patience`` seconds."""
+    process = WorkerProcess(work, environment)
+    timer = threading.Timer(patience, process.kill)
+    timer.start()
+    try:
+        return next(process.ask({}))
+    except ProcessDied:
+        if timer.finished.is_set():
+            raise ProcessDied(f"gave no answer within {patience:g} seconds") from None
+        raise
+    finally:
+        timer.cancel()
+        process.end()
+
+
+def serve(work: str) -> None:
+    """Be such a process: answer questions until whoever asks is gone, or the work fails.
+
+    Reading has a thread of its own: when whoever asked is gone, nobody wants what is being done.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for whoever started this
+    output = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what native code prints is not an answer
+    questions: queue.SimpleQueue[str] = queue.SimpleQueue()
+
+    def read() -> None:
+        for line in sys.stdin:
+            questions.put(line)
+        os._exit(0)
+
+    def say(**message: object) -> None:
+        output.write(json.dumps(message, allow_nan=False) + "\n")
+        output.flush()
+
+    threading.Thread(target=read, daemon=True).start()
+    try:
+        module, _, name = work.partition(":")
+        function = getattr(importlib.import_module(module), name)
+        while True:
+            function(json.loads(questions.get()), lambda answer: say(answer=answer))
+            say(failure=None)
+    except Exception as error:
+        say(failure=f"failed: {type(error).__name__}: {error}")
+    os._exit(1)  # at once: nothing here is worth tidying up

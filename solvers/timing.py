@@ -1,0 +1,83 @@
+"""How long a step takes, and which share of it an estimator, measured with a compiled solver.
+
+Other work on a machine only ever makes a stretch of steps slower, so the fastest is the one to believe. What is to be
+compared takes turns, and is compared within each turn: a processor may change its speed by half as much again between
+one turn and the next, and the fastest of two things may then be of two speeds.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from solvers.solver import Solver
+
+SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
+SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.004, 0.04, 9  # within a run that somebody waits for
+PROCESSORS = ("x64", "arm64")  # as Taichi calls them; others work while this thread waits
+
+
+class Stretch:
+    """Some steps of a solver, taken again and again from the same state, for ``seconds`` at least.
+
+    They are whole rounds of samples and of estimators, so that each stretch has its fair part of both; of estimators
+    alone where samples are so rare that a round of them takes more than ``longest`` seconds. A solver that has not
+    begun is warmed up first. ``put_back`` puts the state back, to the bit.
+    """
+
+    def __init__(self, solver: Solver, seconds: float = SECONDS, longest: float = math.inf):
+        self.solver = solver
+        alone = solver.plan == "serial" and solver.arch in PROCESSORS
+        # The processor's own time where one thread does it all, so that what else runs on the machine is not counted.
+        self._clock = time.thread_time if alone else time.perf_counter
+        whole = math.lcm(*solver.estimate_intervals)
+        sampled = min(math.lcm(whole, solver.scene.sample_interval), solver.longest_advance)
+        solver.advance(0)  # compiles
+        if not solver.step:
+            solver.advance(sampled)
+        self.put_back = solver.bookmark()
+        self.steps = min(whole, solver.longest_advance)
+        if not self.time() * sampled > longest:
+            self.steps = sampled
+        while self.time() * self.steps < seconds and 2 * self.steps <= solver.longest_advance:
+            self.steps *= 2
+
+    def time(self, without: str | None = None) -> float:
+        """Seconds a step, once more, on request without one of the estimators; NaN where the run goes bad, for then
+        steps are skipped."""
+        self.put_back()
+        if without:
+            self.solver.leave_out(without)
+        begun = self._clock()
+        self.solver.advance(self.steps)
+        took = self._clock() - begun
+        return took / self.steps if self.solver.sound else math.nan
+
+
+def take_turns(stretches: Sequence[Stretch], turns: int) -> np.ndarray:
+    """Seconds a step of every stretch (columns) in every turn (rows)."""
+    return np.array([[stretch.time() for stretch in stretches] for _ in range(turns)])
+
+
+def rate(solver: Solver, turns: int = 5, seconds: float = SECONDS) -> float:
+    """Million particle-steps per second of a solver; NaN if its run goes bad."""
+    return 1e-6 * solver.scene.particles / float(take_turns([Stretch(solver, seconds)], turns).min())
+
+
+def estimator_shares(solver: Solver) -> dict[str, float]:
+    """The share of the running time that each active estimator takes, measured here and now; none if the run goes bad.
+
+    The same steps are taken several times from the present state, with every estimator and with each one left out in
+    turn, samples included. The state is put back, to the bit.
+    """
+    names = solver.scene.active_estimators
+    if not names or not solver.sound:
+        return {}
+    stretch = Stretch(solver, SHARE_SECONDS, LONGEST_SHARE_SECONDS)
+    seconds = np.array([[stretch.time(without) for without in (*names, None)] for _ in range(SHARE_TURNS)])
+    stretch.put_back()
+    shares = 1 - np.median(seconds[:, :-1] / seconds[:, -1:], axis=0)
+    return {name: max(0.0, float(share)) for name, share in zip(names, shares, strict=True) if math.isfinite(share)}

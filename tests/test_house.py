@@ -1,0 +1,71 @@
+"""The house keeps its plan: no circles, wings that do not know each other, an honest list of kernel files.
+
+The rooms themselves are contracts of import-linter in ``pyproject.toml``; here is what a contract cannot say.
+"""
+
+from __future__ import annotations
+
+import graphlib
+import re
+import sys
+from itertools import permutations
+from pathlib import Path
+
+import grimp
+import pytest
+
+from solvers.problems import PROBLEMS
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:  # mypy brings it
+    import tomli as tomllib
+
+ROOT = Path(__file__).parents[1]
+SOURCES = sorted(path for room in ("app", "solvers") for path in (ROOT / room).rglob("*.py"))
+KERNEL = re.compile(r"^\s*@ti\.(func|kernel)\b", re.MULTILINE)
+LONGEST_FILE = 320
+
+
+@pytest.fixture(scope="module")
+def graph():
+    return grimp.build_graph("app", "solvers", exclude_type_checking_imports=True, cache_dir=None)
+
+
+def test_no_module_imports_itself_through_others(graph):
+    imports = {module: graph.find_modules_directly_imported_by(module) for module in graph.modules}
+    try:
+        graphlib.TopologicalSorter(imports).prepare()
+    except graphlib.CycleError as error:
+        pytest.fail("a circle of imports: " + " -> ".join(reversed(error.args[1])))
+
+
+@pytest.mark.parametrize("room", ["solvers", "app.problems"])
+@pytest.mark.parametrize("one, other", list(permutations(PROBLEMS, 2)))
+def test_problems_do_not_know_each_other(graph, room, one, other):
+    chain = graph.find_shortest_chain(f"{room}.{one}", f"{room}.{other}", as_packages=True)
+    assert chain is None, " -> ".join(chain)
+
+
+@pytest.mark.parametrize("room", ["problems", "run", "study", "engine", "tables", "bench"])
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_problems_do_not_look_up(graph, problem, room):
+    chain = graph.find_shortest_chain(f"solvers.{problem}", f"solvers.{room}", as_packages=True)
+    assert chain is None, " -> ".join(chain)
+
+
+def test_only_kernel_files_are_spared_by_mypy():
+    overrides = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["mypy"]["overrides"]
+    rules = {name: override["ignore_errors"] for override in overrides if "ignore_errors" in override
+             for name in override["module"]}
+    patterns = [name.replace(".", r"\.").replace(r"\.*", r"(\..*)?") for name in rules if "*" in name]
+    modules = {".".join(path.relative_to(ROOT).with_suffix("").parts): path for path in SOURCES}
+    spared = {module for module in modules  # as mypy has it: a rule for the very name before one for a pattern
+              if rules.get(module, any(re.fullmatch(pattern, module) for pattern in patterns))}
+    assert [name for name in rules if "*" not in name and name not in modules] == []
+    assert [module for module in spared if not KERNEL.search(modules[module].read_text(encoding="utf-8"))] == []
+
+
+def test_no_file_is_too_long():
+    lengths = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8").count("\n") for path in SOURCES}
+    assert {path: n for path, n in lengths.items() if n > LONGEST_FILE} == {}
