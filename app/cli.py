@@ -1,7 +1,5 @@
 """The entry of the command line ``mpm-lab``, light enough that Ctrl-C is one line even while the rest loads."""
 
-from __future__ import annotations
-
 import sys
 
 INTERRUPTED = 130

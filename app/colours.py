@@ -4,8 +4,6 @@ The pair is from Okabe and Ito's set, which people with any of the common colour
 map's lightness rises evenly, so that equal steps of error look equally far apart, in print as well.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 ESTIMATE = "#D55E00"

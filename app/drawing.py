@@ -1,7 +1,5 @@
 """What the stages share: the place of things, the colour bar, and points, lines and labels in the plane z = 0."""
 
-from __future__ import annotations
-
 import textwrap
 from typing import Literal
 

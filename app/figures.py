@@ -1,7 +1,5 @@
 """What the panels of a picture share: line styles, the common colour scale, robust sizes, words in place of data."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The colour scale that estimate and truth share: from sizes of errors to colours, and its numbers."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Words: names, units, symbols and number formats, once for the command line, the page and every picture."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

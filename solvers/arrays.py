@@ -5,8 +5,6 @@ memory for ever), and because the view and the tests read them as they are. They
 move a whole vector at once.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from typing import Any, get_type_hints
 

@@ -4,8 +4,6 @@ An effect is compiled in only where a scene has it (``solvers.switches``), so th
 one is a line here and its code, under ``ti.static("name" in on.effects)`` or, for short, ``on.name``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

@@ -3,8 +3,6 @@
 All take series over the sampled times of a run (``solvers.samples``), mostly RMS norms over particles.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -6,8 +6,6 @@ are done by processes that can be killed. They find modules where whoever starte
 ``multiprocessing`` would not do: workers of a Dask cluster are daemons, which must not have children of that kind.
 """
 
-from __future__ import annotations
-
 import contextlib
 import importlib
 import json

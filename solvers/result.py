@@ -1,7 +1,5 @@
 """Result: what a run leaves behind, and the JSON object that the command line prints."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """What a value must satisfy to be an input of a scene, and the one sentence that says so where it does not."""
 
-from __future__ import annotations
-
 import math
 import sys
 

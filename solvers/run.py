@@ -1,7 +1,5 @@
 """run(scene) -> Result: the one way to run anything without a page."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Starting Taichi: one place, so that every run is in double precision and says what it really ran on."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 

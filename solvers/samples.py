@@ -4,8 +4,6 @@ A sample is one row of sums over particles; :func:`read` turns rows into named s
 columns serve every problem, so that results, plots and the page need to know only names.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 QUANTITIES = ("x", "v", "sigma", "a")

@@ -28,7 +28,7 @@ class Solver(ABC):
     supplies the kernels and the estimators.
     """
 
-    plan: ClassVar[str] = "serial"
+    plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
     _arrays: Watch
 

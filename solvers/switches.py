@@ -1,7 +1,5 @@
 """Switches: what of a scene is compiled into its kernels."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from solvers.effects import EFFECTS

@@ -5,8 +5,6 @@ compared takes turns, and is compared within each turn: a processor may change i
 one turn and the next, and the fastest of two things may then be of two speeds.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Sequence

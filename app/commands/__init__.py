@@ -5,8 +5,6 @@ the work and returns the exit status. One that takes a scene is made for each pr
 write the dataclass and list it here.
 """
 
-from __future__ import annotations
-
 import functools
 
 from app.commands.advise import Advise, search_flags

@@ -1,7 +1,5 @@
 """``mpm-lab bench``: how fast it is here."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 from typing import Annotated

@@ -1,7 +1,5 @@
 """The tables that ``mpm-lab bench`` prints for people, made from the JSON object and nothing else."""
 
-from __future__ import annotations
-
 NOTHING = "-"
 
 

@@ -3,8 +3,6 @@
 Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable run, 130 stopped by Ctrl-C.
 """
 
-from __future__ import annotations
-
 import contextlib
 import difflib
 import inspect

@@ -5,8 +5,6 @@ as it does for a number out of range. That is why these flags take any count of 
 wrong in the same way) and why no range is repeated here.
 """
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable, Iterable
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """Where results go: checked and atomic files, a clean standard output, messages and a progress bar."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import json

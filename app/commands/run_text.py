@@ -1,7 +1,5 @@
 """The summary that ``mpm-lab run`` prints for people, made from the JSON object and nothing else."""
 
-from __future__ import annotations
-
 from app.words import QUANTITIES, per_cell
 
 NOTHING = "-"

@@ -1,7 +1,5 @@
 """The flags that say what a scene is, made from the scene's own fields: help, unit, default and choices live there."""
 
-from __future__ import annotations
-
 from dataclasses import Field, dataclass, field, fields, make_dataclass
 from typing import Annotated, Any, ClassVar
 

@@ -1,7 +1,5 @@
 """``mpm-lab serve``: the page."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from app.commands.flags import BadInput, NumberFlag, TextFlag

@@ -1,7 +1,5 @@
 """``mpm-lab tables``: the paper's tables beside ours, row by row, so that what is finished is never run twice."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

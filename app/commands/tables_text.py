@@ -1,7 +1,5 @@
 """A table's JSON object as Markdown: the paper's numbers, ours and their ratio, then what each estimator says."""
 
-from __future__ import annotations
-
 from app.words import NOTHING, QUANTITIES, method_name
 from solvers.markdown import grid
 from solvers.tables.digits import digits

@@ -5,8 +5,6 @@ of the canvas size can be stale and come in any order, and it skips values that 
 is repeated while things settle, each time changed by a hair.
 """
 
-from __future__ import annotations
-
 import math
 import threading
 from time import monotonic

@@ -1,7 +1,5 @@
 """The history of a live run: the sampled norms from its start until now, at a resolution that fits a plot."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from solvers import samples

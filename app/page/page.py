@@ -1,7 +1,5 @@
 """The page: one visitor's stage, panels and session, tied together."""
 
-from __future__ import annotations
-
 import html
 import logging
 import threading

@@ -1,7 +1,5 @@
 """The probe: drag a rectangle on the stage and read the errors of the particles in it. One without any puts it away."""
 
-from __future__ import annotations
-
 import numpy as np
 import viser
 

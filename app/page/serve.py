@@ -1,7 +1,5 @@
 """Serving the page: engines, the web server and one :class:`~app.page.page.Page` per visitor."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import logging

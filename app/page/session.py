@@ -1,7 +1,5 @@
 """Session: one visitor's wishes and what has come back. Knows nothing of how it is shown."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, fields

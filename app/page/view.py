@@ -1,7 +1,5 @@
 """What the stage's two halves show of a frame: which sizes of errors, under which title, or why there is nothing."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 A region's error is the root of the mean square over its particles, so that one odd particle does not make it the worst.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Estimate and truth keep the two colours of ``app.colours`` and share every scale
 line style. All drawing uses the object-oriented interface, so that threads and tests do not share state.
 """
 
-from __future__ import annotations
-
 import io
 import textwrap
 

@@ -1,7 +1,5 @@
 """The panels that a picture of any problem has: error norms and the error index over time."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 

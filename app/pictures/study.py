@@ -4,8 +4,6 @@ Each takes rows (see ``solvers.study.row``) and returns a figure, and says in wo
 Methods have the colours and marks of ``app.colours``; runs that went unstable are crosses, never left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What things cost: a step of each method, and each estimator and effect on top of it."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """What the pictures of a study share: frames, how a series looks, unstable points, legends, words."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Error against the time step at fixed h: where more steps stop buying anything."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The picture of a table, from its JSON object: errors against h, and the index of each estimator against the cells."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -3,8 +3,6 @@
 Both halves and the colour bar use one scale.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Generic, TypeVar

@@ -1,7 +1,5 @@
 """How each problem is shown: the one place of the app that knows them all. A new problem is one line here."""
 
-from __future__ import annotations
-
 from app.problems.bar.view import BAR
 from app.problems.interface import ProblemView
 from app.problems.ring.view import RING

@@ -1,7 +1,5 @@
 """The bar's body: every number and array that the method itself needs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); `
 ``BarScene.angular_frequency`` are those of whichever solution holds.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from solvers.bar.scene import BarScene

@@ -1,7 +1,5 @@
 """BarSolver: one bar in memory, ready to be stepped, sampled and looked at."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The bar's state: its body, and what watches it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import taichi as ti

@@ -3,8 +3,6 @@
 What only a run can show is the business of the estimator's own ``verdict``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from solvers.scene import Scene

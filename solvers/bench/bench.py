@@ -1,7 +1,5 @@
 """All measurements of the bench, one after another, as one object."""
 
-from __future__ import annotations
-
 import os
 import platform
 import sys

@@ -5,8 +5,6 @@ says how fast a well-known Taichi code runs on this machine and not which code i
 the start of Taichi is replaced, for one thread of the processor instead of a GPU.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import time
 from collections.abc import Callable

@@ -4,8 +4,6 @@ Everything runs on one thread in the processor's own time. The motion is gentle,
 how long a step takes does not depend on how far the particles go.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ Cold means that Taichi's cache of compiled kernels is empty, as after an install
 before.
 """
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 import time

@@ -1,7 +1,5 @@
 """The shared memory block through which a session's particles reach the page."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from multiprocessing.shared_memory import SharedMemory
 

@@ -1,7 +1,5 @@
 """What the page and an engine say to each other. Everything here is small and pickles quickly."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

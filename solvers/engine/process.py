@@ -4,8 +4,6 @@ Writing has a thread of its own, so that a callback of the page never waits for 
 and only a session's newest wish is sent.
 """
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import multiprocessing

@@ -1,7 +1,5 @@
 """One session inside an engine: a solver, a clock that says how far it should be, and its frames."""
 
-from __future__ import annotations
-
 import contextlib
 from multiprocessing.shared_memory import SharedMemory
 from time import perf_counter

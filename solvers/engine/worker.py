@@ -4,8 +4,6 @@ Sessions are served in fair turns: each that is behind its clock gets one short 
 read before every turn, so a dragged slider never leaves stale work in a queue.
 """
 
-from __future__ import annotations
-
 import logging
 import signal
 from collections.abc import Callable

@@ -6,8 +6,6 @@ one scene; number e reports the estimated errors of particle p in entry ``e * pa
 exact solution.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -6,8 +6,6 @@ of the polynomial that fits the nearest lattice points best (least squares; Savi
 as coefficients it interpolates, with more it also smooths.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import taichi as ti
 

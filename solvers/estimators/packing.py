@@ -7,8 +7,6 @@ attributes, for reading and for writing to arrays, and ``part`` gives those of o
 that functions written for a state (``bar.position[p]``) work on a second one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -6,8 +6,6 @@ be registered from outside (:func:`register`), in modules that the environment v
 which every process imports. Needs no Taichi, so that the command line and the page can ask.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import importlib.util

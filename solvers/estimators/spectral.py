@@ -5,8 +5,6 @@ integrals ("collocation") the mass matrix is diagonal and the error of smooth fi
 (Patera 1984; Komatitsch & Vilotte 1998). Set-up only: everything here is numpy, once a run.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Nodes lie at (-2h, -2h) + (i, j) h and are stored row by row, entry j * row + i;
 the nodes with index 2, so that two rows of ghosts lie beyond each.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ The page asks for them with every frame, so they cost as little as can be: what 
 looked up, and tensors are written out in components, since numpy's products of many small matrices are slow.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from solvers.ring import exact

@@ -5,8 +5,6 @@ w'(a) = w'(b) = 0, so that with nu = 0 both free surfaces carry no traction. F i
 F_r = 1 + T w', F_theta = 1 + T w/R, and P = mu (F - 1/F) in each, mu = E/2 (neo-Hookean with lambda = 0).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from solvers.ring.scene import RingScene

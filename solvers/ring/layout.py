@@ -1,7 +1,5 @@
 """Where the ring's particles begin, what they weigh and which domain they stand for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

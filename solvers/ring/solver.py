@@ -1,7 +1,5 @@
 """RingSolver: one ring in memory, ready to be stepped, sampled and looked at."""
 
-from __future__ import annotations
-
 import time
 
 from solvers import runtime

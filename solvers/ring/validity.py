@@ -4,8 +4,6 @@ What only a run can show is the business of the estimator's own ``verdict``. A s
 imports this one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -6,8 +6,6 @@ family, a coarser one is run first; if near, it is run itself. What a run shows 
 worse, until the cheapest candidate is one that has been run and whose own estimate meets the tolerance.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterable

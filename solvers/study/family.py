@@ -5,8 +5,6 @@ Measured at some numbers of cells, it is interpolated, and carried on to finer g
 show; the cost by steps, particles and the rate of the finest.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import insort
 from dataclasses import dataclass, field, replace

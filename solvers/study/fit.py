@@ -1,7 +1,5 @@
 """What rows say together: the order of convergence, the Pareto front, and where time and space error balance."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

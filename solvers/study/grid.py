@@ -1,7 +1,5 @@
 """From lists of values to tasks: every combination, the scene it means, and the key that it is known by."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

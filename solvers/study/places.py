@@ -7,8 +7,6 @@ many threads it has: rows side by side would disturb each other's timing. If the
 and Dask runs the row on another. ``distributed`` is an optional dependency, imported only where a cluster is used.
 """
 
-from __future__ import annotations
-
 import functools
 import logging
 import os

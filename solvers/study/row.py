@@ -12,8 +12,6 @@ gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``f
 alone, if asked).
 """
 
-from __future__ import annotations
-
 import platform
 import statistics
 from collections.abc import Sequence

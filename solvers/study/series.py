@@ -1,7 +1,5 @@
 """Rows that belong on one line: alike in every input but one."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Rows on disk: one JSON object a line, appended and synchronised as they come, so that a kill loses nothing done."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Rows as a table: CSV with a column for every number, and a summary in Markdown."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Numbers as the paper writes them."""
 
-from __future__ import annotations
-
 
 def digits(value: float, count: int) -> str:
     """A number with so many significant digits, with an exponent only where it is shorter: 3.49e-6, 0.0581."""

@@ -3,8 +3,6 @@
 Everything that is printed or drawn of a table is made from this object and nothing else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from solvers.samples import QUANTITIES

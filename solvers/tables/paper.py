@@ -1,7 +1,5 @@
 """The numbers that the paper prints in its Tables 1 to 3, by row."""
 
-from __future__ import annotations
-
 import functools
 import json
 from pathlib import Path

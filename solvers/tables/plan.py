@@ -5,8 +5,6 @@ over samples are sums over steps; ``cost``, a tenth as long and sampled as a run
 estimator; and for Table 1 ``crossings``, longer and with nothing else switched on. Tables 2 and 3 share their runs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 

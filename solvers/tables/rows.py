@@ -4,8 +4,6 @@ A row counts as finished only if the very same runs were made by the very same p
 a fingerprint of the solvers' source. Anything else, a half-written or foreign file included, is made again.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """One visitor's sweep or search in the background: at most one at a time, and few on the whole server."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Sequence

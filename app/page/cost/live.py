@@ -1,7 +1,5 @@
 """A row out of a live run, once it has come to the end of its scene."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from app import __version__

@@ -4,8 +4,6 @@ The viewer's charts report no clicks and mark no single points; a drawing of our
 the keyboard too. What is clicked is named by ``data-run`` (see ``app.page.panels.cost``).
 """
 
-from __future__ import annotations
-
 import html
 import json
 import math

@@ -1,7 +1,5 @@
 """A visitor's runs: those seen on the stage and those of small sweeps, one row each, numbered."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Sequence

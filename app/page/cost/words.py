@@ -1,7 +1,5 @@
 """Runs, jobs and advice in words: sentences and the table of the Cost tab."""
 
-from __future__ import annotations
-
 import html
 import math
 from collections.abc import Sequence

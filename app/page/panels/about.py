@@ -1,7 +1,5 @@
 """The About tab: what the page shows, in the words of someone who sees it for the first time."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import viser

@@ -1,7 +1,5 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -54,7 +52,7 @@ class Controls:
         """Another problem has other choices and reaches."""
         if self._problem.value != self._session.scene.TITLE:
             kind = next(problem.scene for problem in PROBLEMS.values() if problem.scene.TITLE == self._problem.value)
-            self.load(kind(periods=1))  # type: ignore[call-arg]
+            self.load(kind(periods=1))
 
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once

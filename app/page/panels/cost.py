@@ -1,7 +1,5 @@
 """The Cost tab: what accuracy costs in time, out of a visitor's own runs."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Which estimators run, which of them the stage shows, and against what: a part of the control panel."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import viser

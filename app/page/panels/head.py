@@ -1,7 +1,5 @@
 """The head of the page: title, icon, style and theme. The viewer lets them be set by html of one's own only."""
 
-from __future__ import annotations
-
 import colorsys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The Lessons tab: what lies in ``lessons/``, as it is written there."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import viser

@@ -1,7 +1,5 @@
 """The left panel: numbers of the run and three plots over time."""
 
-from __future__ import annotations
-
 import viser
 
 from app.page.panels.controls import Controls

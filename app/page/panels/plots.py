@@ -5,8 +5,6 @@ forgets its range, and one that is removed may still be sent data: so each set o
 when it is first used and hidden while another set runs.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import viser
 from viser import uplot

@@ -1,7 +1,5 @@
 """The numbers of the left panel: the run, each estimator beside the truth, and where the error is worst."""
 
-from __future__ import annotations
-
 import html
 import math
 

@@ -1,7 +1,5 @@
 """The bar's own panels: the displacement of its particles, and the particles in lanes of truth and estimate."""
 
-from __future__ import annotations
-
 from typing import cast
 
 import numpy as np

@@ -3,8 +3,6 @@
 Both lanes and the colour bar use one scale. The stage is one bar long.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import viser
 

@@ -1,7 +1,5 @@
 """The ring's own panels: its particles, estimate on the left half and truth on the right, and a profile over R."""
 
-from __future__ import annotations
-
 from typing import cast
 
 import numpy as np

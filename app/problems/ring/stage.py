@@ -3,8 +3,6 @@
 Both halves and the colour bar use one scale. The ring is drawn to fit the stage, whatever its amplitude.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import viser
 

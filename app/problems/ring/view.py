@@ -1,7 +1,5 @@
 """How the ring is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from app.problems.interface import ProblemView, Reach, Regions

@@ -1,7 +1,5 @@
 """The mesh of the companion on the ring, and how to read it at the particles: set-up only, in numpy."""
 
-from __future__ import annotations
-
 import functools
 import math
 
