@@ -10,7 +10,6 @@ import functools
 import importlib
 import importlib.util
 import os
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -68,11 +67,12 @@ class Estimator:
 
 
 ESTIMATORS: dict[str, Estimator] = {}
+COLLECTED: set[str] = set()  # problems whose solvers have their hooks
 
 
 def register(estimator: Estimator) -> None:
     """Make an estimator known, before the solvers that it is for are imported: their kernels name what it keeps."""
-    late = [problem for problem in estimator.hooks if f"solvers.{problem}.state" in sys.modules]
+    late = [problem for problem in estimator.hooks if problem in COLLECTED]
     if late:
         raise RuntimeError(f"register {estimator.name} before the solver of the {' and '.join(late)} is imported")
     ESTIMATORS[estimator.name] = estimator
@@ -88,7 +88,9 @@ def names(problem: str) -> tuple[str, ...]:
 
 def hooks_of(problem: str) -> dict[str, EstimatorHooks]:
     """The hooks of all estimators that a problem has, by name."""
-    return {name: ESTIMATORS[name].hooks_for(problem) for name in names(problem)}
+    found = names(problem)  # loads the extensions
+    COLLECTED.add(problem)
+    return {name: ESTIMATORS[name].hooks_for(problem) for name in found}
 
 
 @functools.cache
