@@ -36,18 +36,13 @@ class ColourScale:
 
         Where the truth is known, an estimate far beyond it does not set the scale: it would hide both.
         """
-        truth, top = largest(true), largest(estimated)
-        self._follow(truth, top)
-        self.exceeded = max(truth, top) > self.top
-
-    def _follow(self, truth: float, top: float) -> None:
-        if self.held:
-            return
-        if truth > 0:
-            top = max(truth, min(top, BEYOND * truth))
-        self._peak = max(top, FADE * self._peak)
-        if self._peak > SMALLEST:
-            self.top = round_up(self._peak)
+        truth, estimate = largest(true), largest(estimated)
+        if not self.held:
+            top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
+            self._peak = max(top, FADE * self._peak)
+            if self._peak > SMALLEST:
+                self.top = round_up(self._peak)
+        self.exceeded = max(truth, estimate) > self.top
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
         """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top."""

@@ -8,22 +8,45 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from subprocess import Popen
 from time import monotonic, perf_counter, sleep
 
-PATIENCE = 60.0  # seconds: against a test that would hang, and for nothing else
+PATIENCE = 30.0  # seconds: against a test that would hang, and for nothing else
+STARVED = 10  # times that, when other work takes nearly all of the machine
 GONE = (FileNotFoundError, ProcessLookupError)
 
 
-def until(condition: Callable[[], object], what: str) -> None:
-    """Wait until ``condition()`` is true."""
-    end = monotonic() + PATIENCE
+def until(condition: Callable[[], object], what: str, patience: float = PATIENCE, pause: float = 0.01) -> None:
+    """Wait until ``condition()`` is true.
+
+    Time in which one of this process's own processes was ready to run and other work had the processors does not try
+    the patience: a sweep behind the page has a low priority and may get a tenth of a busy machine.
+    """
+    end, calm = monotonic() + STARVED * patience, 0.0
+    at, waits = monotonic(), _waits()
     while not condition():
-        assert monotonic() < end, f"never happened: {what}"
-        sleep(0.01)
+        sleep(pause)
+        before, earlier, at, waits = at, waits, monotonic(), _waits()
+        starved = max((wait - earlier.get(process, wait) for process, wait in waits.items()), default=0.0)
+        calm += max(0.0, at - before - starved)
+        assert calm < patience and at < end, f"never happened: {what}"
+
+
+def _waits() -> dict[int, float]:
+    """Seconds that this process and those below it have spent ready to run without a processor."""
+    below, waits, family = defaultdict(list), {}, [os.getpid()]
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(*GONE):
+            below[int(status.read_text().rpartition(")")[2].split()[1])].append(int(status.parent.name))
+    for process in family:  # which grows meanwhile
+        family += below[process]
+        with suppress(*GONE):
+            waits[process] = 1e-9 * int(Path(f"/proc/{process}/schedstat").read_text().split()[1])
+    return waits
 
 
 def children(parent: int, word: str) -> list[int]:

@@ -105,6 +105,7 @@ BAD = [
     (["--t-end", "1", "--periods", "1"], "--periods 1:", "t-end is given too"),
     (["--ppc", "0"], "--ppc 0:", "from 1 to 64"),
     (["--body-force", "all"], "--body-force all:", "material, node, none"),
+    (["--method", "cpdi"], "--method cpdi:", "one of mpm, ugimp, cpgimp, bspline"),
     (["--method", "foo"], "--method foo:", "mpm, ugimp, cpgimp, bspline"),
     (["--method", "a\nb"], "--method 'a\\nb':", "ugimp"),
     (["--estimator", "foo"], "--estimator foo:", "transport"),
@@ -154,12 +155,31 @@ def test_bad_commands_are_one_line(words, says, capsys):
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["run", "bar", "--help"], ["--version"],
+                                       ["advise", "ring", "--help"], ["sweep", "bar", "--help"], ["bench", "--help"],
                                        ["run", "bar", "--cells", "0"], ["run", "bar", "--celss", "3"]])
 def test_help_and_bad_input_import_nothing_heavy(arguments):
     code = ("import sys; from app.cli import main; main(sys.argv[1:]); "
             "sys.exit(any(name in sys.modules for name in ('taichi', 'viser', 'matplotlib')))")
     done = subprocess.run([sys.executable, "-c", code, *arguments], cwd=ROOT, capture_output=True, timeout=60)
     assert done.returncode == 0
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "bar", "--cells", "8"], ["serve"]])
+def test_an_extension_that_is_not_there_is_one_line(arguments):
+    done = command(*arguments, env={**os.environ, "MPM_LAB_EXTENSIONS": "no_such_module"})
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert "MPM_LAB_EXTENSIONS names no_such_module, which cannot be imported" in done.stderr
+
+
+def test_what_a_problem_has_not_is_not_a_flag(capsys):
+    assert main(["run", "bar", "--layout", "polar"]) == 2
+    assert "--layout: is not a flag of mpm-lab run bar" in capsys.readouterr().err
+
+
+def test_an_output_without_the_signs_still_gets_its_table():
+    done = command("run", "ring", "--cells", "8", "--periods", "0.01", "--quiet",
+                   env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 0 and "2 ? 2 particles per cell" in done.stdout
 
 
 def test_help_lists_every_flag_with_its_default(capsys):

@@ -8,7 +8,6 @@ import os
 import signal
 import threading
 from dataclasses import replace
-from time import monotonic, sleep
 from types import SimpleNamespace
 
 import numpy as np
@@ -31,10 +30,10 @@ from solvers.study.grid import task_of
 from solvers.study.jobs import SearchJob
 from solvers.study.row import failed
 from solvers.study.summary import flat
+from tests.processes import until
 from tests.rows import made_up
 
 SCENE = BarScene(cells=10, periods=1)
-PATIENCE = 30.0
 
 
 def frames(scene, steps=100):
@@ -56,10 +55,7 @@ def same(one, other):
 
 
 def wait(condition):
-    end = monotonic() + PATIENCE
-    while not condition():
-        assert monotonic() < end
-        sleep(0.02)
+    until(condition, "what a job was waited for")
 
 
 def alive(process_id):

@@ -13,6 +13,7 @@ from matplotlib.colors import to_rgb
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
 from app.pictures.run import png_bytes, run_figure, save_png
 from solvers.bar.scene import BarScene
+from solvers.estimators.registry import ESTIMATORS, Estimator
 from solvers.result import Result
 from solvers.ring.scene import RingScene
 from solvers.run import run
@@ -196,6 +197,19 @@ def test_ring_without_a_finite_particle_is_drawn(ring):
                    error=np.full_like(ring.final.error, np.nan))
     figure = run_figure(replace(ring, final=lost))
     assert "no particle is left" in words(figure.axes[5])
+    assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_a_fifth_estimator_is_drawn_as_it_is_registered(result, monkeypatch):
+    monkeypatch.setitem(ESTIMATORS, "zero", Estimator("zero", "says nothing", "#aa0000", dashes=(5, 5), symbol="P"))
+    monkeypatch.setattr(BarScene, "active_estimators", ("transport", "zero"))
+    series = {**result.series, **{f"zero/{key.removeprefix('transport/')}": values
+                                  for key, values in result.series.items() if key.startswith("transport/")}}
+    final = replace(result.final, estimate=dict.fromkeys(("transport", "zero"), result.final.estimate["transport"]))
+    figure = run_figure(replace(result, series=series, final=final))
+    dashes = [line.get_linestyle() for line in figure.axes[0].get_lines()]
+    assert dashes == ["-", "-", "--"] and "estimate (zero)" in figure.axes[0].get_legend_handles_labels()[1]
+    assert {line.get_color() for line in figure.axes[3].get_lines()} >= {"#aa0000", ESTIMATORS["transport"].colour}
     assert png_bytes(figure).startswith(b"\x89PNG")
 
 

@@ -8,17 +8,21 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from app import words
 from app.page.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
 from app.page.worst import Worst, WorstRegions
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.ring.view import ANGLES, RING
+from app.problems.stage import Stage
+from app.problems.views import VIEWS
 from app.scale import ColourScale
 from app.words import with_unit
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
+from solvers.problems import PROBLEMS
 from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
@@ -116,6 +120,20 @@ def test_scale_says_when_something_exceeds_it():
     (0.00212, "2.12 mm"), (999.9e-6, "1 mm"), (1.0, "1 m"), (3.4e5, "340 km"), (0.0, "0 m"), (2e-20, "2.00e-20 m")])
 def test_units_have_prefixes(value, text):
     assert with_unit(value, "m") == text
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_every_problem_is_shown(problem):
+    """Its sliders reach its first scene, its details are fields with choices or switches, its folder has the rest."""
+    view, scene = VIEWS[problem], PROBLEMS[problem].scene(periods=1)
+    for field in ("cells", "ppc", "amplitude", "modulus"):
+        low, high, *_ = getattr(view.reach, field)
+        assert low <= getattr(scene, field) <= high
+    assert view.reach.speed[0] <= view.speed * scene.period <= view.reach.speed[1]
+    for field in view.details:
+        value, names = getattr(scene, field), words.choices(type(scene), field)
+        assert value in names if scene.choices(field) else isinstance(value, bool)
+    assert issubclass(view.stage, Stage) and callable(view.draw)
 
 
 def test_regions_of_the_bar():

@@ -143,21 +143,23 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
     import viser
 
     from app.page.page import Page
-    from app.page.panels.head import add_head, set_up
+    from app.page.panels.head import set_up
 
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     with contextlib.redirect_stdout(io.StringIO()):  # it would announce itself in a box of its own
         server = viser.ViserServer(host=host, port=port, verbose=False)
     set_up(server.gui)
-    visitors = Visitors(pool, max_sessions, Page, lambda client, sentence: _show(client, sentence, add_head))
+    visitors = Visitors(pool, max_sessions, Page, _show)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     server.on_client_connect(visitors.connect)
     return server
 
 
-def _show(client, sentence: str, add_head: Callable) -> None:
+def _show(client: Any, sentence: str) -> None:
     """Nothing but a sentence: whatever had been put on the page goes."""
+    from app.page.panels.head import add_head
+
     client.gui.reset()
     client.scene.reset()
     add_head(client.gui)

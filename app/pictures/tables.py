@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -16,7 +19,7 @@ from solvers.tables.digits import short
 from solvers.tables.document import parts
 
 PAPER: Look = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
-             label="the paper's, printed")
+                   label="the paper's, printed")
 #: How the runs of a set-up are drawn, first and second.
 OURS: tuple[Look, ...] = (
     dict(color=TRUTH, linestyle="-", marker="o", markersize=5),
@@ -40,37 +43,23 @@ def figure(table: dict) -> Figure:
 
 def _bar_errors(figure: SubFigure, table: dict) -> None:
     """A row of panels for each case; both places of the force in one panel."""
-    cases = list(dict.fromkeys((row["inputs"]["modulus"], row["inputs"]["amplitude"]) for row in table["rows"]))
+    cases = _by("modulus", table["rows"])
     axes = figure.subplots(len(cases), 3, squeeze=False)
-    for across, (modulus, amplitude) in zip(axes, cases, strict=True):
-        rows = [row for row in table["rows"] if row["inputs"]["modulus"] == modulus]
-        series = {f"ours, force at {where}": [row for row in rows if row["inputs"]["body_force"] == force]
-                  for force, where in (("node", "nodes"), ("material", "material points"))}
+    for across, (modulus, rows) in zip(axes, cases.items(), strict=True):
+        forces, amplitude = _by("body_force", rows), rows[0]["inputs"]["amplitude"]
+        series = {"ours, force at nodes": forces["node"], "ours, force at material points": forces["material"]}
         for panel, key in zip(across, ("x", "v", "sigma_log"), strict=True):
             _draw_errors(panel, series, key)
         across[1].set_title(f"E = {modulus:g} Pa, A = {short(amplitude)} m: largest RMS error over time", fontsize=11)
     _legend(figure, axes[0, 0])
 
 
-def _bar_indices(figure: SubFigure, table: dict) -> None:
-    """A column of panels for each case and place of the force."""
-    columns = parts(table)
-    axes = figure.subplots(len(QUANTITIES), len(columns), squeeze=False, sharey="row")
-    for panels, (part, rows) in zip(axes.T, columns.items(), strict=True):
-        case, _, force = part.rpartition(", ")
-        _draw_indices(panels, rows)
-        panels[0].set_title(f"{case}\n{force}", fontsize=10)
-    _finish_indices(axes)
-    _legend(figure, axes[0, 0])
-
-
 def _ring_errors(figure: SubFigure, table: dict) -> None:
     """A column of panels for each method; both set-ups in one panel."""
-    methods = list(dict.fromkeys(row["inputs"]["method"] for row in table["rows"]))
+    methods = _by("method", table["rows"])
     axes = figure.subplots(3, len(methods), squeeze=False, sharey="row")
     for panels, method in zip(axes.T, methods, strict=True):
-        series = {part: [row for row in rows if row["inputs"]["method"] == method]
-                  for part, rows in parts(table).items()}
+        series = {part: _by("method", rows)[method] for part, rows in parts(table).items()}
         for panel, key in zip(panels, ("x", "v", "a_nodes"), strict=True):
             _draw_errors(panel, series, key)
         panels[0].set_title(method_name(method), fontsize=12)
@@ -79,17 +68,30 @@ def _ring_errors(figure: SubFigure, table: dict) -> None:
     _legend(figure, axes[0, 0], columns=1)
 
 
+def _bar_indices(figure: SubFigure, table: dict) -> None:
+    """A column of panels for each case and place of the force."""
+    _indices(figure, {"\n".join(part.rsplit(", ", 1)): rows for part, rows in parts(table).items()})
+
+
 def _ring_indices(figure: SubFigure, table: dict) -> None:
     """A column of panels for each set-up and method."""
-    methods = list(dict.fromkeys(row["inputs"]["method"] for row in table["rows"]))
-    columns = [(part, method) for part in parts(table) for method in methods]
+    _indices(figure, {"\n".join([method_name(method), *part.partition(" (")[0].rsplit(", ", 1)]): rows
+                      for part, found in parts(table).items() for method, rows in _by("method", found).items()})
+
+
+def _indices(figure: SubFigure, columns: dict[str, list[dict]]) -> None:
     axes = figure.subplots(len(QUANTITIES), len(columns), squeeze=False, sharey="row")
-    for panels, (part, method) in zip(axes.T, columns, strict=True):
-        _draw_indices(panels, [row for row in parts(table)[part] if row["inputs"]["method"] == method])
-        set_up, _, rest = part.rpartition(", ")
-        panels[0].set_title(f"{method_name(method)}\n{set_up}\n{rest.partition(' (')[0]}", fontsize=10)
+    for panels, (title, rows) in zip(axes.T, columns.items(), strict=True):
+        _draw_indices(panels, rows)
+        panels[0].set_title(title, fontsize=10)
     _finish_indices(axes)
     _legend(figure, axes[0, 0])
+
+
+def _by(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
+    """The rows for each value of an input, in order."""
+    values = dict.fromkeys(row["inputs"][name] for row in rows)
+    return {value: [row for row in rows if row["inputs"][name] == value] for value in values}
 
 
 # ---- panels ---------------------------------------------------------------------------------------------------
@@ -100,9 +102,9 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     for style, (label, rows) in zip(OURS, series.items(), strict=False):
-        axes.plot(*_points(rows, "ours", key), label=label, **style)
+        axes.plot(*_points((row["h"], row["ours"][key]) for row in rows), label=label, **style)
     rows = next(iter(series.values()))
-    axes.plot(*_points(rows, "paper", key), **PAPER)
+    axes.plot(*_points((row["h"], row["paper"][key]) for row in rows), **PAPER)
     spacings = sorted({row["h"] for row in rows})
     _ticks(axes, spacings, [f"{h:.4g}" for h in spacings])
     axes.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.45)
@@ -136,13 +138,11 @@ def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
         axes.axhline(1.0, color=TRUTH, linewidth=1.2, label="1, perfect")
         silent = []
         for k, name in enumerate(rows[0]["estimators"]):
-            points = _index_points(rows, name, quantity)
+            points = _points((row["inputs"]["cells"], row["estimators"][name]["index"][quantity]) for row in rows)
             silent += [] if points[1] else [name]
             axes.plot(*points, color=ESTIMATE, linestyle=line_style(name), marker=ESTIMATORS[name].symbol,
                       markersize=5.5, markerfacecolor="white" if k % 2 else ESTIMATE, linewidth=1.3, label=name)
-        printed = [(row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows]
-        printed = [point for point in printed if point[1]]
-        axes.plot([n for n, _ in printed], [value for _, value in printed], **PAPER)
+        axes.plot(*_points((row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows), **PAPER)
         _ticks(axes, cells, [str(n) for n in cells])
         axes.set_xlim(cells[0] / 1.25, cells[-1] * 1.25)
         axes.grid(alpha=0.3)
@@ -186,13 +186,7 @@ def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
     figure.legend(handles, labels, loc="outside upper center", ncols=columns, fontsize=9, frameon=False)
 
 
-def _points(rows: list[dict], whose: str, key: str) -> tuple[list[float], list[float]]:
-    """Cell sizes and the errors there, as far as there are any."""
-    points = [(row["h"], row[whose][key]) for row in rows if row[whose][key]]
-    return [h for h, _ in points], [value for _, value in points]
-
-
-def _index_points(rows: list[dict], name: str, quantity: str) -> tuple[list[int], list[float]]:
-    points = [(row["inputs"]["cells"], row["estimators"][name]["index"][quantity]) for row in rows]
-    points = [point for point in points if point[1]]
-    return [n for n, _ in points], [value for _, value in points]
+def _points(points: Iterable[tuple[float, float | None]]) -> tuple[list[float], list[float]]:
+    """Abscissae and values, as far as there are any."""
+    known = [(x, y) for x, y in points if y]
+    return [x for x, _ in known], [y for _, y in known]

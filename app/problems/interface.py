@@ -5,11 +5,10 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from app.problems.regions import Regions
 
 if TYPE_CHECKING:
     import viser
@@ -33,6 +32,20 @@ class Reach:
 
 
 @dataclass(frozen=True)
+class Regions:
+    """``names`` of the regions, and for each of P particles the ``number`` of the one where it was at rest."""
+
+    names: tuple[str, ...]
+    number: np.ndarray
+
+    def errors(self, sizes: np.ndarray) -> np.ndarray:
+        """The root of the mean square of sizes (P,) in each region; NaN where there is no particle."""
+        with np.errstate(all="ignore"):  # a region may be empty, and a run gone bad holds anything
+            squares = np.bincount(self.number, sizes.astype(float) ** 2, len(self.names))
+            return np.sqrt(squares / np.bincount(self.number, minlength=len(self.names)))
+
+
+@dataclass(frozen=True)
 class ProblemView:
     """How one problem is shown.
 
@@ -40,7 +53,7 @@ class ProblemView:
     "the bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and that of
     its lower row over the upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the
     fields of the scene among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can
-    outline domains. ``about`` is html on what moves.
+    outline domains.
     """
 
     problem: str
@@ -52,7 +65,12 @@ class ProblemView:
     speed: float
     details: Mapping[str, str]
     domains_hint: str = ""
-    about: str = ""
+
+    @property
+    def about(self) -> str:
+        """Html on what moves: the folder's ``about.html``, if it has one."""
+        path = Path(__file__).parent / self.problem / "about.html"
+        return path.read_text(encoding="utf-8") if path.exists() else ""
 
     @property
     def stage(self) -> Callable[[viser.ClientHandle, ColourScale], Stage[Any]]:

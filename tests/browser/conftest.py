@@ -9,10 +9,13 @@ import signal
 import socket
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import sync_playwright
+
+from tests.processes import until
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.
@@ -30,22 +33,44 @@ def _browser() -> str:
     pytest.skip(HOW)
 
 
-@pytest.fixture(scope="package")
-def server():
+@contextmanager
+def serving(environment=None):
     """Address and process id of a page served by the command line itself."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         port = str(trial.getsockname()[1])
     process = subprocess.Popen([sys.executable, "-m", "app", "serve", "--port", port], stderr=subprocess.PIPE,
-                               text=True, cwd=Path(__file__).parents[2])
+                               text=True, cwd=Path(__file__).parents[2], env={**os.environ, **(environment or {})})
     line = process.stderr.readline()
     found = re.search(r"http://\S+", line)
     assert found, f"the server said: {line}"
-    yield found[0], process.pid
-    process.send_signal(signal.SIGINT)
-    assert process.wait(10) in (0, 130)
-    assert "Traceback" not in process.stderr.read()
-    process.stderr.close()
+    try:
+        yield found[0], process.pid
+    finally:
+        process.send_signal(signal.SIGINT)
+        assert process.wait(10) in (0, 130)
+        assert "Traceback" not in process.stderr.read()
+        process.stderr.close()
+
+
+@contextmanager
+def visit(chromium, address):
+    """A fresh visitor at 1280x720. Any error in the browser's console fails the test."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    errors = []
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(f"{address}/?fixedDpr=1")
+    until(page.get_by_text("periods").first.is_visible, "the first numbers")
+    yield page
+    page.close()
+    assert errors == []
+
+
+@pytest.fixture(scope="package")
+def server():
+    with serving() as one:
+        yield one
 
 
 @pytest.fixture(scope="package")
@@ -58,13 +83,5 @@ def chromium():
 
 @pytest.fixture
 def page(server, chromium):
-    """A fresh visitor at 1280x720. Any error in the browser's console fails the test."""
-    page = chromium.new_page(viewport={"width": 1280, "height": 720})
-    errors = []
-    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.goto(f"{server[0]}/?fixedDpr=1")
-    page.get_by_text("periods").first.wait_for(timeout=30_000)
-    yield page
-    page.close()
-    assert errors == []
+    with visit(chromium, server[0]) as page:
+        yield page

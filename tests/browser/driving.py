@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import io
 import re
-from time import monotonic, sleep
 
 import numpy as np
 from PIL import Image
 
 from app.colours import colour_table
-from tests.processes import children
+from tests import processes
 
-PATIENCE = 20.0  # seconds for what follows a click; software rendering on a loaded machine is slow
+PATIENCE = 20.0  # seconds for what follows a click; software rendering is slow
 
 
 def until(condition, what):
     """Wait until ``condition()`` is true."""
-    end = monotonic() + PATIENCE
-    while not condition():
-        assert monotonic() < end, f"never happened: {what}"
-        sleep(0.1)
+    processes.until(condition, what, PATIENCE, 0.1)
+
+
+def shown(page, text):
+    """Wait until these words are to be read."""
+    until(page.get_by_text(text).first.is_visible, text)
 
 
 def row(page, label):
@@ -86,7 +87,7 @@ def coloured(picture):
 
 def engine_processes(parent):
     """Ids of the processes that ``parent`` has spawned to simulate in."""
-    return children(parent, "spawn_main")
+    return processes.children(parent, "spawn_main")
 
 
 def ever_shown(page, selector):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 
-from tests.browser.driving import click, engine_processes, readout, row, time, until
+from tests.browser.driving import click, engine_processes, readout, row, shown, time, until
 from tests.processes import children, held
 
 
@@ -18,7 +18,7 @@ def begin(page, server):
     with held(engine_processes(server[1])):
         page.goto(f"{server[0]}/?fixedDpr=1")
         open_cost(page)
-        page.get_by_text("No run of the vibrating bar yet").wait_for()
+        shown(page, "No run of the vibrating bar yet")
 
 
 def dots(page):
@@ -47,10 +47,10 @@ def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
         assert between > before
         until(lambda: time(page) > between, "the stage moving on")
         click(page, "Cancel")
-        page.get_by_text("The sweep was cancelled").wait_for()
+        shown(page, "The sweep was cancelled")
     until(lambda: not job_processes(server[1]), "the process gone")
     page.locator(".lab-dot[data-run='3']").click()
-    page.get_by_text("Run 3 is on the stage").wait_for()
+    shown(page, "Run 3 is on the stage")
     until(lambda: "of 0.00125 s" in readout(page), "the step of 20 cells")
     page.get_by_role("tab", name="Explore").click()
     assert value(page, "Cells, h = 1/20") == "20" and value(page, "Method") == "MPM (hat functions)"
@@ -58,7 +58,7 @@ def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
     button = page.get_by_role("button", name="load run 2", exact=True)
     button.focus()
     page.keyboard.press("Enter")
-    page.get_by_text("Run 2 is on the stage").wait_for()
+    shown(page, "Run 2 is on the stage")
     with page.expect_download() as download:
         click(page, "Download CSV")
     with open(download.value.path(), newline="") as file:
@@ -71,12 +71,12 @@ def test_search_is_refused_in_words_cancelled_and_left(page, server, chromium):
     tolerance = row(page, "Tolerance / A").locator("input")
     tolerance.fill("a lot")
     click(page, "Find the cheapest run")
-    page.get_by_text("give a number above 0").wait_for()
+    shown(page, "give a number above 0")
     tolerance.fill("1e-5")
     click(page, "Find the cheapest run")
-    page.get_by_text("on coarse grids").wait_for()
+    shown(page, "on coarse grids")
     click(page, "Cancel")
-    page.get_by_text("The search was cancelled").wait_for()
+    shown(page, "The search was cancelled")
     click(page, "Small sweep")
     until(lambda: job_processes(server[1]), "a process")
     page.goto("about:blank")

@@ -14,8 +14,6 @@ from solvers.scene import Scene
 from solvers.study.grid import Task
 from solvers.study.row import FAILED, UNSTABLE
 
-EMPTY = ("No run of the {} yet. A run becomes a dot when it has gone through its {} on the stage. A small sweep makes "
-         "{} dots at once.")
 LONGEST_BUDGET = 60.0
 MOST_WATCHED = 40_000  # particles: the sliders reach no further, and browsers not much
 
@@ -93,7 +91,8 @@ def _line(run: NumberedRun) -> str:
 
 def empty(problem: str, sweep: int) -> str:
     """Why there is no picture yet."""
-    return EMPTY.format(PROBLEMS[problem].scene.TITLE, "one period", sweep)
+    return (f"No run of the {PROBLEMS[problem].scene.TITLE} yet. A run becomes a dot when it has gone through its one "
+            f"period on the stage. A small sweep makes {sweep} dots at once.")
 
 
 def others(runs: Sequence[NumberedRun], problem: str) -> str:

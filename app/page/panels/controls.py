@@ -129,16 +129,12 @@ class Controls:
         for widget in (self._quantity, kind, hold):
             widget.on_update(changed)
         if hint := VIEWS[session.scene.problem].domains_hint:
-            self._domains_box(hint)
+            domains = gui.add_checkbox("Show domains", self.domains, hint=hint)
+            domains.on_update(lambda e: self._show_domains(e.target.value))
 
-    def _domains_box(self, hint: str) -> None:
-        box = self._gui.add_checkbox("Show domains", self.domains, hint=hint)
-
-        def changed(_: viser.GuiEvent) -> None:
-            self.domains = box.value
-            self._on_view()
-
-        box.on_update(changed)
+    def _show_domains(self, shown: bool) -> None:
+        self.domains = shown
+        self._on_view()
 
     def _details(self) -> None:
         scene = self._session.scene

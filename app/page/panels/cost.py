@@ -76,11 +76,11 @@ class CostTab:
         self._picture = gui.add_html("")
         self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
                                      "grids with each of its methods, timed in the background")
-        self._sweep.on_click(lambda _: self._start_sweep())
+        self._sweep.on_click(lambda _: self._start_sweep(small_sweep(self._session.scene)))
         self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="hollow dots "
                                     "are timed on the stage, in small pieces and with every effect; this runs them "
                                     "bare and in one go, in the background")
-        self._time.on_click(lambda _: self._start_timing())
+        self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
         self._tolerance = gui.add_text("Tolerance / A", "1e-3", hint="largest RMS error of x that is allowed at any "
                                        "time of one period, as a part of the amplitude A")
         self._budget = gui.add_text("Longest run, s", "10", hint="longest bare run that may be recommended")
@@ -125,13 +125,9 @@ class CostTab:
         if run is not None:
             self._put(run.scene, f"Run {run.number}")
 
-    def _start_sweep(self) -> None:
+    def _start_sweep(self, tasks: list[Task]) -> None:
         self._remark = ""
-        self.jobs.sweep(small_sweep(self._session.scene))
-
-    def _start_timing(self) -> None:
-        self._remark = ""
-        self.jobs.sweep(timings(self.runs.all()))
+        self.jobs.sweep(tasks)
 
     def _start_search(self) -> None:
         try:

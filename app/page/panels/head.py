@@ -7,7 +7,7 @@ from pathlib import Path
 
 import viser
 
-from app.colours import TRUTH
+from app.colours import ESTIMATE, TRUTH
 from app.drawing import rgb
 
 PAGE_TITLE = "mpm-lab"
@@ -32,7 +32,8 @@ new MutationObserver(()=>document.querySelectorAll('.mantine-Notification-root')
 if(n.innerText.startsWith('Software WebGL'))n.style.display='none'}})).observe(document.body,{{childList:true,
 subtree:true}})" data-icon="{_ICON}">
 <style>
-:root {{ --lab-truth: {TRUTH}; --lab-left-panel: {MEASUREMENTS_WIDTH}px; --lab-right-panel: {CONTROLS_WIDTH}px; }}
+:root {{ --lab-estimate: {ESTIMATE}; --lab-truth: {TRUTH}; --lab-left-panel: {MEASUREMENTS_WIDTH}px;
+--lab-right-panel: {CONTROLS_WIDTH}px; }}
 {_STYLE}</style>"""
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.problems.interface import ProblemView, Reach
-from app.problems.regions import Regions
+from app.problems.interface import ProblemView, Reach, Regions
 from solvers.ring.exact import INNER, OUTER
 
 ANGLES, THIRDS = 6, ("inner", "middle", "outer")  # regions of the quarter: 15 degrees each, from the x axis on
