@@ -74,7 +74,7 @@ ESTIMATORS: dict[str, Estimator] = {}
 
 def register(estimator: Estimator) -> None:
     """Make an estimator known, before the solvers that it is for are imported: their kernels name what it keeps."""
-    late = [problem for problem in estimator.hooks if f"solvers.{problem}.state" in sys.modules]
+    late = [problem for problem in estimator.hooks if hasattr(sys.modules.get(f"solvers.{problem}.state"), "HOOKS")]
     if late:
         raise RuntimeError(f"register {estimator.name} before the solver of the {' and '.join(late)} is imported")
     ESTIMATORS[estimator.name] = estimator
