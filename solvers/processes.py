@@ -17,7 +17,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import IO, cast
 
 START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); import solvers.processes as p; p.serve(sys.argv[2])"
@@ -29,53 +29,82 @@ class ProcessDied(Exception):
 
 class WorkerProcess:
     """A process that does ``work``, given as ``"module:function"``: the function is called with every question and with
-    another to call with each answer. One question at a time; :meth:`kill` from any thread."""
+    another to call with each answer.
+
+    It starts with the first question, and again after it died. Safe from any thread: questions wait for each other.
+    """
 
     def __init__(self, work: str, environment: Mapping[str, str] | None = None):
-        paths = json.dumps([path or os.getcwd() for path in sys.path])
-        self._process = subprocess.Popen(
-            [sys.executable, "-c", START, paths, work], env={**os.environ, **(environment or {})},
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        self._questions, self._answers = cast(IO[str], self._process.stdin), cast(IO[str], self._process.stdout)
+        self._work, self._environment = work, environment
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[str] | None = None
+        self._closed = False
 
     @property
-    def process_id(self) -> int:
-        return self._process.pid
+    def process_id(self) -> int | None:
+        """Of the process that runs now, if one does."""
+        process = self._process
+        return process.pid if process and process.poll() is None else None
 
-    @property
-    def running(self) -> bool:
-        return self._process.poll() is None
+    def start(self) -> subprocess.Popen[str]:
+        """Start the process unless it runs."""
+        if self._closed:
+            raise ProcessDied("was closed")
+        if self.process_id is None:
+            self._end()
+            paths = json.dumps([path or os.getcwd() for path in sys.path])
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", START, paths, self._work], env={**os.environ, **(self._environment or {})},
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+            if self._closed:  # meanwhile
+                self._process.kill()
+        return cast(subprocess.Popen, self._process)
 
-    def ask(self, question: Mapping) -> Iterator[dict]:
+    def ask(self, question: Mapping | Sequence) -> Iterator[dict]:
         """The answers to a question as they come; :class:`ProcessDied` if there will be no more of them."""
-        failure = None
-        with contextlib.suppress(OSError):  # it has ended: there is nothing to read
-            self._questions.write(json.dumps(question) + "\n")
-            self._questions.flush()
-        for line in self._answers:
-            if not line.endswith("\n"):
-                break  # it was killed in the middle of it
-            message = json.loads(line)
-            if "answer" not in message:
-                failure = message["failure"]
-                if failure is None:
+        with self._lock:
+            process = self.start()
+            questions, answers = cast(IO[str], process.stdin), cast(IO[str], process.stdout)
+            with contextlib.suppress(OSError):  # it has ended: there is nothing to read
+                questions.write(json.dumps(question) + "\n")
+                questions.flush()
+            failure = None
+            for line in answers:
+                if not line.endswith("\n"):
+                    break  # it was killed in the middle of it
+                message = json.loads(line)
+                if "answer" in message:
+                    yield message["answer"]
+                elif message["failure"] is None:
                     return
-                break
-            yield message["answer"]
-        status = self.end()
-        raise ProcessDied(failure or status)
+                else:
+                    failure = message["failure"]
+            status = self._end()
+            raise ProcessDied(failure or status)
 
     def kill(self) -> None:
-        """End the process at once, whatever it does; who waits for an answer learns it. No harm when it has ended."""
-        self._process.kill()
+        """End the process at once, whatever it does, and for good; who waits for an answer learns it."""
+        self._closed = True
+        process = self._process
+        if process:
+            process.kill()
 
-    def end(self) -> str:
-        """Make sure that the process has ended and left nothing behind; says how it ended."""
-        self._process.kill()
-        for pipe in (self._questions, self._answers):
+    def close(self) -> None:
+        """End the process and leave nothing behind; waits for whoever asks to learn it."""
+        self.kill()
+        with self._lock:
+            self._end()
+
+    def _end(self) -> str:
+        """Make sure that the process has ended; says how it ended."""
+        process = self._process
+        if process is None:
+            return "has not begun"
+        process.kill()
+        for pipe in (process.stdin, process.stdout):
             with contextlib.suppress(OSError):  # what was not written yet
-                pipe.close()
-        status = self._process.wait()
+                cast(IO[str], pipe).close()
+        status = process.wait()
         if status >= 0:
             return f"ended with status {status}"
         with contextlib.suppress(ValueError):
@@ -89,14 +118,15 @@ def ask_fresh(work: str, environment: Mapping[str, str] | None = None, patience:
     timer = threading.Timer(patience, process.kill)
     timer.start()
     try:
-        return next(process.ask({}))
+        [answer] = process.ask({})
+        return answer
     except ProcessDied:
         if timer.finished.is_set():
             raise ProcessDied(f"gave no answer within {patience:g} seconds") from None
         raise
     finally:
         timer.cancel()
-        process.end()
+        process.close()
 
 
 def serve(work: str) -> None:

@@ -251,16 +251,13 @@ class Scene(ABC):
             for name in (one, other):
                 if getattr(self, name) is not None:
                     require_number(name, getattr(self, name), 0, math.inf)
+        name, unit = ("cfl", 1.0) if self.dt is None else ("dt", self.spacing / self.wave_speed)
         if self.courant_number > MOST_CFL:
-            name, allowed = ("dt", f"{MOST_CFL * self.spacing / self.wave_speed:.3g}") if self.dt is not None \
-                else ("cfl", f"{MOST_CFL:g}")
             raise SceneError(name, getattr(self, name), "is far beyond any stable step; "
-                             f"give a number above 0 and up to {allowed} (cfl {MOST_CFL:g})")
+                             f"give a number above 0 and up to {MOST_CFL * unit:.3g} (cfl {MOST_CFL:g})")
         if self.courant_number < LEAST_CFL:
-            name, allowed = ("dt", LEAST_CFL * self.spacing / self.wave_speed) if self.dt is not None \
-                else ("cfl", LEAST_CFL)
             raise SceneError(name, getattr(self, name), "is so short a step that rounding would swallow it; "
-                             f"give {allowed:.3g} (cfl {LEAST_CFL:g}) or more")
+                             f"give {LEAST_CFL * unit:.3g} (cfl {LEAST_CFL:g}) or more")
         if self.end_time / self.time_step > MOST_STEPS:
             name = "t_end" if self.t_end is not None else "periods"
             raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS,

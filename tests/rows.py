@@ -28,3 +28,8 @@ def made_up(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: fl
                        "estimators": {name: 0.2 * seconds for name in each}, "effects": {}},
            "rate": 50.0, "arch": "x64", "threads": 1, "plan": "serial", "host": "here", "version": "1"}
     return {**row, **changed}
+
+
+def without_timings(row: dict) -> dict:
+    """What two measurements of the same scene have in common."""
+    return {name: value for name, value in row.items() if name not in ("seconds", "rate", "host")}

@@ -24,7 +24,7 @@ from solvers.run import build
 from tests.processes import Watch, held, until
 
 SCENE = BarScene(cells=20, periods=1)
-PATIENCE = 30.0  # seconds; a loaded machine may need to compile
+PATIENCE = 120.0  # seconds; a loaded machine may need to compile
 
 
 class Deadly(BarScene):

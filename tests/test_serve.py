@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from app.page.serve import Visitors, _engine_count
-from solvers.engine import entry, process
+from solvers.engine import process
 from solvers.engine.messages import Trouble, Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.process import CANNOT_START
@@ -209,7 +209,7 @@ def starts(monkeypatch):
         times.append(monotonic())
         start(self)
 
-    monkeypatch.setattr(entry, "main", operator.is_)  # any function that takes two arguments and returns
+    monkeypatch.setattr(process, "become_engine", operator.is_)  # any function that takes two arguments and returns
     monkeypatch.setattr(process.EngineProcess, "_start", timed)
     return times
 

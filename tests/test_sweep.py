@@ -24,14 +24,14 @@ from app.pictures.study import FIGURES, error_spacing_figure, error_time_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
 from app.pictures.study_step import error_step_figure
 from solvers.bar.scene import BarScene
-from solvers.processes import ProcessDied
+from solvers.processes import ProcessDied, WorkerProcess
 from solvers.study import fit, row, series
 from solvers.study import summary as table
 from solvers.study.grid import Task, combinations, plan
-from solvers.study.places import ATTEMPTS, Here, PlaceLost, RowProcess, execute
+from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute, row_process
 from solvers.study.store import Store, StoreError
 from tests.processes import until
-from tests.rows import made_up
+from tests.rows import made_up, without_timings
 
 SweepBar = commands()["sweep", "bar"]
 
@@ -119,17 +119,22 @@ def test_bad_runs_are_rows(monkeypatch):
 
 
 def test_a_process_that_dies_says_so_and_starts_again():
-    process = RowProcess()
+    process = row_process()
+
+    def measured(task: Task) -> dict:
+        [found] = process.ask(task.to_dict())
+        return found
+
     try:
-        assert row.measure(Task("bar", QUICK, repeats=1)).keys() == process.measure(Task("bar", QUICK, 1)).keys()
+        assert row.measure(Task("bar", QUICK, repeats=1)).keys() == measured(Task("bar", QUICK, 1)).keys()
         first = process.process_id
         killer = threading.Thread(target=lambda: (until(process._lock.locked, "a row under way"),
                                                   os.kill(first, signal.SIGKILL)))
         killer.start()
         with pytest.raises(ProcessDied, match="SIGKILL"):
-            process.measure(Task("bar", {"cells": 100, "periods": 10_000}, 1))
+            measured(Task("bar", {"cells": 100, "periods": 10_000}, 1))
         assert process.process_id is None
-        assert process.measure(Task("bar", QUICK, 1))["status"] == "ok" and process.process_id != first
+        assert measured(Task("bar", QUICK, 1))["status"] == "ok" and process.process_id != first
     finally:
         process.close()
     assert process.process_id is None
@@ -374,11 +379,11 @@ def test_killed_and_resumed_it_is_the_same_table(whole, tmp_path):
         file.write(b'{"schema": "mpm')
     assert main(["sweep", "bar", *SMOOTH, "--out", str(rows.parent), "--resume", "--quiet"]) == 0
     assert rows.read_bytes().startswith(before)
-    assert [row.without_timings(r) for r in rows_of(rows.parent)] == [row.without_timings(r) for r in rows_of(whole)]
+    assert [without_timings(r) for r in rows_of(rows.parent)] == [without_timings(r) for r in rows_of(whole)]
 
 
 def test_resuming_a_finished_sweep_runs_nothing(whole, monkeypatch, capsys):
-    monkeypatch.setattr(RowProcess, "measure", lambda *_: pytest.fail("it ran a row again"))
+    monkeypatch.setattr(WorkerProcess, "ask", lambda *_: pytest.fail("it ran a row again"))
     before = (whole / "rows.jsonl").read_bytes()
     assert main(["sweep", "bar", *SMOOTH, "--out", str(whole), "--resume"]) == 0
     assert (whole / "rows.jsonl").read_bytes() == before and "6 of them there already" in capsys.readouterr().err

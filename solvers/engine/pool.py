@@ -8,7 +8,7 @@ from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
 from typing import Protocol
 
-from solvers.engine import frames as memory
+from solvers.engine import frames
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport, Goodbye, Seen, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
@@ -76,9 +76,8 @@ class SessionLink:
             if self._closed:
                 return last
             number = last + 1
-            self._fit_block(scene, number)
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._block.name, differences)
+                             self._fitting_block(scene, number).name, differences)
             self._deaths = 0
             self._engine.send(self.wish)
         if self._engine.given_up:
@@ -106,7 +105,7 @@ class SessionLink:
             self._deaths = 0
             arrays = None
             if report.number >= self._block_since:  # else it lies in a block that has been replaced
-                arrays = memory.read(self._block, report.scene, report.particles, report.differences)
+                arrays = frames.read(self._block, report.scene, report.particles, report.differences)
                 _free(self._outgrown)
                 self._outgrown = []
             self._engine.send(Seen(self.session))
@@ -133,12 +132,14 @@ class SessionLink:
 
     # ---- inside -------------------------------------------------------------------------------------------
 
-    def _fit_block(self, scene: Scene, number: int) -> None:
-        need = memory.block_bytes(scene)
+    def _fitting_block(self, scene: Scene, number: int) -> SharedMemory:
+        """The block, replaced by a larger one where the scene's frames would not fit."""
+        need = frames.block_bytes(scene)
         if self._block is None or self._block.size < need:
             if self._block is not None:
                 self._outgrown.append(self._block)  # the engine may still be writing to it
             self._block, self._block_since = SharedMemory(create=True, size=2 * need), number
+        return self._block
 
 
 def _free(blocks: list[SharedMemory]) -> None:

@@ -12,9 +12,9 @@ import multiprocessing
 import threading
 from collections import deque
 from collections.abc import Iterator
+from multiprocessing.connection import Connection
 from typing import Protocol
 
-from solvers.engine import entry
 from solvers.engine.messages import FrameReport, Goodbye, Ready, Seen, Trouble, Wish
 from solvers.scene import Scene
 
@@ -34,6 +34,13 @@ class Link(Protocol):
     def trouble(self, sentence: str) -> None: ...
 
     def engine_lost(self, had_worked: bool) -> None: ...
+
+
+def become_engine(pipe: Connection, warm_up: Scene) -> None:
+    """Where an engine process begins. Taichi is imported there and only there: the page's process stays light."""
+    from solvers.engine import worker
+
+    worker.main(pipe, warm_up)
 
 
 class EngineProcess:
@@ -58,7 +65,7 @@ class EngineProcess:
 
     @property
     def process_id(self) -> int:
-        return self._process.pid
+        return self._process.pid or 0  # it is started at once
 
     @property
     def load(self) -> int:
@@ -127,8 +134,8 @@ class EngineProcess:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
         ours, theirs = context.Pipe()
-        process = context.Process(target=entry.main, args=(theirs, self._warm_up), daemon=True,
-                                  name="mpm-lab-engine")
+        process = context.Process(target=become_engine, args=(theirs, self._warm_up), name="mpm-lab-engine",
+                                  daemon=True)
         process.start()
         theirs.close()
         self._pipe, self._process = ours, process
@@ -171,12 +178,11 @@ class EngineProcess:
         if isinstance(message, Ready):
             self._failures = 0
             self.ready.set()
-            return
-        link = self._links.get(message.session)
-        if link and isinstance(message, FrameReport):
-            link.receive(message)
-        elif link:
-            link.trouble(message.sentence)
+        elif link := self._links.get(message.session):
+            if isinstance(message, FrameReport):
+                link.receive(message)
+            else:
+                link.trouble(message.sentence)
 
 
 @contextlib.contextmanager

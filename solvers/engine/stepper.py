@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from solvers.engine import frames as memory
+from solvers.engine import frames
 from solvers.engine.messages import FrameReport, Wish
 from solvers.run import build
 from solvers.scene import MOST_STEPS
@@ -28,12 +28,18 @@ class BlockGone(Exception):
 class Stepper:
     """Steps a session's solver towards its wish, a slice at a time. Lives in the engine's one thread."""
 
+    _rows: list[np.ndarray]  # samples since the last frame
+    _fresh: bool  # whether there has been no frame since the build
+    _due: float  # when the next frame goes out, by perf_counter
+    _seconds_a_step: float
+    _real_speed: float | None
+
     def __init__(self, wish: Wish):
-        self._block: SharedMemory | None = None
+        self.wish = wish
         self._unseen = False
-        self.wish: Wish | None = None
+        self._block = _attach(wish.memory)
         try:
-            self.accept(wish)
+            self._rebuild()
         except BaseException:
             self.close()
             raise
@@ -41,21 +47,18 @@ class Stepper:
     def accept(self, wish: Wish) -> None:
         """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more."""
         old, self.wish = self.wish, wish
-        if self._block is None or self._block.name != wish.memory:
+        if self._block.name != wish.memory:
             self.close()
             self._block = _attach(wish.memory)
-        if old is None or old.scene != wish.scene or old.restarts != wish.restarts:
+        if old.scene != wish.scene or old.restarts != wish.restarts:
             self._rebuild()
         elif wish.single_steps > old.single_steps and not wish.playing:
             self._single_steps(wish.single_steps - old.single_steps)
         self._start_clock()
-        self._frame_wanted = True
 
     def close(self) -> None:
-        block, self._block = self._block, None
-        if block is not None:
-            with contextlib.suppress(BufferError):  # an exception still holds a view: it goes with that
-                block.close()
+        with contextlib.suppress(BufferError):  # an exception still holds a view: it goes with that
+            self._block.close()
 
     def seen(self) -> None:
         """The page has copied the last frame."""
@@ -89,7 +92,7 @@ class Stepper:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
         now, solver = perf_counter(), self.solver
         shot = solver.snapshot(self.wish.differences)
-        memory.write(self._block, solver.scene, shot)
+        frames.write(self._block, solver.scene, shot)
         self._measure_speed(now)
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, scene=solver.scene, fresh=self._fresh,
@@ -114,12 +117,14 @@ class Stepper:
         self.solver = build(self.wish.scene)
         self.solver.compile()
         self._rows = [self.solver.measure()]
-        self._fresh, self._due = True, 0.0  # by perf_counter: when the next frame goes out
+        self._fresh, self._due = True, 0.0
         self._kernel_seconds, self._kernel_steps, self._real_speed = 0.0, 0, None
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
+        self._start_clock()
 
     def _start_clock(self) -> None:
         self._anchor = self._window = (perf_counter(), self.solver.time)
+        self._frame_wanted = True
 
     @property
     def _rate(self) -> float:

@@ -1,6 +1,6 @@
 """The cheapest run for a tolerance: a best-first search over families of runs, on estimates alone.
 
-Every family (method, particles per cell, length of step) is measured on two coarse grids. Then, again and again, the
+Every family (method, particles per cell, length of step) is measured on three coarse grids. Then, again and again, the
 member expected to be the cheapest that meets the tolerance is looked at: if it lies far beyond what is measured of its
 family, a coarser one is run first; if near, it is run itself. What a run shows moves the expectation, for better or
 worse, until the cheapest candidate is one that has been run and whose own estimate meets the tolerance.

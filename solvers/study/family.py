@@ -12,10 +12,13 @@ from bisect import insort
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
+from solvers.rules import SceneError
 from solvers.run import build, run
-from solvers.scene import MOST_PARTICLES, Scene
+from solvers.scene import Scene
 from solvers.timing import rate
 
+#: By which the advisor goes. It compares methods and steps, so it needs one that sees every error of the particles
+#: whatever they are: "transport" misses that of the step, "two-grid" needs second order, "recovered" a polar lattice.
 ESTIMATOR = "companion"
 HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
 LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
@@ -93,16 +96,13 @@ class Family:
         met = [point.cells for point in self.points if point.error <= tolerance]
         if met:
             below = [point.cells for point in self.points if point.cells < met[0]]
-            fewest = next((n for n in self._range(below[-1] if below else met[0], met[0])
-                           if self.error(n) <= tolerance), met[0])
-            return fewest
+            return next((n for n in self._range(below[-1] if below else met[0], met[0])
+                         if self.error(n) <= tolerance), met[0])
         last, order = self.points[-1], self.order()
         if order == 0 or not math.isfinite(last.error):
             return None
         cells = last.cells * (last.error / tolerance) ** (1 / order)
-        if cells > 1e6:
-            return None
-        return max(self._up(cells), last.cells + self.multiple)
+        return None if cells > 1e6 else max(self._up(cells), last.cells + self.multiple)
 
     def cells_within(self, seconds: float) -> int:
         """The most cells whose run is expected to take no longer."""
@@ -116,9 +116,7 @@ class Family:
         """The time expected for a bare run; infinite beyond what a scene may hold."""
         try:
             scene = replace(self.scene, cells=cells)
-        except ValueError:
-            return math.inf
-        if scene.particles > MOST_PARTICLES:
+        except SceneError:
             return math.inf
         nearest = max((p for p in self.points if p.cells <= cells), default=self.points[0])
         return scene.steps * scene.particles * nearest.seconds_per_particle_step

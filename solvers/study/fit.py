@@ -21,9 +21,9 @@ class Slope:
         return self.factor * np.asarray(h) ** self.order
 
 
-def slope(h: Sequence[float], error: Sequence[float]) -> Slope | None:
+def slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
     """Least squares through the points with a positive error; None with fewer than two different h."""
-    h, error = _usable(h, error)
+    h, error = _usable(spacings, errors)
     if len(np.unique(h)) < 2:
         return None
     order, intercept = np.polyfit(np.log(h), np.log(error), 1)
@@ -73,13 +73,13 @@ class Balance:
         return self.space > self.factor * self.most**self.power
 
 
-def balance(dt: Sequence[float], error: Sequence[float]) -> Balance | None:
+def balance(steps: Sequence[float], errors: Sequence[float]) -> Balance | None:
     """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
 
     Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
     the brink of stability, it is not looked at. None with fewer than three different steps.
     """
-    dt, error = _usable(dt, error)
+    dt, error = _usable(steps, errors)
     steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
     sound = int(np.argmax(steep)) + 1 if steep.any() else len(dt)
     dt, error = dt[:sound], error[:sound]

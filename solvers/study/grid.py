@@ -8,6 +8,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 from solvers.problems import PROBLEMS
 from solvers.rules import FIELDS, SceneError, field_key
@@ -26,15 +27,15 @@ class Task:
     """
 
     problem: str
-    inputs: dict
+    inputs: dict[str, Any]
     repeats: int = 3
     price_effects: bool = False
     version: str = ""
 
     def scene(self) -> Scene:
         """The scene of this combination; :class:`SceneError` where there is none."""
-        inputs = {FIELDS.get(name, name): tuple(value) if isinstance(value, list) else value
-                  for name, value in self.inputs.items()}
+        inputs: dict[str, Any] = {FIELDS.get(name, name): tuple(value) if isinstance(value, list) else value
+                                  for name, value in self.inputs.items()}
         return PROBLEMS[self.problem].scene(**inputs)
 
     def refusal(self) -> SceneError | None:

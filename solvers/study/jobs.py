@@ -15,8 +15,8 @@ import contextlib
 import math
 import os
 import threading
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from solvers.effects import EFFECTS
@@ -32,19 +32,6 @@ NO_CHOICE = "no method makes a valid scene with these settings"
 
 
 @dataclass(frozen=True)
-class SweepJob:
-    """Measure these tasks, in this order."""
-
-    tasks: Sequence[dict]
-
-    def work(self, tell: Callable[[dict], None]) -> None:
-        from solvers.study.row import measure
-
-        for task in self.tasks:
-            tell({"row": measure(Task(**task))})
-
-
-@dataclass(frozen=True)
 class SearchJob:
     """Find the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``."""
 
@@ -56,23 +43,38 @@ class SearchJob:
     tolerance: float
     budget: float
 
-    def work(self, tell: Callable[[dict], None]) -> None:
-        from solvers.study.advise import COARSE, Goal, advise, families
 
-        base = Task(**self.base).scene()
-        choices = families(base, self.methods, self.ppc, self.courant_numbers, self.quantity)
-        if not choices:
-            tell({"trouble": NO_CHOICE})
-            return
-        coarse = len(choices) * len(COARSE[base.DIMENSIONS])
+def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
+    """What the process of a sweep does: measure tasks in their order."""
+    from solvers.study.row import measure
 
-        def look(looks: int, scene: Scene) -> None:
-            tell({"look": looks, "coarse": coarse, "task": task_of(scene).to_dict()})
-
-        tell({"advice": _advice(advise(choices, Goal(self.quantity, self.tolerance, self.budget), look))})
+    _give_way()
+    for task in tasks:
+        tell({"row": measure(Task(**task))})
 
 
-JOBS = {job.__name__: job for job in (SweepJob, SearchJob)}
+def search(fields: dict, tell: Callable[[dict], None]) -> None:
+    """What the process of a search does: the job of these fields."""
+    from solvers.study.advise import COARSE, Goal, advise, families
+
+    _give_way()
+    job = SearchJob(**fields)
+    base = Task(**job.base).scene()
+    choices = families(base, job.methods, job.ppc, job.courant_numbers, job.quantity)
+    if not choices:
+        tell({"trouble": NO_CHOICE})
+        return
+    coarse = len(choices) * len(COARSE[base.DIMENSIONS])
+
+    def look(looks: int, scene: Scene) -> None:
+        tell({"look": looks, "coarse": coarse, "task": task_of(scene).to_dict()})
+
+    tell({"advice": _advice(advise(choices, Goal(job.quantity, job.tolerance, job.budget), look))})
+
+
+def _give_way() -> None:
+    with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
+        os.nice(NICENESS)
 
 
 def _advice(advice: Advice) -> dict:
@@ -90,26 +92,28 @@ def _advice(advice: Advice) -> dict:
 
 
 class BackgroundJob:
-    """A job under way. ``on_message`` hears every message, from a thread of its own; the last has ``done``.
+    """A job under way: a ``"sweep"`` of a list of tasks or a ``"search"`` with the fields of a :class:`SearchJob`.
 
-    That comes in every case, after the process has ended: with ``trouble`` if the process was lost.
+    ``on_message`` hears every message, from a thread of its own; the last has ``done``. That comes in every case, after
+    the process has ended: with ``trouble`` if the process was lost.
     """
 
-    def __init__(self, job: SweepJob | SearchJob, on_message: Callable[[dict], None]):
+    def __init__(self, kind: str, question: list | dict, on_message: Callable[[dict], None]):
         self._on_message = on_message
-        self._process = WorkerProcess(f"{__name__}:work")
-        question = {"kind": type(job).__name__, "fields": asdict(job)}
-        threading.Thread(target=self._follow, args=(question,), name="job", daemon=True).start()
+        self._process = WorkerProcess(f"{__name__}:{kind}")
+        self._process.start()
+        threading.Thread(target=self._follow, args=(question,), name=kind, daemon=True).start()
 
     @property
-    def process_id(self) -> int:
+    def process_id(self) -> int | None:
+        """Of the process, while it runs."""
         return self._process.process_id
 
     def cancel(self) -> None:
         """End the process at once, whatever it does. From any thread, also when it has ended."""
         self._process.kill()
 
-    def _follow(self, question: dict) -> None:
+    def _follow(self, question: list | dict) -> None:
         last: dict = {"done": True}
         try:
             for message in self._process.ask(question):
@@ -117,12 +121,5 @@ class BackgroundJob:
         except ProcessDied as error:
             last["trouble"] = f"the background process {error}"
         finally:
-            self._process.end()
+            self._process.close()
             self._on_message(last)
-
-
-def work(question: Mapping, tell: Callable[[dict], None]) -> None:
-    """What the process does: one job."""
-    with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
-        os.nice(NICENESS)
-    JOBS[question["kind"]](**question["fields"]).work(tell)

@@ -12,7 +12,6 @@ from __future__ import annotations
 import functools
 import logging
 import os
-import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -21,7 +20,7 @@ from queue import SimpleQueue
 from typing import Protocol
 
 from solvers.estimators.registry import EXTENSIONS
-from solvers.processes import ProcessDied, WorkerProcess
+from solvers.processes import WorkerProcess
 from solvers.study.grid import Task
 from solvers.study.row import failed, measure
 
@@ -91,46 +90,9 @@ def _outcome(task: Task, future: Future[dict], lost: Counter[str]) -> dict | Non
     return failed(task, f"lost its worker {times}; the last one: {type(error).__name__}: {error}")
 
 
-class RowProcess:
-    """A process that measures rows. It starts with the first row, and again after it died. Safe from any thread."""
-
-    def __init__(self, environment: Mapping[str, str] | None = None) -> None:
-        self._environment = environment
-        self._lock = threading.Lock()
-        self._process: WorkerProcess | None = None
-        self._closed = False
-
-    @property
-    def process_id(self) -> int | None:
-        """Of the process that runs now, if one does."""
-        process = self._process
-        return process.process_id if process and process.running else None
-
-    def measure(self, task: Task) -> dict:
-        """The row of a task; :class:`ProcessDied` if the process ends before it is done."""
-        with self._lock:
-            [row] = self._ready().ask(task.to_dict())
-            return row
-
-    def close(self) -> None:
-        """End the process, whatever it does. From any thread, also while a row is measured."""
-        self._closed = True
-        process = self._process
-        if process:
-            process.kill()  # whoever waits for a row learns it now, and lets go of the lock
-            with self._lock:
-                process.end()
-
-    def _ready(self) -> WorkerProcess:
-        if self._closed:
-            raise ProcessDied("was closed")
-        if self._process is None or not self._process.running:
-            if self._process:
-                self._process.end()
-            self._process = WorkerProcess(f"{__name__}:measure_row", self._environment)
-            if self._closed:  # meanwhile
-                self._process.kill()
-        return self._process
+def row_process(environment: Mapping[str, str] | None = None) -> WorkerProcess:
+    """A process that measures rows."""
+    return WorkerProcess(f"{__name__}:measure_row", environment)
 
 
 def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
@@ -142,8 +104,8 @@ class Here:
     """Processes on this machine. One, unless told otherwise: rows that run side by side disturb each other's timing."""
 
     def __init__(self, workers: int = 1):
-        self._processes = [RowProcess() for _ in range(workers)]
-        self._idle: SimpleQueue[RowProcess] = SimpleQueue()
+        self._processes = [row_process() for _ in range(workers)]
+        self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
         for process in self._processes:
             self._idle.put(process)
         self._executor = ThreadPoolExecutor(workers, thread_name_prefix="row")
@@ -168,19 +130,21 @@ class Here:
     def _measure(self, task: Task) -> dict:
         process = self._idle.get()
         try:
-            return process.measure(task)
+            [row] = process.ask(task.to_dict())
+            return row
         finally:
             self._idle.put(process)
 
 
 @functools.cache
-def _workers_process(extensions: str) -> RowProcess:
-    return RowProcess({EXTENSIONS: extensions})
+def _workers_process(extensions: str) -> WorkerProcess:
+    return row_process({EXTENSIONS: extensions})
 
 
 def measure_on_worker(task: dict, extensions: str) -> dict:
     """What a worker of a cluster runs: one row, in the worker's own row process with the extensions of the sweep."""
-    return _workers_process(extensions).measure(Task(**task))
+    [row] = _workers_process(extensions).ask(task)
+    return row
 
 
 class Cluster:

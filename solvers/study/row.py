@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import platform
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from solvers.effects import EFFECTS
@@ -27,7 +27,6 @@ from solvers.study.grid import Task
 
 SCHEMA = "mpm-lab/row/1"
 OK, UNSTABLE, FAILED, REFUSED = "ok", "unstable", "failed", "refused"
-TIMINGS = ("seconds", "rate", "host")  # what differs from one measurement of a scene to the next
 WARM_UP_STEPS = 256
 TIMED_SECONDS = 0.05  # that the timed runs of a scene take together at least,
 MOST_TIMES = 10  # unless that needs more than so many times the runs asked for
@@ -86,7 +85,7 @@ def time_bare(scene: Scene, repeats: int) -> tuple[list[float], Result]:
 def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
     """Seconds that each effect of the scene adds to the bare run when it is switched on alone.
 
-    The acceleration needs the truth, so its price is what it adds to that. An estimator's price is in the result.
+    One that needs another is compared with that one alone. An estimator's price is in the result.
     """
     wanted = [name for name in PRICED if scene.has(name)]
     sets = {(): None, **{(*PRICED[name], name): None for name in wanted}}
@@ -95,23 +94,17 @@ def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
 
 
 def _timed(scene: Scene, repeats: int) -> tuple[list[float], Result]:
+    """Seconds of the runs of a warmed-up scene: ``repeats``, and more of a short one, until together they have taken
+    long enough to time; and the last run."""
     from solvers.run import run
 
     short = min(scene.end_time, WARM_UP_STEPS * scene.time_step)
     run(replace(scene, t_end=short, periods=None, sample_every=None))
-    results = _repeated(scene, repeats)
-    return [result.seconds.run for result in results], results[0]
-
-
-def _repeated(scene: Scene, repeats: int) -> list[Result]:
-    """Runs of a scene: ``repeats``, and more of a short one, until together they have taken long enough to time."""
-    from solvers.run import run
-
-    results = []
-    while len(results) < repeats or (sum(result.seconds.run for result in results) < TIMED_SECONDS
-                                     and len(results) < MOST_TIMES * repeats):
-        results.append(run(scene))
-    return results
+    seconds: list[float] = []
+    while len(seconds) < repeats or (sum(seconds) < TIMED_SECONDS and len(seconds) < MOST_TIMES * repeats):
+        result = run(scene)
+        seconds.append(result.seconds.run)
+    return seconds, result
 
 
 def _estimator_seconds(results: Sequence[Result]) -> dict[str, float]:
@@ -136,8 +129,3 @@ def failed(task: Task, reason: str) -> dict:
 
 def _identity(task: Task) -> dict:
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK}
-
-
-def without_timings(row: Mapping) -> dict:
-    """What two measurements of the same scene have in common."""
-    return {name: value for name, value in row.items() if name not in TIMINGS}

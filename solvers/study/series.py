@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
+from solvers.samples import QUANTITIES
 from solvers.study.fit import Slope, slope
 from solvers.study.row import OK
 
 TIME_INPUTS = ("dt", "cfl")
-FITTED = ("x", "v", "sigma", "a")
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def measured(rows: Iterable[dict]) -> list[dict]:
 def varying(rows: Sequence[dict]) -> list[str]:
     """The inputs, as they were asked for, that are not the same in all rows."""
     names = dict.fromkeys(name for row in rows for name in row["asked"])
-    return [name for name in names if len({_frozen(row["asked"].get(name)) for row in rows}) > 1]
+    return [name for name in names if len({json.dumps(row["asked"].get(name)) for row in rows}) > 1]
 
 
 def series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
@@ -63,7 +63,7 @@ def series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
     others = [name for name in varying(rows) if name not in ignored]
     lines: dict[str, list[dict]] = {}
     for row in rows:
-        lines.setdefault(_frozen([row["asked"].get(name) for name in others]), []).append(row)
+        lines.setdefault(json.dumps([row["asked"].get(name) for name in others]), []).append(row)
     return [Series(tuple(sorted(line, key=lambda row: row["scene"][along])),
                    {name: line[0]["asked"].get(name) for name in others}) for line in lines.values()]
 
@@ -72,17 +72,11 @@ def fits(rows: Sequence[dict], norm: str = "max") -> list[dict]:
     """The order in h of each quantity and each series with two or more h, as plain values."""
     found = []
     for line in series(rows):
-        orders = {quantity: line.fit(quantity, norm) for quantity in FITTED}
+        orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}
         if any(orders.values()):
-            found.append({"method": line.method, **line.inputs, "norm": norm, "orders": {
-                quantity: None if fit is None else
-                {"order": fit.order, "factor": fit.factor, "points": fit.points, "pairwise": list(fit.pairwise)}
-                for quantity, fit in orders.items()}})
+            found.append({"method": line.method, **line.inputs, "norm": norm,
+                          "orders": {quantity: fit and asdict(fit) for quantity, fit in orders.items()}})
     return found
-
-
-def _frozen(value: object) -> str:
-    return json.dumps(value)
 
 
 def _word(name: str) -> str:

@@ -28,7 +28,7 @@ class Store:
         try:
             self._file = open(self._path, "ab")
         except OSError as error:
-            raise StoreError(f"cannot be written to: {error.strerror.lower()}") from None
+            raise StoreError(f"cannot be written to: {(error.strerror or str(error)).lower()}") from None
         try:
             _lock(self._file)
             self._load(problem)

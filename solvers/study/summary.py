@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from solvers.markdown import grid
 from solvers.study.fit import pareto
@@ -17,7 +18,7 @@ NOTHING = "–"
 
 def flat(row: Mapping, before: str = "") -> dict:
     """A row without levels: ``error.x.max`` for ``row["error"]["x"]["max"]``; lists become words."""
-    values = {}
+    values: dict[str, Any] = {}
     for name, value in row.items():
         if isinstance(value, Mapping):
             values |= flat(value, f"{before}{name}.")
@@ -88,7 +89,7 @@ def _front(rows: Sequence[dict]) -> str:
     usable = [row for row in measured(rows) if row["status"] == OK and error_of(row, "x")]
     if not usable:
         return ""
-    front = pareto([row["seconds"]["min"] for row in usable], [error_of(row, "x") for row in usable])
+    front = pareto([row["seconds"]["min"] for row in usable], [error_of(row, "x") or 0 for row in usable])
     names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
     lines = [[*(_cell(usable[k]["scene"].get(name)) for name in names), _number(error_of(usable[k], "x"), ".3e"),
               _number(usable[k]["seconds"]["min"], ".4g")] for k in front]

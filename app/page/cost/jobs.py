@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 from app import __version__
 from app.page.cost.runs import LIVE, SWEEP, NumberedRun, Runs
 from solvers.rules import SceneError
 from solvers.scene import Scene
 from solvers.study.grid import Task, task_of
-from solvers.study.jobs import BackgroundJob, SearchJob, SweepJob
+from solvers.study.jobs import BackgroundJob, SearchJob
 
 MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
 #: Cells of a small sweep, by dimension.
@@ -87,10 +87,10 @@ class Jobs:
         return job.process_id if job else None
 
     def sweep(self, tasks: list[Task]) -> None:
-        self._start("sweep", SweepJob([task.to_dict() for task in tasks]), len(tasks))
+        self._start("sweep", [task.to_dict() for task in tasks], len(tasks))
 
     def search(self, job: SearchJob) -> None:
-        self._start("search", job, 0)
+        self._start("search", asdict(job), 0)
 
     def cancel(self) -> None:
         """End the job that runs; what it has found so far stays."""
@@ -105,7 +105,7 @@ class Jobs:
             self._closed = True
         self.cancel()
 
-    def _start(self, kind: str, job: SweepJob | SearchJob, total: int) -> None:
+    def _start(self, kind: str, question: list | dict, total: int) -> None:
         with self._lock:
             if self.status.running or self._closed:
                 return
@@ -113,7 +113,7 @@ class Jobs:
                 self.status = JobStatus(kind, trouble=BUSY.format(MOST_JOBS))
                 return
             try:
-                self._job = BackgroundJob(job, self._hear)
+                self._job = BackgroundJob(kind, question, self._hear)
                 self.status = JobStatus(kind, running=True, total=total)
             except OSError as error:
                 self._slots.release()
