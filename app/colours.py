@@ -4,14 +4,17 @@ The pair is from Okabe and Ito's set, which people with any of the common colour
 map's lightness rises evenly, so that equal steps of error look equally far apart, in print as well.
 """
 
+from collections import defaultdict
+
 import numpy as np
 
 ESTIMATE = "#D55E00"
 TRUTH = "#0072B2"
 COLOUR_MAP = "viridis"
-#: Methods side by side, in what the set has left; each has a mark of its own as well.
-METHOD_COLOURS = {"mpm": "#000000", "ugimp": "#009E73", "cpgimp": "#CC79A7", "bspline": "#E69F00", "cpdi": "#56B4E9"}
-METHOD_MARKS = {"mpm": "o", "ugimp": "s", "cpgimp": "^", "bspline": "D", "cpdi": "v"}
+#: Methods side by side, in what the set has left; each has a mark of its own as well. A method without either is grey.
+METHOD_COLOURS = defaultdict(lambda: "#777777", {"mpm": "#000000", "ugimp": "#009E73", "cpgimp": "#CC79A7",
+                                                 "bspline": "#E69F00", "cpdi": "#56B4E9"})
+METHOD_MARKS = defaultdict(lambda: "o", {"mpm": "o", "ugimp": "s", "cpgimp": "^", "bspline": "D", "cpdi": "v"})
 
 
 def colour_table() -> np.ndarray:

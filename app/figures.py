@@ -9,6 +9,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
+from app.scale import largest
 from solvers.estimators.registry import ESTIMATORS
 from solvers.result import Result
 
@@ -56,11 +57,6 @@ def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], l
     bar.formatter = numbers
     if drawn.norm.vmax == NO_ERROR:
         bar.set_ticks([0.0])
-
-
-def largest(values: np.ndarray) -> float:
-    finite = values[np.isfinite(values)]
-    return float(finite.max()) if len(finite) else 0.0
 
 
 def robust_size(values: np.ndarray) -> float:
