@@ -17,6 +17,7 @@ from time import monotonic, perf_counter, sleep
 
 PATIENCE = 30.0  # seconds: against a test that would hang, and for nothing else
 STARVED = 10  # times that, when other work takes nearly all of the machine
+LOOK = 0.5  # seconds between two looks at who waits for a processor
 GONE = (FileNotFoundError, ProcessLookupError)
 
 
@@ -30,6 +31,8 @@ def until(condition: Callable[[], object], what: str, patience: float = PATIENCE
     at, waits = monotonic(), _waits()
     while not condition():
         sleep(pause)
+        if monotonic() < at + LOOK:
+            continue
         before, earlier, at, waits = at, waits, monotonic(), _waits()
         starved = max((wait - earlier.get(process, wait) for process, wait in waits.items()), default=0.0)
         calm += max(0.0, at - before - starved)
@@ -45,8 +48,12 @@ def _waits() -> dict[int, float]:
     for process in family:  # which grows meanwhile
         family += below[process]
         with suppress(*GONE):
-            waits[process] = 1e-9 * int(Path(f"/proc/{process}/schedstat").read_text().split()[1])
+            waits[process] = _waited(process)
     return waits
+
+
+def _waited(process: int) -> float:
+    return 1e-9 * int(Path(f"/proc/{process}/schedstat").read_text().split()[1])
 
 
 def children(parent: int, word: str) -> list[int]:
@@ -64,9 +71,18 @@ def wait_for_library(process: Popen, name: str) -> None:
     """Wait until a process has begun to load a native library, such as Taichi's."""
     def loaded() -> bool:
         assert process.poll() is None, "it ended before"
-        return name in Path(f"/proc/{process.pid}/maps").read_text()
+        return has_library(process.pid, name)
 
     until(loaded, f"{name} loaded")
+
+
+def has_library(process: int, name: str) -> bool:
+    return name in Path(f"/proc/{process}/maps").read_text()
+
+
+def processor_seconds(process: int) -> float:
+    """That its first thread has run."""
+    return 1e-9 * int(Path(f"/proc/{process}/schedstat").read_text().split()[0])
 
 
 @contextmanager
@@ -84,10 +100,10 @@ def held(process_ids: Iterable[int]) -> Iterator[None]:
 
 
 class Watch:
-    """Seconds since it was made in which nobody here waited for a processor.
+    """Seconds since it was made in which a process ran or had nothing to do.
 
-    That is wall time less what this process and the first thread of ``process`` spent ready to run, while other work
-    had the processors. On a machine at rest it is wall time.
+    That is wall time less what its first thread spent ready to run, while other work had the processors. On a machine
+    at rest it is wall time.
     """
 
     def __init__(self, process: int):
@@ -99,9 +115,4 @@ class Watch:
         return perf_counter() - self._waited() - self._begun
 
     def _waited(self) -> float:
-        waits = [*Path("/proc/self/task").glob("*/schedstat"), Path(f"/proc/{self._process}/schedstat")]
-        total = 0
-        for wait in waits:
-            with suppress(*GONE):
-                total += int(wait.read_text().split()[1])
-        return 1e-9 * total
+        return _waited(self._process)

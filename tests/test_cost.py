@@ -30,7 +30,7 @@ from solvers.study.grid import task_of
 from solvers.study.jobs import SearchJob
 from solvers.study.row import failed
 from solvers.study.summary import flat
-from tests.processes import until
+from tests.processes import has_library, until
 from tests.rows import made_up
 
 SCENE = BarScene(cells=10, periods=1)
@@ -188,6 +188,7 @@ def test_cancel_keeps_rows_and_makes_room(jobs):
 
 def test_process_that_dies_is_said(jobs):
     jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
+    wait(lambda: has_library(jobs.process_id, "taichi"))  # it has read what to do, else another would do it
     os.kill(jobs.process_id, signal.SIGKILL)
     wait(lambda: not jobs.status.running)
     assert "SIGKILL" in words.going(jobs.status)

@@ -30,7 +30,7 @@ from solvers.study import summary as table
 from solvers.study.grid import Task, combinations, plan
 from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute, row_process
 from solvers.study.store import Store, StoreError
-from tests.processes import until
+from tests.processes import processor_seconds, until
 from tests.rows import made_up, without_timings
 
 SweepBar = commands()["sweep", "bar"]
@@ -128,8 +128,9 @@ def test_a_process_that_dies_says_so_and_starts_again():
     try:
         assert row.measure(Task("bar", QUICK, repeats=1)).keys() == measured(Task("bar", QUICK, 1)).keys()
         first = process.process_id
-        killer = threading.Thread(target=lambda: (until(process._lock.locked, "a row under way"),
-                                                  os.kill(first, signal.SIGKILL)))
+        idle = processor_seconds(first)
+        killer = threading.Thread(target=lambda: (
+            until(lambda: processor_seconds(first) > idle + 0.1, "a row under way"), os.kill(first, signal.SIGKILL)))
         killer.start()
         with pytest.raises(ProcessDied, match="SIGKILL"):
             measured(Task("bar", {"cells": 100, "periods": 10_000}, 1))
