@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import sync_playwright
 
-from tests.processes import until
+from tests.browser.driving import PATIENCE
+from tests.processes import STARVED, until
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.
@@ -57,6 +58,8 @@ def serving(environment=None):
 def visit(chromium, address):
     """A fresh visitor at 1280x720. Any error in the browser's console fails the test."""
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
+    page.set_default_timeout(1e3 * STARVED * PATIENCE)
     errors = []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from app.colours import colour_table
+from tests.browser.conftest import visit
 from tests.browser.driving import (
     choose,
     click,
@@ -203,11 +204,8 @@ def test_large_window(page):
 
 def test_two_visitors_do_not_share(page, server, chromium):
     """A second visitor's slider leaves the first one's run alone."""
-    other = chromium.new_page(viewport={"width": 1280, "height": 720})
-    other.goto(f"{server[0]}/?fixedDpr=1")
-    other.get_by_text("periods").first.wait_for(timeout=30_000)
-    before = number(page, r"of (\S+) s")
-    row(other, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("100")
-    until(lambda: number(other, r"of (\S+) s") < before, "the second visitor's finer grid")
-    assert number(page, r"of (\S+) s") == before
-    other.close()
+    with visit(chromium, server[0]) as other:
+        before = number(page, r"of (\S+) s")
+        row(other, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("100")
+        until(lambda: number(other, r"of (\S+) s") < before, "the second visitor's finer grid")
+        assert number(page, r"of (\S+) s") == before
