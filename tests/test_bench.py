@@ -171,7 +171,7 @@ def test_a_run_that_goes_bad_has_no_rate():
     (["quick"], "quick: is not expected"),
 ])
 def test_bad_input_is_one_line(flags, names, capsys, monkeypatch):
-    monkeypatch.setattr("app.commands.bench._measure", lambda *_: pytest.fail("it ran before it had checked"))
+    monkeypatch.setattr("solvers.bench.bench.bench", lambda *_: pytest.fail("it ran before it had checked"))
     assert main(["bench", *flags]) == 2
     seen = capsys.readouterr()
     assert seen.out == "" and seen.err.count("\n") == 1 and seen.err.startswith(f"mpm-lab: {names}")
