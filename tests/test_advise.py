@@ -14,6 +14,8 @@ from solvers.run import run
 from solvers.study.advise import Goal, advise, families
 from solvers.study.family import Family, Point
 
+#: Nanoseconds of a particle-step, as measured once.
+STEP = {"ugimp": 15.0, "cpgimp": 10.0, "bspline": 8.5, "cpdi": 32.0}
 BAR = BarScene(amplitude=2.5e-4, periods=1, estimators=(), effects=())
 RING = RingScene(estimators=(), effects=())
 
@@ -74,12 +76,14 @@ def exhaustive(choices: list[Family], goal: Goal, grid: list[int]) -> float:
      [10, 14, 20, 28, 40, 56, 80, 112, 160], (1e-2, 1e-3, 3e-4)),
     (RING, [("ugimp", False), ("cpdi", False)], (2, 3), (0.3, 0.5), [12, 18, 24, 30, 42, 60], (3e-2, 5e-3))],
     ids=["bar", "ring"])
-def test_the_answer_holds_and_is_cheap(base, methods, numbers, steps, grid, tolerances):
+def test_the_answer_holds_and_is_cheap(base, methods, numbers, steps, grid, tolerances, monkeypatch):
     """The true error is within the tolerance, and no member of an exhaustive search is cheaper by a half.
 
-    Times are steps times particles times a measured rate, remembered a scene, so noise of the machine is the same on
-    both sides. The truth may exceed an estimate that just meets the tolerance by the estimate's own error, 1 %.
+    Times are steps times particles times a rate, which is given here and not measured: a processor may be twice as fast
+    when the search has ended as when it began. The truth may exceed an estimate that just meets the tolerance by the
+    estimate's own error, 1 %.
     """
+    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
     choices = families(base, methods, numbers, steps, "x")
     for tolerance in tolerances:
         goal = Goal("x", tolerance * base.amplitude, budget=20.0)

@@ -46,10 +46,10 @@ def test_a_run_has_all_five(tmp_path):
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_run_prints_all_five():
-    done = command("run", "bar", *QUICK, "--estimator", *FIVE)
+def test_a_run_prints_it_beside_others():
+    done = command("run", "bar", *QUICK, "--estimator", "transport", "zero")
     assert (done.returncode, done.stderr) == (0, "")
-    assert all(f"estimate: {name}" in done.stdout for name in FIVE)
+    assert "estimate: transport" in done.stdout and "estimate: zero" in done.stdout
 
 
 def test_help_lists_it_where_it_is():
