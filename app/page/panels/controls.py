@@ -1,5 +1,6 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
+import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -27,6 +28,7 @@ class Controls:
                  on_view: Callable[[], None]):
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
         self.domains = False
+        self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self.estimators = EstimatorChoice(session, on_view)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE)
@@ -40,13 +42,14 @@ class Controls:
 
     def load(self, scene: Scene) -> None:
         """Put a scene on the stage, and all that it says into the widgets."""
-        if scene.problem != self._session.scene.problem:
-            self.domains = False
-        self._session.choose(scene)
-        self._problem.value = scene.TITLE  # type: ignore[misc]  # has been chosen: nothing follows from it
-        self._widgets.remove()
-        with self._tab:
-            self._build()
+        with self._loading:
+            if scene.problem != self._session.scene.problem:
+                self.domains = False
+            self._session.choose(scene)
+            self._problem.value = scene.TITLE  # type: ignore[misc]  # has been chosen: nothing follows from it
+            self._widgets.remove()
+            with self._tab:
+                self._build()
 
     def _choose_problem(self) -> None:
         """Another problem has other choices and reaches."""
