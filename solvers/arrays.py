@@ -5,6 +5,7 @@ memory for ever), and because the view and the tests read them as they are. They
 move a whole vector at once.
 """
 
+import functools
 from dataclasses import dataclass, fields
 from typing import Any, get_type_hints
 
@@ -30,6 +31,7 @@ class Members:
             setattr(self, field.name, _aligned(getattr(self, field.name)))
 
     @classmethod
+    @functools.cache
     def types(cls) -> dict[str, object]:
         """The Taichi type of each member, in order."""
         hints = get_type_hints(cls, include_extras=True)
