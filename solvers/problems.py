@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from solvers.bar.scene import BarScene
-from solvers.estimators import registry
 from solvers.ring.scene import RingScene
 from solvers.scene import Scene
 
@@ -37,7 +36,7 @@ class Problem:
     @property
     def estimators(self) -> tuple[str, ...]:
         """The names of the estimators that it has."""
-        return registry.names(self.scene.problem)
+        return self.scene.choices("estimators")
 
 
 PROBLEMS: dict[str, Problem] = {

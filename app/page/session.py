@@ -42,7 +42,6 @@ class Session:
 
     def __init__(self, pool: Engines, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
         self._lock = threading.RLock()
-        self.turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
         self._on_frame = on_frame
         self._refusal: str | None = None
         self._trouble: str | None = None

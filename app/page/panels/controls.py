@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import viser
@@ -28,6 +29,7 @@ class Controls:
                  on_view: Callable[[], None]):
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
         self.domains = False
+        self._turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
         self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self.estimators = EstimatorChoice(session, on_view)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
@@ -85,7 +87,7 @@ class Controls:
         self._choice("method", "shape functions that carry data between particles and grid")
         self._cells()
         per_cell = self._gui.add_slider("Particles / cell", *view.reach.ppc, 1, scene.ppc, hint="in each direction")
-        per_cell.on_update(lambda e: session.set(ppc=e.target.value))
+        self._follow(per_cell, lambda count: session.set(ppc=count))
         self._logarithmic("A", "m", view.reach.amplitude, scene.amplitude, lambda v: session.set(amplitude=v),
                           view.amplitude_hint)
         self._logarithmic("E", "Pa", view.reach.modulus, scene.modulus, lambda v: session.set(modulus=v),
@@ -105,12 +107,11 @@ class Controls:
         cells = self._gui.add_slider(label(scene.cells), low, high, step, scene.cells,
                                      hint=f"grid cells across {length} m")
 
-        def changed(_: viser.GuiEvent) -> None:
-            with session.turn:
-                cells.label = label(cells.value)
-                session.set(cells=cells.value)
+        def changed(count: int) -> None:
+            cells.label = label(count)
+            session.set(cells=count)
 
-        cells.on_update(changed)
+        self._follow(cells, changed)
 
     def _view(self) -> None:
         gui, scale, session = self._gui, self._scale, self._session
@@ -149,11 +150,16 @@ class Controls:
         boxes = {name: self._gui.add_checkbox(effect.label, name in self._session.scene.effects,
                                               hint=effect.explanation) for name, effect in EFFECTS.items()}
 
-        def changed(_: viser.GuiEvent) -> None:
-            self._session.set(effects=tuple(effect for effect, box in boxes.items() if box.value))
-
         for box in boxes.values():
-            box.on_update(changed)
+            self._follow(box, lambda _: self._session.set(effects=tuple(e for e, box in boxes.items() if box.value)))
+
+    def _follow(self, widget: Any, act: Callable[[Any], None]) -> None:
+        """Call ``act`` with the widget's value whenever it has changed, for one widget at a time."""
+        def changed(_: viser.GuiEvent) -> None:
+            with self._turn:
+                act(widget.value)
+
+        widget.on_update(changed)
 
     # ---- kinds of widget ----------------------------------------------------------------------------------
 
@@ -164,12 +170,12 @@ class Controls:
         codes = {name: code for code, name in names.items()}
         widget = self._gui.add_dropdown(field_label(field).capitalize(), tuple(codes), hint=hint,
                                         initial_value=names[getattr(scene, field)])
-        widget.on_update(lambda e: self._session.set(**{field: codes[e.target.value]}))
+        self._follow(widget, lambda name: self._session.set(**{field: codes[name]}))
 
     def _switch(self, field: str, hint: str) -> None:
         """A box for a field of the scene that is true or false."""
         box = self._gui.add_checkbox(field_label(field).capitalize(), getattr(self._session.scene, field), hint=hint)
-        box.on_update(lambda e: self._session.set(**{field: e.target.value}))
+        self._follow(box, lambda on: self._session.set(**{field: on}))
 
     def _logarithmic(self, name: str, unit: str, reach: tuple[float, float], value: float,
                      act: Callable[[float], None], hint: str) -> None:
@@ -183,10 +189,9 @@ class Controls:
         slider = self._gui.add_slider(label(value), low, high, 0.005, float(np.log10(value)), hint=hint,
                                       marks=tuple((float(d), f"{10.0 ** d:g}") for d in decades))
 
-        def changed(_: viser.GuiEvent) -> None:
-            with self._session.turn:
-                v = float(f"{10 ** slider.value:.3g}")
-                slider.label = label(v)
-                act(v)
+        def changed(logarithm: float) -> None:
+            v = float(f"{10 ** logarithm:.3g}")
+            slider.label = label(v)
+            act(v)
 
-        slider.on_update(changed)
+        self._follow(slider, changed)
