@@ -5,15 +5,18 @@ import ctypes
 import json
 import os
 import signal
-import stat
 import sys
 import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from typing import TextIO
+from pathlib import Path
 
 from app.commands.flags import BadInput
+
+BAR_WIDTH = 30  # of the progress bar in characters
+BAR_TEXT = 24  # of what is being done; the whole line fits a terminal of 80
+PATIENCE = 1.0  # seconds before a bar is worth showing
 
 
 def say(message: object) -> None:
@@ -76,37 +79,50 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
 
 @contextlib.contextmanager
 def working(quiet: bool) -> Iterator[Callable[..., None]]:
-    """While solvers work: a clean standard output, Ctrl-C noted, and a progress bar unless ``quiet``.
+    """While solvers work: a clean standard output, Ctrl-C noted, and, unless ``quiet``, a progress bar on a terminal.
 
     Yields what is to be called now and then with the part done, 0 to 1, and, if one likes, what is being done.
     """
-    with stdout_to_stderr(), noted_interrupts() as check, contextlib.closing(ProgressBar(sys.stderr, quiet)) as bar:
+    begun, drawn = time.monotonic(), False
+
+    def show(part: float, what: str = "") -> None:
+        nonlocal drawn
+        check()
+        elapsed = time.monotonic() - begun
+        if quiet or elapsed < PATIENCE or not sys.stderr.isatty():
+            return
+        drawn = True
+        left = f"{elapsed * (1 - part) / part:.0f} s left" if part > 0 else ""
+        bar = ("#" * round(part * BAR_WIDTH)).ljust(BAR_WIDTH, ".")
+        line = f"\r[{bar}] {100 * part:3.0f} %  {left:<14}{what:<{BAR_TEXT}.{BAR_TEXT}}"
+        print(line, end="", file=sys.stderr, flush=True)
+
+    with stdout_to_stderr(), noted_interrupts() as check:
         warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
-
-        def show(part: float, what: str = "") -> None:
-            check()
-            bar.show(part, what)
-
-        yield show
+        try:
+            yield show
+        finally:
+            if drawn:  # wipe the bar off the line
+                print("\r" + " " * (BAR_WIDTH + 24 + BAR_TEXT) + "\r", end="", file=sys.stderr, flush=True)
 
 
 class Target:
     """A file to be written later, tried now. It appears whole or not at all: written beside, then renamed."""
 
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
-        self.flag, self.text = flag, text
-        self.is_stdout = may_be_stdout and text == "-"
-        self.path = "" if self.is_stdout else _real_path(text)
+        self.text, self.is_stdout = text, may_be_stdout and text == "-"
+        # where it really lies, so that a link stays one; a device has no better name than its own
+        self.path = "" if self.is_stdout else text if _is_device(text) else os.path.realpath(text)
+        self._beside = Path(os.path.dirname(self.path), f".mpm-lab-{flag}-{os.getpid()}.part")
         if not text.strip():
             raise BadInput(flag, text, f"give a file{' or - for standard output' if may_be_stdout else ''}")
         if not text.lower().endswith(ending):
             raise BadInput(flag, text, f"give a file that ends in {ending}")
-        if not self.is_stdout:
-            try:
-                self._try()
-            except OSError as error:
-                raise BadInput(flag, text, f"cannot be written: {_why(error)}; "
-                               "give a file in a directory that exists and may be written to") from None
+        try:
+            self._try()
+        except OSError as error:
+            raise BadInput(flag, text, f"cannot be written: {(error.strerror or str(error)).lower()}; "
+                           "give a file in a directory that exists and may be written to") from None
 
     def write(self, content: bytes) -> None:
         """Write the content, replacing what was there."""
@@ -115,33 +131,24 @@ class Target:
             sys.stdout.buffer.write(content)
             sys.stdout.buffer.flush()
         elif _is_device(self.path):
-            with open(self.path, "wb") as file:
-                file.write(content)
+            Path(self.path).write_bytes(content)
         else:
-            self._replace(content)
+            try:
+                self._beside.write_bytes(content)
+                os.replace(self._beside, self.path)
+            finally:
+                with contextlib.suppress(OSError):
+                    self._beside.unlink()
 
     def _try(self) -> None:
-        if _is_device(self.path):
+        if self.is_stdout or _is_device(self.path):
             return
         with contextlib.suppress(FileNotFoundError):
             os.stat(self.path)  # a name that no file can have fails here and not after the run
         if os.path.isdir(self.path) or self.text.endswith(os.sep):
             raise IsADirectoryError("is a directory")
-        with open(self._beside(), "wb"):
-            pass
-        os.remove(self._beside())
-
-    def _replace(self, content: bytes) -> None:
-        try:
-            with open(self._beside(), "wb") as file:
-                file.write(content)
-            os.replace(self._beside(), self.path)
-        finally:
-            with contextlib.suppress(OSError):
-                os.remove(self._beside())
-
-    def _beside(self) -> str:
-        return os.path.join(os.path.dirname(self.path), f".mpm-lab-{self.flag}-{os.getpid()}.part")
+        self._beside.write_bytes(b"")
+        self._beside.unlink()
 
 
 def json_target(text: str | None) -> Target | None:
@@ -157,49 +164,6 @@ def report(values: dict, target: Target | None, text: Callable[[dict], str]) -> 
         print(text(values), flush=True)
 
 
-def _real_path(text: str) -> str:
-    """Where a file really lies, so that a link stays one; a device has no better name than its own."""
-    return text if _is_device(text) else os.path.realpath(text)
-
-
 def _is_device(path: str) -> bool:
     """A pipe, a terminal or the like, which must be written to and not replaced."""
-    try:
-        mode = os.stat(path).st_mode
-    except OSError:
-        return False
-    return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
-
-
-def _why(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()
-
-
-class ProgressBar:
-    """A bar on a terminal for runs that take longer than a second; nothing elsewhere."""
-
-    WIDTH = 30
-    WHAT = 24  # characters of what is being done; the whole line fits a terminal of 80
-    PATIENCE = 1.0  # seconds
-
-    def __init__(self, stream: TextIO, quiet: bool):
-        self._stream, self._begun, self._drawn = stream, time.monotonic(), False
-        self._on = not quiet and stream.isatty()
-
-    def show(self, part: float, what: str = "") -> None:
-        """Draw the bar at ``part``, 0 to 1, and what is being done."""
-        elapsed = time.monotonic() - self._begun
-        if not self._on or elapsed < self.PATIENCE:
-            return
-        self._drawn = True
-        left = f"{elapsed * (1 - part) / part:.0f} s left" if part > 0 else ""
-        full = round(part * self.WIDTH)
-        bar = "#" * full + "." * (self.WIDTH - full)
-        self._stream.write(f"\r[{bar}] {100 * part:3.0f} %  {left:<14}{what:<{self.WHAT}.{self.WHAT}}")
-        self._stream.flush()
-
-    def close(self) -> None:
-        """Wipe the bar off the line."""
-        if self._drawn:
-            self._stream.write("\r" + " " * (self.WIDTH + 24 + self.WHAT) + "\r")
-            self._stream.flush()
+    return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
