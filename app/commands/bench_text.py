@@ -1,15 +1,15 @@
 """The tables that ``mpm-lab bench`` prints for people, made from the JSON object and nothing else."""
 
-NOTHING = "-"
+from app.commands.run_text import NOTHING, formatted
 
 
 def bench_table(values: dict) -> str:
     """Rates, prices, what is paid for effects that are off, start-up, and the example."""
-    parts = [_heading(values), _rates(values["rates"], values["example"]),
-             _prices("price of an estimator: time of a step with it over a bare one", values["estimators"]),
-             _prices("price of an effect: time of a step with it over one without", values["effects"]),
-             _off(values["off"]), _start(values["start"])]
-    return "\n\n".join(parts)
+    return "\n\n".join([
+        _heading(values), _rates(values["rates"], values["example"]),
+        _prices("price of an estimator: time of a step with it over a bare one", values["estimators"]),
+        _prices("price of an effect: time of a step with it over one without", values["effects"]),
+        _off(values["off"]), _start(values["start"])])
 
 
 def _heading(values: dict) -> str:
@@ -45,7 +45,7 @@ def _example(example: dict) -> list[str]:
 def _prices(title: str, rows: list[dict]) -> str:
     lines = [title]
     for row in rows:
-        lines.append(_line(f"{_scene(row)}: {row['name']}", _ratio(row["ratio"])))
+        lines.append(_line(f"{_scene(row)}: {row['name']}", formatted(row["ratio"], ".3f")))
         if row.get("not_valid"):
             lines.append(f"    {row['not_valid']}")
     return "\n".join(lines)
@@ -55,10 +55,10 @@ def _off(rows: list[dict]) -> str:
     lines = ["an effect that is off: time of a bare step over one stripped by hand of all that is optional",
              _line("", "ratio", "quartiles", "noise", "call", "stripped")]
     for row in rows:
-        noise = None if row["same"] is None else abs(row["same"] - 1)
-        lines.append(_line(_scene(row), _ratio(row["ratio"]), f"{_ratio(row['low'])}..{_ratio(row['high'])}",
-                           NOTHING if noise is None else f"{100 * noise:.1f} %",
-                           f"{1e3 * row['call']:.2f} ms", f"{1e3 * row['call_stripped']:.2f} ms"))
+        ratio, low, high = (formatted(row[name], ".3f") for name in ("ratio", "low", "high"))
+        noise = NOTHING if row["same"] is None else f"{100 * abs(row['same'] - 1):.1f} %"
+        lines.append(_line(_scene(row), ratio, f"{low}..{high}", noise, f"{1e3 * row['call']:.2f} ms",
+                           f"{1e3 * row['call_stripped']:.2f} ms"))
     return "\n".join([*lines, "  noise: between two solvers of the same machine code; compiled apart, 1 to 3 %\n  "
                       "call: what a call costs however many steps it takes"])
 
@@ -85,7 +85,3 @@ def _line(name: str, *cells: str) -> str:
 
 def _rate(rate: float | None) -> str:
     return "unstable" if rate is None else f"{rate:.1f}"
-
-
-def _ratio(ratio: float | None) -> str:
-    return NOTHING if ratio is None else f"{ratio:.3f}"

@@ -3,11 +3,13 @@
 from app.words import QUANTITIES, per_cell
 
 NOTHING = "-"
+SUMMARY = ("final", "max", "mean")
 
 
 def run_table(result: dict) -> str:
     """Heading, errors, estimates of each estimator, and what the run cost."""
-    parts = [_heading(result), _errors(result["error"])]
+    errors = [_norm(key, summary) for key, summary in result["error"].items()]
+    parts = [_heading(result), _columns([("true error, RMS", *SUMMARY), *errors])]
     estimates = {name: values for name, values in _by_estimator(result).items() if name not in result["not_valid"]}
     parts += [_estimates(name, *values) for name, values in estimates.items()]
     if estimates:
@@ -24,21 +26,16 @@ def _heading(result: dict) -> str:
             f"{result['status']}: {result['steps']:,} steps to t = {result['t']:.6g} s")
 
 
-def _norm(key: str) -> str:
-    """What an error is of, with its unit; a problem's own norms say first which quantity they are of: a_nodes."""
-    return f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
-
-
-def _errors(error: dict) -> str:
-    rows = [(_norm(q), *(_size(values[k]) for k in ("final", "max", "mean"))) for q, values in error.items()]
-    return _columns([("true error, RMS", "final", "max", "mean"), *rows])
+def _norm(key: str, summary: dict) -> tuple[str, ...]:
+    """What an error is of, with its unit, and its sizes; a problem's own norms say first which quantity they are of:
+    a_nodes."""
+    name = f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
+    return name, *(formatted(summary[part], ".3e") for part in SUMMARY)
 
 
 def _estimates(name: str, estimate: dict, index: dict, distance: dict) -> str:
-    rows = [(_norm(q), *(_size(estimate[q][k]) for k in ("final", "max", "mean")),
-             _ratio(index[q]), _ratio(distance[q])) for q in QUANTITIES]
-    heads = (f"estimate: {name}", "final", "max", "mean", "index", "distance")
-    return _columns([heads, *rows])
+    rows = [(*_norm(q, estimate[q]), formatted(index[q], ".3f"), formatted(distance[q], ".3f")) for q in QUANTITIES]
+    return _columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows])
 
 
 def _by_estimator(result: dict) -> dict:
@@ -53,8 +50,9 @@ def _by_estimator(result: dict) -> dict:
 def _cost(result: dict) -> str:
     energy, seconds, crossings = result["energy"], result["seconds"], result["grid_crossings"]
     estimators = "" if seconds["estimate"] is None else f"; estimators {seconds['estimate']:.3g} s of it"
-    rows = [("grid crossings", NOTHING if crossings is None else f"{crossings:,}"),
-            ("energy drift", _percent(energy["drift"]) if energy else NOTHING),
+    drift = energy and energy["drift"]
+    rows = [("grid crossings", formatted(crossings, ",")),
+            ("energy drift", NOTHING if drift is None else f"{100 * drift:.3g} %"),
             ("time", f"{seconds['run']:.3g} s{estimators}; and {seconds['compile']:.3g} s to compile"),
             ("rate", f"{result['rate']:.3g} million particle-steps/s on {result['arch']}, "
              f"{result['threads']} thread{'s' * (result['threads'] != 1)}, {result['plan']} plan"
@@ -66,13 +64,6 @@ def _columns(rows: list[tuple[str, ...]]) -> str:
     return "\n".join(f"{row[0]:<24}" + "".join(f"{cell:>12}" for cell in row[1:]) for row in rows)
 
 
-def _size(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.3e}"
-
-
-def _ratio(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.3f}"
-
-
-def _percent(value: float | None) -> str:
-    return NOTHING if value is None else f"{100 * value:.3g} %"
+def formatted(value: float | None, form: str) -> str:
+    """A number; a dash where there is none."""
+    return NOTHING if value is None else format(value, form)
