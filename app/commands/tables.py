@@ -38,7 +38,9 @@ class Tables:
 
     def execute(self) -> int:
         """Run what is not finished yet, then write every table."""
-        numbers = _numbers(self.table)
+        if self.table not in (*plan.NUMBERS, "all"):
+            raise BadInput("", self.table, f"is not a table of the paper; give {', '.join(plan.NUMBERS)} or all")
+        numbers = plan.NUMBERS if self.table == "all" else (self.table,)
         targets = _targets(self.out, numbers)
         estimators = {name: problem.estimators for name, problem in PROBLEMS.items()}
         made = [plan.make(number, estimators) for number in numbers]
@@ -52,14 +54,6 @@ class Tables:
         return UNSTABLE if unstable else OK
 
 
-def _numbers(word: str) -> tuple[str, ...]:
-    if word == "all":
-        return plan.NUMBERS
-    if word not in plan.NUMBERS:
-        raise BadInput("", word, f"is not a table of the paper; give {', '.join(plan.NUMBERS)} or all")
-    return (word,)
-
-
 def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Target]]:
     """The files of each table, tried before anything runs; the directory and those above it are made."""
     if not directory.strip():
@@ -67,9 +61,9 @@ def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Targ
     try:
         os.makedirs(os.path.join(directory, ROWS), exist_ok=True)
     except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or str(error)
-        raise BadInput("out", directory, f"cannot be a directory: {why.lower()}; give one that exists or can be "
-                       "made and may be written to") from None
+        why = (getattr(error, "strerror", None) or str(error)).lower()
+        raise BadInput("out", directory, f"cannot be a directory: {why}; give one that exists or can be made and may "
+                       "be written to") from None
     return {number: {kind: Target("out", os.path.join(directory, f"table{number}.{kind}")) for kind in KINDS}
             for number in numbers}
 

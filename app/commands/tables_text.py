@@ -11,25 +11,12 @@ INPUTS = {"1": ("cells",), "2": ("method", "cells"), "3": ("method", "cells")}
 COMPARED = {"1": {"x": "x (m)", "v": "v (m/s)", "sigma_log": "σ (Pa)", "grid_crossings": "crossings"},
             "2": {"x": "x (m)", "v": "v (m/s)", "a_nodes": "Err A (m/s²)"},
             "3": {"index_x": "index of x, transport"}}
-
-
-class Footnotes:
-    """Sentences under the table, each once."""
-
-    def __init__(self) -> None:
-        self._numbers: dict[str, int] = {}
-
-    def mark(self, sentence: str) -> str:
-        """The mark of a sentence, which is added if it is new."""
-        return f"[^{self._numbers.setdefault(sentence, len(self._numbers) + 1)}]"
-
-    def lines(self) -> list[str]:
-        return [f"[^{number}]: {sentence}" for sentence, number in self._numbers.items()]
+Footnotes = dict[str, int]  # sentences under the table, each once, with their numbers
 
 
 def markdown(table: dict) -> str:
     """The whole file."""
-    notes = Footnotes()
+    notes: Footnotes = {}
     blocks = [f"# {table['title']}", *table["setup"]]
     for part, rows in parts(table).items():
         blocks += [f"## {part}", _comparison(table["table"], rows, notes)]
@@ -38,7 +25,12 @@ def markdown(table: dict) -> str:
     seconds = table["seconds"]
     blocks.append(f"These runs took {seconds['run']:.0f} s, and {seconds['setup'] + seconds['compile']:.0f} s to set "
                   "up and compile.")
-    return "\n\n".join([*blocks, *notes.lines()]) + "\n"
+    return "\n\n".join([*blocks, *(f"[^{number}]: {sentence}" for sentence, number in notes.items())]) + "\n"
+
+
+def _mark(sentence: str, notes: Footnotes) -> str:
+    """The mark of a footnote, which is added if it is new."""
+    return f"[^{notes.setdefault(sentence, len(notes) + 1)}]"
 
 
 def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
@@ -63,10 +55,10 @@ def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
 
 
 def _ours(row: dict, key: str, notes: Footnotes) -> str:
-    value = row["ours"][key]
     if key == "index_x":
         return _index_of_x(row, PAPERS_ESTIMATOR, notes)
-    return _count(value) if key == "grid_crossings" else size(value)
+    value = row["ours"][key]
+    return _count(value) if key == "grid_crossings" else NOTHING if value is None else digits(value, 3)
 
 
 def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
@@ -80,8 +72,8 @@ def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
             lines.append([*_row_cells(number, row, notes), "the paper's, printed", *printed, *[NOTHING] * 5])
         for name, said in row["estimators"].items():
             values = [_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
-            lines.append([*_row_cells(number, row, notes), name + _why(name, said, notes), *values,
-                          _percent(said["cost"])])
+            cost = NOTHING if said["cost"] is None else f"{100 * said['cost']:.0f} %"
+            lines.append([*_row_cells(number, row, notes), name + _why(name, said, notes), *values, cost])
     return grid(heads, lines, words=("method", "estimator"))
 
 
@@ -93,21 +85,14 @@ def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
 
 def _why(name: str, said: dict, notes: Footnotes) -> str:
     """The mark of the sentence in which an estimator says that it does not hold; nothing where it does."""
-    return notes.mark(f"{name}: {said['not_valid']}") if said["not_valid"] else ""
+    return _mark(f"{name}: {said['not_valid']}", notes) if said["not_valid"] else ""
 
 
 def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
     scene = row["inputs"]
     words = {"method": method_name(scene["method"]),
-             "cells": str(scene["cells"]) + (notes.mark(row["unstable"]) if row["unstable"] else "")}
+             "cells": str(scene["cells"]) + (_mark(row["unstable"], notes) if row["unstable"] else "")}
     return [words[name] for name in INPUTS[number]]
-
-
-def size(value: float | None) -> str:
-    """A size with three digits, as short as it goes: 3.49e-6."""
-    if value is None:
-        return NOTHING
-    return digits(value, 3)
 
 
 def _printed(key: str, value: float | None) -> str:
@@ -132,7 +117,3 @@ def _factor(value: float | None) -> str:
     if value >= 1000 or value == 0:
         return f"{value:,.0f}"
     return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.3g}" if value > 1 else digits(value, 2)
-
-
-def _percent(value: float | None) -> str:
-    return NOTHING if value is None else f"{100 * value:.0f} %"
