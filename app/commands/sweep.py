@@ -16,15 +16,13 @@ from app.commands.scene_flags import SceneFlags
 from solvers.rules import require_whole
 from solvers.study import summary as table
 from solvers.study.grid import MOST_ROWS, Task, plan
-from solvers.study.row import FAILED as LOST
-from solvers.study.row import OK as STOOD
-from solvers.study.row import REFUSED, refused
+from solvers.study.row import FAILED, OK, REFUSED, UNSTABLE, refused
 from solvers.study.store import Store, StoreError
 
 if TYPE_CHECKING:
     from solvers.study.places import Place
 
-OK, FAILED = 0, 1
+COMPLETE, INCOMPLETE = 0, 1
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
@@ -72,12 +70,16 @@ class Sweep(SceneFlags):
         if len(refusals) == len(tasks):
             raise next(iter(refusals.values()))
         with contextlib.ExitStack() as stack:
-            place = self._place(stack)
-            store = stack.enter_context(contextlib.closing(self._store(problem)))
+            place = stack.enter_context(contextlib.closing(self._place()))
+            try:
+                store = stack.enter_context(contextlib.closing(Store(self.out, problem, self.resume)))
+            except StoreError as error:
+                raise BadInput("out", self.out, str(error)) from None
             self._announce(tasks, refusals, store)
             if not self._measure(tasks, refusals, place, store):
-                return FAILED
-            rows = _in_order(tasks, store)
+                return INCOMPLETE
+        order = {task.key: k for k, task in enumerate(tasks)}  # then the rows of an earlier sweep in this directory
+        rows = sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
         return self._write(problem, rows)
 
     def axes(self) -> dict[str, list]:
@@ -87,8 +89,6 @@ class Sweep(SceneFlags):
                 for name, value in self.inputs().items()}
         on = axes["linearity_preserving"][0]
         return axes | {"linearity_preserving": [True] * on + [False] * (self.no_linearity_preserving or not on)}
-
-    # ---- steps of a sweep ---------------------------------------------------------------------------------
 
     def _check(self) -> None:
         if not (self.out or "").strip():
@@ -105,31 +105,20 @@ class Sweep(SceneFlags):
             raise BadInput("out", self.out, f"{count:,} combinations are too many for one sweep; give lists that make "
                            f"at most {MOST_ROWS:,}")
 
-    def _place(self, stack: contextlib.ExitStack) -> Place:
-        if self.scheduler is None:
-            from solvers.study.places import Here
-            place: Place = Here(self.workers or 1)
-        else:
-            from solvers.study.places import Cluster, NoCluster
-            try:
-                place = Cluster(self.scheduler)
-            except NoCluster as error:
-                raise BadInput("scheduler", self.scheduler, str(error)) from None
-        return stack.enter_context(contextlib.closing(place))
-
-    def _store(self, problem: str) -> Store:
+    def _place(self) -> Place:
+        from solvers.study.places import Cluster, Here, NoCluster
         try:
-            return Store(self.out, problem, self.resume)
-        except StoreError as error:
-            raise BadInput("out", self.out, str(error)) from None
+            return Here(self.workers or 1) if self.scheduler is None else Cluster(self.scheduler)
+        except NoCluster as error:
+            raise BadInput("scheduler", self.scheduler, str(error)) from None
 
     def _announce(self, tasks: Sequence[Task], refusals: dict, store: Store) -> None:
         if self.quiet:
             return
         there = sum(store.finished(task.key) for task in tasks)
         say(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
-        sentences = dict.fromkeys(f"warning: {w}" for t in tasks if t.key not in refusals for w in t.scene().warnings())
-        for sentence in [*dict.fromkeys(f"refused: {error}" for error in refusals.values()), *sentences]:
+        warnings = [f"warning: {w}" for t in tasks if t.key not in refusals for w in t.scene().warnings()]
+        for sentence in dict.fromkeys([*(f"refused: {error}" for error in refusals.values()), *warnings]):
             say(sentence)
 
     def _measure(self, tasks: Sequence[Task], refusals: dict, place: Place, store: Store) -> bool:
@@ -161,14 +150,14 @@ class Sweep(SceneFlags):
         from app.pictures.run import png_bytes
         from app.pictures.study import FIGURES
 
-        drawn, status = [], OK
+        drawn, status = [], COMPLETE
         for name, figure in FIGURES.items():
             try:
                 self._put(f"{name}.png", png_bytes(figure(rows)))
                 drawn.append(f"{name}.png")
             except Exception as error:
                 say(f"--out {self.out}: the picture {name} failed ({type(error).__name__}: {error}); the rows are fine")
-                status = FAILED
+                status = INCOMPLETE
         text = table.summary(problem, rows, drawn)
         self._put("table.csv", table.csv_text(rows).encode())
         self._put("table.json", json_text(table.table_dict(problem, rows), lines=True).encode())
@@ -189,18 +178,12 @@ def _values(value: Any, hint: Any) -> list:
     return [parse([word]) for word in words] if len(words) > 1 else [value]
 
 
-def _in_order(tasks: Sequence[Task], store: Store) -> list[dict]:
-    """The rows of this sweep in its order, then those of an earlier one in the same directory."""
-    order = {task.key: k for k, task in enumerate(tasks)}
-    return sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
-
-
 def _told(row: dict, tasks: Sequence[Task]) -> str:
     """A row in one line of progress."""
-    names = [name for name in row["asked"] if len({str(task.inputs.get(name)) for task in tasks}) > 1]
-    inputs = ", ".join(f"{name.replace('_', '-')} {row['asked'][name]}" for name in names)
-    if row["status"] in (STOOD, "unstable"):
+    inputs = ", ".join(f"{name.replace('_', '-')} {value}" for name, value in row["asked"].items()
+                       if len({str(task.inputs.get(name)) for task in tasks}) > 1)
+    if row["status"] in (OK, UNSTABLE):
         error = row["error"]["x"]["max"]
         outcome = f"error of x {error:.2e} m, " if error is not None else ""
         return f"{inputs}: {row['status']}, {outcome}{row['seconds']['min']:.3g} s"
-    return f"{inputs}: {row['status']}" + (f": {row['reason']}" if row["status"] == LOST else "")
+    return f"{inputs}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
