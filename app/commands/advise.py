@@ -59,7 +59,9 @@ class Advise:
 
     def execute(self) -> int:
         """Search, then say what to run; exit status 1 if nothing within the budget meets the tolerance."""
-        base, quantity = self.base(), self._quantity()
+        physics = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
+        base = self.SCENE(**{name: getattr(self, name) for name in physics}, estimators=(), effects=())
+        quantity = self._quantity()
         tolerance = self._tolerance(base, quantity)
         target = json_target(self.json)
         begun = time.monotonic()
@@ -71,18 +73,12 @@ class Advise:
             say(values["reason"])
         return OK if advice.met else UNREACHABLE
 
-    def base(self) -> Scene:
-        """The scene whose method, cells, particles per cell and step are to be found."""
-        return self.SCENE(amplitude=self.amplitude, modulus=self.modulus, density=self.density, t_end=self.t_end,
-                          periods=self.periods, body_force=self.body_force, estimators=(), effects=())
-
     def _quantity(self) -> str:
         if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
             raise BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
         return self.quantity[0]
 
-    def _tolerance(self, base: Scene, quantity: str) -> float:
-        """In the quantity's unit."""
+    def _tolerance(self, base: Scene, quantity: str) -> float:  # in the quantity's unit
         if self.tolerance is None:
             raise BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
         require_number("tolerance", self.tolerance, 0, math.inf)
@@ -128,11 +124,13 @@ def search_flags(scene: type[Scene]) -> dict[str, Any]:
 
 def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:
     """The advice as one JSON object; errors in the quantity's unit and, as ``relative``, over its size."""
-    chosen, goal, size = advice.chosen, advice.goal, base.size_of(advice.goal.quantity)
+    chosen, goal, other, size = advice.chosen, advice.goal, advice.runner_up, base.size_of(advice.goal.quantity)
+
+    def finite(value: float, unit: float = 1.0) -> float | None:
+        return value / unit if math.isfinite(value) else None
 
     def errors(value: float) -> dict:
-        return {"error": value if math.isfinite(value) else None,
-                "relative": value / size if math.isfinite(value) else None}
+        return {"error": finite(value), "relative": finite(value, size)}
 
     return {
         "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
@@ -141,16 +139,14 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
         "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command_line(chosen.scene),
         "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
         "verified": errors(chosen.error) if chosen.measured else None,
-        "runner_up": advice.runner_up and {**_inputs(advice.runner_up.scene), **errors(advice.runner_up.error),
-                                           "seconds": _finite(advice.runner_up.seconds)},
+        "runner_up": other and {**_inputs(other.scene), **errors(other.error), "seconds": finite(other.seconds)},
         "why": advice.why, "runs": advice.looks, "seconds": spent}
 
 
 def _reason(advice: Advice, tolerance: float, relative: bool) -> str:
-    best = advice.chosen
-    return (f"nothing that runs within {advice.goal.budget:g} s is expected to meet {tolerance:g}"
-            f"{' of the size' if relative else ''}: the best within reach is {best.error:.3g} "
-            f"({'measured' if best.measured else 'expected'}) in {best.seconds:.2g} s")
+    best, of_size = advice.chosen, " of the size" if relative else ""
+    return (f"nothing that runs within {advice.goal.budget:g} s is expected to meet {tolerance:g}{of_size}: the best "
+            f"within reach is {best.error:.3g} ({'measured' if best.measured else 'expected'}) in {best.seconds:.2g} s")
 
 
 def as_text(values: dict) -> str:
@@ -169,7 +165,3 @@ def as_text(values: dict) -> str:
 def _inputs(scene: Scene) -> dict:
     values = scene.to_dict()
     return {key: values[key] for key in ("method", "linearity_preserving", "cells", "ppc", "dt", "cfl")}
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

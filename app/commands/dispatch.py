@@ -9,7 +9,6 @@ import inspect
 import io
 import os
 import sys
-from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
@@ -37,11 +36,9 @@ def dispatch(arguments: list[str]) -> int:
         status = _main(arguments)
         sys.stdout.flush()  # here, where a reader that has gone is still ours to handle
         return status
-    except (BadInput, ExtensionError) as error:
-        say(error)
-        return BAD_INPUT
-    except SceneError as error:
-        say(BadInput(field_key(error.field).replace("_", "-"), error.value, error.sentence))
+    except (BadInput, ExtensionError, SceneError) as error:
+        say(BadInput(field_key(error.field).replace("_", "-"), error.value, error.sentence)
+            if isinstance(error, SceneError) else error)
         return BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends
@@ -97,18 +94,16 @@ def _next_words(name: tuple[str, ...]) -> list[str]:
 
 def _overview(name: tuple[str, ...]) -> str:
     """The help above the commands: their names and what they do."""
-    rows = [(" ".join((PROGRAM, *known)), (inspect.getdoc(kind) or "").partition("\n")[0])
-            for known, kind in commands().items() if known[:len(name)] == name]
-    width = max(len(row[0]) for row in rows)
-    lines = [f"usage: {' '.join((PROGRAM, *name))} COMMAND [flags]", ""]
-    if not name:
-        lines += ["A numerical laboratory for error estimates of the material point method.", ""]
-    lines += [f"  {command:<{width}}  {what}" for command, what in rows]
-    lines += ["", f"{' '.join((PROGRAM, *name))} COMMAND --help explains the flags of a command."]
-    if not name:
-        lines += [f"Without a command: {' '.join((PROGRAM, *DEFAULT_COMMAND))}.",
-                  f"{PROGRAM} --version prints the version."]
-    return "\n".join(lines)
+    program = " ".join((PROGRAM, *name))
+    rows = {" ".join((PROGRAM, *known)): (inspect.getdoc(kind) or "").partition("\n")[0]
+            for known, kind in commands().items() if known[:len(name)] == name}
+    width = max(map(len, rows))
+    about = [] if name else ["A numerical laboratory for error estimates of the material point method.", ""]
+    more = [] if name else [f"Without a command: {' '.join((PROGRAM, *DEFAULT_COMMAND))}.",
+                            f"{PROGRAM} --version prints the version."]
+    return "\n".join([f"usage: {program} COMMAND [flags]", "", *about,
+                      *(f"  {command:<{width}}  {what}" for command, what in rows.items()), "",
+                      f"{program} COMMAND --help explains the flags of a command.", *more])
 
 
 def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
@@ -135,8 +130,8 @@ def _unexpected(word: str, kind: type, program: str) -> BadInput:
     return BadInput("", flag, f"is not a flag of {program}{_meant(flag, flags)}; --help shows them all")
 
 
-def _meant(word: str, known: Iterable[str]) -> str:
-    close = difflib.get_close_matches(word, list(known), n=1)
+def _meant(word: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(word, known, n=1)
     return f" (did you mean {close[0]}?)" if close else ""
 
 

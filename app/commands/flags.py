@@ -33,8 +33,7 @@ def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
     """A tyro constructor that takes any words and never fails."""
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
-        str_from_instance=lambda value: [str(word) for word in value] if isinstance(value, tuple)
-        else [shown(value)])
+        str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [shown(value)])
 
 
 def number(words: list[str]) -> Any:

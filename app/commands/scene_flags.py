@@ -27,10 +27,10 @@ class SceneFlags:
     def inputs(self) -> dict[str, Any]:
         """What was given for each input of a scene, by the name of its flag."""
         values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in self.OUTPUT}
-        for name in SPECIAL:
+        for name, words in SPECIAL.items():
             meanings = {"none": (), "all": self.SCENE.choices(name)}
             key = field_key(name)
-            values[key] = _expand(key, values[key], {word: meanings[word] for word in SPECIAL[name]})
+            values[key] = _expand(key, values[key], {word: meanings[word] for word in words})
         return values
 
 
@@ -43,12 +43,11 @@ def of_problem(command: type, scene: type[Scene], **kinds: Any) -> type:
 
 
 def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
-    """A command for one problem in which some of its own flags are those of the scene: every one that the command
-    names. ``kinds`` are types, with the command's own default, where they are not those of the scene."""
+    """A command for one problem: each of its flags that the scene has too is the scene's; one in ``kinds`` has that
+    type and the command's own default."""
     own = {f.name: f.default for f in fields(command)}
-    given = [f for f in fields(scene) if f.name in own]
-    flags = [(f.name, kinds.get(f.name, described(scene, f)),
-              field(default=own[f.name] if f.name in kinds else f.default)) for f in given]
+    flags = [(f.name, kinds[f.name], field(default=own[f.name])) if f.name in kinds
+             else (f.name, described(scene, f), field(default=f.default)) for f in fields(scene) if f.name in own]
     return _made(command, scene, (make_dataclass("Flags", flags, bases=(command,), frozen=True, kw_only=True),))
 
 
@@ -57,8 +56,8 @@ def described(scene: type[Scene], f: Field, kind: Any = None) -> Any:
     text, separator, rest = f.metadata["help"].partition(";")
     unit = f", {f.metadata['unit']}" if f.metadata["unit"] else ""
     hint = f"(default: {f.metadata['hint'].format(scene=scene)})" if f.metadata["hint"] and kind is None else None
-    return Annotated[kind or _kind(scene, f),
-                     tyro.conf.arg(help=f"{text}{unit}{separator}{rest}.", help_behavior_hint=hint)]
+    about = tyro.conf.arg(help=f"{text}{unit}{separator}{rest}.", help_behavior_hint=hint)
+    return Annotated[kind or _kind(scene, f), about]
 
 
 def _kind(scene: type[Scene], f: Field) -> Any:
@@ -71,8 +70,8 @@ def _kind(scene: type[Scene], f: Field) -> Any:
 
 
 def _made(command: type[Any], scene: type[Scene], bases: tuple[type, ...]) -> type:
-    text = command.HELP.format(title=scene.TITLE, setting=scene.SETTING,
-                               methods=" ".join(scene.choices("method")[1:3]))
+    methods = " ".join(scene.choices("method")[1:3])
+    text = command.HELP.format(title=scene.TITLE, setting=scene.SETTING, methods=methods)
     kind = type(f"{command.__name__}{scene.problem.capitalize()}", bases, {"SCENE": scene, "__doc__": text})
     return dataclass(frozen=True, kw_only=True)(kind)
 
@@ -81,9 +80,7 @@ def _expand(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...
     """Words with the special ones, which must stand alone, replaced by what they mean."""
     if not words:
         raise BadInput(flag, "", "give one or several names (--help lists them)")
-    for word in words:
-        if word in special:
-            if len(words) > 1:
-                raise BadInput(flag, " ".join(words), f"{word} stands alone; leave it or the others out")
-            return special[word]
-    return words
+    alone = next((word for word in words if word in special), None)
+    if alone and len(words) > 1:
+        raise BadInput(flag, " ".join(words), f"{alone} stands alone; leave it or the others out")
+    return special[alone] if alone else words
