@@ -88,8 +88,7 @@ def _give(name: tuple[str, ...]) -> str:
 
 def _next_words(name: tuple[str, ...]) -> list[str]:
     """The words that may follow the beginning of a command's name."""
-    return list(dict.fromkeys(known[len(name)] for known in commands()
-                              if known[:len(name)] == name and len(known) > len(name)))
+    return list(dict.fromkeys(known[len(name)] for known in commands() if known[:len(name)] == name))
 
 
 def _overview(name: tuple[str, ...]) -> str:

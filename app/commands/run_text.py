@@ -27,8 +27,7 @@ def _heading(result: dict) -> str:
 
 
 def _norm(key: str, summary: dict) -> tuple[str, ...]:
-    """What an error is of, with its unit, and its sizes; a problem's own norms say first which quantity they are of:
-    a_nodes."""
+    """An error with its unit, and its sizes; a problem's own norms say first which quantity they are of: a_nodes."""
     name = f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
     return name, *(formatted(summary[part], ".3e") for part in SUMMARY)
 
