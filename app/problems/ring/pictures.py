@@ -123,8 +123,8 @@ def _frame(axes: Axes, result: Result) -> None:
             axes.plot(side * x, y, color="0.25", linewidth=0.9, zorder=3)
     axes.axvline(0, color="0.25", linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
     cells = "; grey lines: cells" * (scene.cells <= MOST_CELL_LINES)
-    axes.set(xlabel=f"x (m), the estimate mirrored{cells}; dark lines: exact surfaces", xlim=(-reach, reach),
-             ylim=(0, reach), aspect="equal")
+    axes.set(xlim=(-reach, reach), ylim=(0, reach), aspect="equal",
+             xlabel=f"x (m), the estimate mirrored{cells}; dark lines: exact surfaces")
 
 
 def _dot_area(result: Result, shown: int) -> float:
