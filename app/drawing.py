@@ -29,7 +29,7 @@ class ColourBar:
         self._drawn: list[tuple[float, str]] = []
         ends = COLOUR_BAR_HEIGHT / 2
         bar = points(s, "/colours", COLOUR_BAR_HEIGHT, "square")
-        bar.points = in_plane(np.linspace(ends, 1 - ends, 256), np.array(COLOUR_BAR))
+        bar.points = in_plane(np.linspace(ends, 1 - ends, 256), COLOUR_BAR)
         bar.colors = scale.gradient(256)
         self._ticks = [label(s, f"/colours/tick{k}", "", 0.0, COLOUR_BAR - TICK_GAP, "top-center", 0.85)
                        for k in range(5)]
@@ -37,15 +37,12 @@ class ColourBar:
 
     def draw(self, measures: str, unit: str) -> None:
         """Show the scale as it is now, with what it measures."""
-        title = f"{measures} / {power_text(self._scale.power)}{unit}"
-        if self._title.text != title:
-            self._title.text = title
+        write(self._title, f"{measures} / {power_text(self._scale.power)}{unit}")
         ticks = self._scale.ticks()
         if ticks != self._drawn:
             self._drawn = ticks
-            for k, tick in enumerate(self._ticks):
-                tick.text = ticks[k][1] if k < len(ticks) else ""
-                tick.position = (ticks[k][0] if k < len(ticks) else AWAY, COLOUR_BAR - TICK_GAP, 0.0)
+            for tick, (at, text) in zip(self._ticks, [*ticks, (AWAY, "")], strict=False):
+                tick.text, tick.position = text, (at, COLOUR_BAR - TICK_GAP, 0.0)
 
 
 def shades(scale: ColourScale, sizes: np.ndarray | None, count: int) -> np.ndarray:
@@ -89,10 +86,9 @@ def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:
         handle.text, handle.visible = text, bool(text)  # else its ground would show
 
 
-def in_plane(x: np.ndarray, y: np.ndarray, z: float = 0.0) -> np.ndarray:
+def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:
     """Points (n, 3) from coordinates (n,) or one for all."""
-    x, y = np.broadcast_arrays(x, y)
-    return np.stack([x, y, np.full_like(x, z)], axis=1).astype(np.float32)
+    return np.stack(np.broadcast_arrays(x, y, z), axis=1).astype(np.float32)
 
 
 def joined(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:

@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import ScalarFormatter
 
 from app.scale import largest
 from solvers.estimators.registry import ESTIMATORS
@@ -50,13 +49,15 @@ def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Norma
 def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, aspect: float,
                shrink: float = 1.0) -> None:
     """The colour bar of a shared scale, below the axes."""
-    bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02)
-    bar.set_label(label)
-    numbers = ScalarFormatter()
-    numbers.set_powerlimits((-2, 3))
-    bar.formatter = numbers
+    bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02, label=label)
+    bar.ax.ticklabel_format(axis="x", scilimits=(-2, 3))
     if drawn.norm.vmax == NO_ERROR:
         bar.set_ticks([0.0])
+
+
+def positive(values: np.ndarray) -> np.ndarray:
+    """What a logarithmic axis can show; the rest leaves a gap."""
+    return np.where(np.isfinite(values) & (values > 0), values, np.nan)
 
 
 def robust_size(values: np.ndarray) -> float:

@@ -10,7 +10,7 @@ from app.words import number, power_of_ten
 DECADES = 3  # that a logarithmic scale shows below its top
 FADE = 0.985  # per frame: how slowly the top follows when errors shrink
 SMALLEST = 1e-300
-BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale
+BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale: it would hide both
 
 
 class ColourScale:
@@ -30,10 +30,7 @@ class ColourScale:
             self._peak = 0.0
 
     def follow(self, estimated: np.ndarray | None, true: np.ndarray | None) -> None:
-        """Take in a frame's errors and move the top, unless held.
-
-        Where the truth is known, an estimate far beyond it does not set the scale: it would hide both.
-        """
+        """Take in a frame's errors and move the top, unless held."""
         truth, estimate = largest(true), largest(estimated)
         if not self.held:
             top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate

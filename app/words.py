@@ -70,10 +70,10 @@ def per_cell(problem: str, ppc: int) -> str:
 
 def command_line(scene: Scene) -> str:
     """The command that runs the scene, with what differs from the defaults."""
-    kind, words = type(scene), [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells}",
-                                f"--ppc {scene.ppc} --cfl {scene.courant_number:g}"]
+    words = [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells} --ppc {scene.ppc}",
+             f"--cfl {scene.courant_number:g}"]
     for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force"):
-        if getattr(scene, field) != getattr(kind, field):
+        if getattr(scene, field) != getattr(type(scene), field):
             words.append(f"--{field_key(field).replace('_', '-')} {getattr(scene, field)}")
     if scene.linearity_preserving:
         words.append("--linearity-preserving")
@@ -97,8 +97,7 @@ def power_text(power: int) -> str:
 
 
 def with_unit(value: float, unit: str, digits: int = 3) -> str:
-    """A size with its unit and the prefix that makes it short: 2.1 mm, 340 kPa; 0 and what is not finite as they are.
-    """
+    """A size with its unit and a prefix that keeps it short: 2.1 mm, 340 kPa; none for 0 and what is not finite."""
     if not math.isfinite(value) or value == 0:
         return f"{value:g} {unit}"
     power = math.floor(math.log10(float(f"{abs(value):.{digits - 1}e}"))) // 3

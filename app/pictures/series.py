@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from app.colours import ESTIMATE, TRUTH
-from app.figures import say, styled
+from app.figures import positive, say, styled
 from app.words import QUANTITIES
 from solvers.estimators.registry import ESTIMATORS
 from solvers.result import Result
@@ -20,14 +20,13 @@ MOST_DECADES = 8  # nor its errors everything that came before
 def draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     """The truth and each estimate of one quantity's error norm over time."""
     lines = [("truth", f"error_{quantity}", TRUTH, "-")]
-    lines += [(f"estimate ({name})", f"{name}/estimate_{quantity}", ESTIMATE, style)
-              for name, style in styled(result)]
+    lines += [(f"estimate ({name})", f"{name}/estimate_{quantity}", ESTIMATE, style) for name, style in styled(result)]
     drawn = []
     for label, key, colour, style in lines:
-        values = _positive(result.series[key])
+        values = positive(result.series[key])
         if np.isfinite(values).any():
-            axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=1.3,
-                      label=label, marker=_marker(values), markersize=4)
+            axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=1.3, label=label,
+                      marker=_marker(values), markersize=4)
             drawn.append(values)
     _time_axis(axes, result)
     axes.set_ylabel(f"{QUANTITIES[quantity]} ({QUANTITIES[quantity].unit})")
@@ -40,8 +39,7 @@ def draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     if silent:
         axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
                   color=ESTIMATE, ha="right")
-    axes.set_yscale("log")
-    axes.set_ylim(*_span(np.concatenate(drawn)))
+    axes.set(yscale="log", ylim=_span(np.concatenate(drawn)))
     axes.grid(alpha=0.3)
     if quantity == "x":
         axes.legend(loc="lower right", fontsize=8, framealpha=0.9)
@@ -72,8 +70,8 @@ def draw_index(axes: Axes, result: Result) -> None:
         return
     axes.set_ylim(0, 1.35 * min(highest, HIGHEST_INDEX))
     axes.grid(alpha=0.3)
-    axes.text(0.99, 1.0, "perfect ", transform=axes.get_yaxis_transform(), color=TRUTH, fontsize=8,
-              ha="right", va="bottom")
+    axes.text(0.99, 1.0, "perfect ", transform=axes.get_yaxis_transform(), color=TRUTH, fontsize=8, ha="right",
+              va="bottom")
     if silent:
         axes.text(0.01, 0.97, f"not estimated: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
                   color=ESTIMATE, va="top")
@@ -88,14 +86,9 @@ def not_estimated(result: Result, quantity: str) -> list[str]:
 
 def _running_ratio(result: Result, estimator: str, quantity: str) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = np.cumsum(result.series[f"{estimator}/estimate_{quantity}"]) \
-            / np.cumsum(result.series[f"error_{quantity}"])
+        estimates, errors = result.series[f"{estimator}/estimate_{quantity}"], result.series[f"error_{quantity}"]
+        ratio = np.cumsum(estimates) / np.cumsum(errors)
     return np.where(np.isfinite(ratio), ratio, np.nan)
-
-
-def _positive(values: np.ndarray) -> np.ndarray:
-    """What a logarithmic axis can show; the rest leaves a gap."""
-    return np.where(np.isfinite(values) & (values > 0), values, np.nan)
 
 
 def _span(values: np.ndarray) -> tuple[float, float]:

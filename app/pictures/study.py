@@ -27,6 +27,8 @@ NO_TRUTH = "no row has a true error"
 WIDTH = 13.5
 MOST_NAMED = 8
 MOST_ORDERS = 8
+MOST_OFF = 100.0  # times the true errors: farther estimates set no scale
+FRONT: Look = {"color": "0.75", "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
 
 
 def error_time_figure(rows: Sequence[dict]) -> Figure:
@@ -46,7 +48,7 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
         panel.set_xlabel("time of the bare run (s), shortest of the repeats")
         parts.logarithmic(panel)
     front = Line2D([], [], **FRONT, label="Pareto front: no row has less error in less time")
-    parts.legend_below(figure, lines, [front], any(row["status"] == UNSTABLE for row in rows))
+    parts.legend_below(figure, lines, [front])
     return figure
 
 
@@ -70,7 +72,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
         panel.set_xlabel("cell size h (m)")
         parts.logarithmic(panel)
         parts.ticks_at(panel, spacings)
-    parts.legend_below(figure, lines, unstable=any(row["status"] == UNSTABLE for row in rows))
+    parts.legend_below(figure, lines)
     return figure
 
 
@@ -92,9 +94,6 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
         handles.append(Line2D([], [], color="0.3", label="went unstable", **UNSTABLE_LOOK))
     figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=len(handles))
     return figure
-
-
-FRONT: Look = {"color": "0.75", "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
 
 
 def _front(axes: Axes, rows: Sequence[dict], quantity: str) -> None:
@@ -147,10 +146,8 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         if true and estimated:
             points.append((true, estimated, row["scene"]["method"], row["status"] == UNSTABLE))
     if not points:
-        axes.set_xticks([])
-        axes.set_yticks([])
-        silent = any(row["estimate"].get(estimator) for row in rows)
-        say(axes, "not estimated" if silent else "not valid here")
+        axes.set(xticks=[], yticks=[])
+        say(axes, "not estimated" if any(row["estimate"].get(estimator) for row in rows) else "not valid here")
         return
     low, high = _common_range(points)
     edge, far = (high / low) ** 0.025, 0
@@ -165,8 +162,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     axes.plot(ends, ends, color=TRUTH, linewidth=1.4, zorder=2)
     for factor in (0.5, 2):
         axes.plot(ends, factor * ends, color=TRUTH, linewidth=0.9, linestyle=":", zorder=2)
-    axes.set_xlim(low, high)
-    axes.set_ylim(low, high)
+    axes.set(xlim=(low, high), ylim=(low, high))
     parts.logarithmic(axes)
 
 
@@ -177,9 +173,6 @@ def _common_range(points: Sequence[tuple[float, float, str, bool]]) -> tuple[flo
     least, most = min(true) / MOST_OFF, max(true) * MOST_OFF
     values = true + [float(np.clip(point[1], least, most)) for point in stood]
     return min(values) / 2, max(values) * 2
-
-
-MOST_OFF = 100.0
 
 
 #: The pictures of a study by the names of their files.

@@ -57,12 +57,10 @@ def _steps(axes: Axes, rows: Sequence[dict]) -> None:
             axes.plot(*zip(*points, strict=True), color=METHOD_COLOURS[method], marker=METHOD_MARKS[method],
                       linestyle="none", markersize=6, alpha=0.9)
     axes.set_title("a step of the bare method", fontsize=10)
-    axes.set_xlabel("particles")
-    axes.set_ylabel("time of one step of one particle (ns)")
+    axes.set(xlabel="particles", ylabel="time of one step of one particle (ns)")
     logarithmic(axes)
-    axes.set_yscale("linear")
+    axes.set(yscale="linear", ylim=(0, 1.15 * max(1e3 / row["rate"] for row in rows)))
     ticks_at(axes, sorted({row["particles"] for row in rows}))
-    axes.set_ylim(0, 1.15 * max(1e3 / row["rate"] for row in rows))
 
 
 def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
@@ -72,9 +70,8 @@ def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
         for method, part in points:
             place = height + 0.3 * ((list(METHODS).index(method) + 0.5) / len(METHODS) - 0.5) * 1.6
             outside = "<" if 100 * part < low else ">" if 100 * part > high else ""
-            axes.plot([min(max(100 * part, low), high)], [place], color=METHOD_COLOURS[method],
-                      marker=outside or METHOD_MARKS[method], linestyle="none", markersize=5, alpha=0.8, zorder=3,
-                      clip_on=False)
+            axes.plot([min(max(100 * part, low), high)], [place], color=METHOD_COLOURS[method], linestyle="none",
+                      marker=outside or METHOD_MARKS[method], markersize=5, alpha=0.8, zorder=3, clip_on=False)
         middle = 100 * statistics.median(part for _, part in points)
         axes.plot([middle], [height], color="0.3", marker="|", markersize=30, markeredgewidth=2.5, zorder=2)
         axes.text(middle, height + 0.36, f"{middle:.0f} %", ha="center", va="bottom", fontsize=9, color="0.2")
@@ -82,11 +79,8 @@ def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.set_yticks(range(len(prices)), list(prices))
     for tick, name in zip(axes.get_yticklabels(), prices, strict=True):
         tick.set_color(ESTIMATE if name.startswith("estimator") else "0.2")
-    axes.set_ylim(len(prices) - 0.4, -0.6)
-    axes.invert_yaxis()
-    axes.set_xlabel("added time (% of the bare run)")
     axes.grid(alpha=0.3, axis="x")
-    axes.set_xlim(low, high)
+    axes.set(xlabel="added time (% of the bare run)", xlim=(low, high), ylim=(-0.6, len(prices) - 0.4))
 
 
 def _span(percents: Sequence[float]) -> tuple[float, float]:

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
@@ -29,7 +28,6 @@ UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "mar
 def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
     """A figure with rows by columns of axes."""
     figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
     figure.suptitle(title, fontsize=12)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
@@ -47,23 +45,18 @@ def known(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) -> list[str]:
     return [q for q in among if any(error_of(row, q) for row in measured(rows))]
 
 
-def looks(lines: Sequence[Series]) -> list[Look]:
-    """How each series is drawn: colour and mark say the method, the line style and the filling what else differs."""
-    numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
-    return [{"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
-             "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[line.variant]) % len(LINE_STYLES)],
-             "fillstyle": ("full", "none")[k // len(LINE_STYLES) % 2]} for line in lines]
-
-
-def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, dict]]:
-    """Each series with its look."""
+def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
+    """Each series and how it is drawn: colour and mark say the method, line style and filling what else differs."""
     lines = series(rows, along)
-    return list(zip(lines, looks(lines), strict=True))
+    numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
+    return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
+                    "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[line.variant]) % len(LINE_STYLES)],
+                    "fillstyle": ("full", "none")[k // len(LINE_STYLES) % 2]}) for line in lines]
 
 
 def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str, abscissa: Callable[[dict], float],
                 joined: bool = True) -> None:
-    """The errors of each series; what went unstable is marked."""
+    """The errors of each series; crosses for runs that went unstable, at the top edge where the error is far out."""
     stood: list[float] = []
     crosses = []
     for line, look in lines:
@@ -78,18 +71,13 @@ def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str,
     shown = stood + [error for _, error, _ in crosses if error is not None and 0 < error <= limit]
     if shown:
         axes.set_ylim(min(shown) / 1.6, max(shown) * (4.0 if crosses else 1.6))
-    mark_unstable(axes, crosses, limit)
-    axes.set_title(str(QUANTITIES[quantity]), fontsize=10)
-    axes.set_ylabel(f"largest RMS error ({QUANTITIES[quantity].unit})")
-
-
-def mark_unstable(axes: Axes, points: Iterable[tuple[float, float | None, str]], limit: float) -> None:
-    """Crosses for runs that went unstable, at (abscissa, error, colour); at the top edge where the error is far out."""
-    for x, error, colour in points:
+    for x, error, colour in crosses:
         height, place = TOP, dict[str, Any](transform=axes.get_xaxis_transform(), clip_on=False)
         if error is not None and np.isfinite(error) and 0 < error <= limit:
             height, place = error, {}
         axes.plot([x], [height], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
+    axes.set_title(str(QUANTITIES[quantity]), fontsize=10)
+    axes.set_ylabel(f"largest RMS error ({QUANTITIES[quantity].unit})")
 
 
 def method_handles(rows: Iterable[dict]) -> list[Line2D]:
@@ -99,14 +87,13 @@ def method_handles(rows: Iterable[dict]) -> list[Line2D]:
             for m in METHODS if m in there]
 
 
-def legend_below(figure: Figure, entries: Sequence[tuple[Series, dict]], extra: Sequence[Line2D] = (),
-                 unstable: bool = False) -> None:
+def legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: Sequence[Line2D] = ()) -> None:
     """One legend for all panels, below them, where it hides nothing."""
     shown, names = entries[:MOST_LEGEND_ENTRIES], {code: method.name for code, method in METHODS.items()}
     handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
     if len(entries) > len(shown):
         handles.append(Line2D([], [], linestyle="none", label=f"and {len(entries) - len(shown)} more"))
-    if unstable:
+    if any(row["status"] == UNSTABLE for line, _ in entries for row in line.rows):
         handles.append(Line2D([], [], color="0.3", label="went unstable (at the top edge: error beyond the scale)",
                               **UNSTABLE_LOOK))
     lengths = [len(str(handle.get_label())) + 7 for handle in handles]
@@ -116,8 +103,7 @@ def legend_below(figure: Figure, entries: Sequence[tuple[Series, dict]], extra: 
 
 def logarithmic(axes: Axes) -> None:
     """Both axes logarithmic, with a grid, and readable when they span less than a decade."""
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     axes.grid(alpha=0.3, which="major")
     axes.grid(alpha=0.12, which="minor")
     for axis in (axes.xaxis, axes.yaxis):

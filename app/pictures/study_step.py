@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 from app.figures import Look
 from app.pictures import study_parts as parts
 from app.pictures.series import DRAWN
-from solvers.study.fit import Balance, balance
-from solvers.study.row import OK, UNSTABLE
+from solvers.study.fit import balance
+from solvers.study.row import OK
 from solvers.study.series import Series, error_of
 
 MOST_MISFIT = 0.15  # relative; beyond, the two parts do not describe the points
@@ -33,29 +33,22 @@ def error_step_figure(rows: Sequence[dict]) -> Figure:
     figure, axes = parts.frame(title, 1, len(shown), (13.5, 6.0))
     for panel, quantity in zip(axes[0], shown, strict=True):
         _panel(panel, lines, quantity)
-    star = Line2D([], [], color="0.7", label="time error = space error: shorter steps gain at most half",
-                  **BALANCE_LOOK)
+    balanced = "time error = space error: shorter steps gain at most half"
+    star = Line2D([], [], color="0.7", label=balanced, **BALANCE_LOOK)
     fit = Line2D([], [], color="0.4", linewidth=1, linestyle="-", label="fit: space + c dt^p")
-    parts.legend_below(figure, lines, [fit, star],
-                       any(row["status"] == UNSTABLE for line, _ in lines for row in line.rows))
+    parts.legend_below(figure, lines, [fit, star])
     return figure
-
-
-def line_balance(line: Series, quantity: str) -> Balance | None:
-    """The two parts of the error along one series of steps."""
-    rows = [row for row in line.rows if row["status"] == OK]
-    return balance([row["scene"]["dt"] for row in rows], [error_of(row, quantity) or 0 for row in rows])
 
 
 def _panel(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> None:
     parts.draw_errors(axes, lines, quantity, lambda row: row["scene"]["dt"], joined=False)
     notes = []
     for line, look in lines:
-        found = line_balance(line, quantity)
+        points = [(row["scene"]["dt"], error) for row in line.rows
+                  if row["status"] == OK and (error := error_of(row, quantity))]
+        found = balance([dt for dt, _ in points], [error for _, error in points])
         if found is None or found.misfit > MOST_MISFIT:
             notes += [NEITHER] * (found is not None)
-            points = [(row["scene"]["dt"], error) for row in line.rows
-                      if row["status"] != UNSTABLE and (error := error_of(row, quantity))]
             if points:
                 axes.plot(*zip(*points, strict=True), color=look["color"], linestyle=look["linestyle"], linewidth=1)
             continue
@@ -72,6 +65,5 @@ def _panel(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> N
 
 def _said(notes: Sequence[str], lines: int) -> str:
     """In words, what can be said of the series that have no balance within their steps."""
-    counts = {note: notes.count(note) for note in (SPACE, TIME, NEITHER)}
     return "".join(f"\n{note}" + ("" if number == lines else f" ({number} of {lines} series)")
-                   for note, number in counts.items() if number)
+                   for note in (SPACE, TIME, NEITHER) if (number := notes.count(note)))

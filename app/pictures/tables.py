@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from app.colours import ESTIMATE, TRUTH
 from app.figures import Look, line_style
@@ -19,9 +18,8 @@ from solvers.tables.document import parts
 PAPER: Look = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")
 #: How the runs of a set-up are drawn, first and second.
-OURS: tuple[Look, ...] = (
-    dict(color=TRUTH, linestyle="-", marker="o", markersize=5),
-    dict(color=TRUTH, linestyle="--", marker="o", markersize=5, markerfacecolor="white"))
+OURS: tuple[Look, ...] = (dict(color=TRUTH, linestyle="-", marker="o", markersize=5),
+                          dict(color=TRUTH, linestyle="--", marker="o", markersize=5, markerfacecolor="white"))
 BAND = (0.8, 1.25)  # an index that may be trusted
 LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 
@@ -30,7 +28,6 @@ def figure(table: dict) -> Figure:
     """The picture, ready to be saved."""
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
     whole = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(whole)
     whole.suptitle(f"{table['title']}\n{table['caption']}", fontsize=13)
     draw = {"1": (_bar_errors, _bar_indices), "2": (_ring_errors,), "3": (_ring_indices,)}[table["table"]]
     places = whole.add_gridspec(len(draw), 1, height_ratios=(1, 1.75)[:len(draw)], hspace=0.03)
@@ -78,11 +75,20 @@ def _ring_indices(figure: SubFigure, table: dict) -> None:
 
 
 def _indices(figure: SubFigure, columns: dict[str, list[dict]]) -> None:
+    """A row of panels for each quantity, which share its axis, its numbers and the words at the outer edge."""
     axes = figure.subplots(len(QUANTITIES), len(columns), squeeze=False, sharey="row")
     for panels, (title, rows) in zip(axes.T, columns.items(), strict=True):
         _draw_indices(panels, rows)
         panels[0].set_title(title, fontsize=10)
-    _finish_indices(axes)
+    for across, name in zip(axes, QUANTITIES.values(), strict=True):
+        values = [value for panel in across for line in panel.get_lines() for value in line.get_ydata()]
+        low = max(MOST_SPAN[0], min(LEAST_SPAN[0], min(values) / 1.4))
+        high = min(MOST_SPAN[1], max(LEAST_SPAN[1], max(values) * 1.4))
+        bottom = low * (low / high) ** 0.08  # room for words
+        across[0].set(yscale="log", ylim=(bottom, high), ylabel=f"index of {name}")
+        _number(across[0])
+    for panel in axes[-1]:
+        panel.set_xlabel("cells")
     _legend(figure, axes[0, 0])
 
 
@@ -92,25 +98,21 @@ def _by(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
     return {value: [row for row in rows if row["inputs"][name] == value] for value in values}
 
 
-# ---- panels ---------------------------------------------------------------------------------------------------
-
-
 def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     """Errors against h on two logarithmic axes: ours, the paper's, and the slopes of first and second order."""
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     for style, (label, rows) in zip(OURS, series.items(), strict=False):
         axes.plot(*_points((row["h"], row["ours"][key]) for row in rows), label=label, **style)
     rows = next(iter(series.values()))
     axes.plot(*_points((row["h"], row["paper"][key]) for row in rows), **PAPER)
     spacings = sorted({row["h"] for row in rows})
-    _ticks(axes, spacings, [f"{h:.4g}" for h in spacings])
-    axes.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.45)
+    axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings])
+    axes.set_xticks([], minor=True)
+    quantity = (QUANTITIES | EXTRA_NORMS)[key]
+    axes.set(xlim=(spacings[0] / 1.25, spacings[-1] * 1.45), xlabel="cell size h (m)",
+             ylabel=f"error of {quantity.symbol} ({quantity.unit})")
     _draw_slopes(axes, spacings[-1])
     _number(axes)
-    axes.set_xlabel("cell size h (m)")
-    quantity = (QUANTITIES | EXTRA_NORMS)[key]
-    axes.set_ylabel(f"error of {quantity.symbol} ({quantity.unit})")
     axes.grid(alpha=0.3)
 
 
@@ -131,57 +133,36 @@ def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
     """Each quantity's index against the cells, on a logarithmic axis with the band that may be trusted."""
     cells = [row["inputs"]["cells"] for row in rows]
     for axes, quantity in zip(panels, QUANTITIES, strict=True):
-        axes.set_xscale("log")
+        axes.set(xscale="log", xlim=(cells[0] / 1.25, cells[-1] * 1.25))
         axes.axhspan(*BAND, color=TRUTH, alpha=0.13, linewidth=0, label="0.8 to 1.25")
         axes.axhline(1.0, color=TRUTH, linewidth=1.2, label="1, perfect")
         silent = []
         for k, name in enumerate(rows[0]["estimators"]):
             points = _points((row["inputs"]["cells"], row["estimators"][name]["index"][quantity]) for row in rows)
-            silent += [] if points[1] else [name]
+            silent += [name] * (not points[1])
             axes.plot(*points, color=ESTIMATE, linestyle=line_style(name), marker=ESTIMATORS[name].symbol,
                       markersize=5.5, markerfacecolor="white" if k % 2 else ESTIMATE, linewidth=1.3, label=name)
         axes.plot(*_points((row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows), **PAPER)
-        _ticks(axes, cells, [str(n) for n in cells])
-        axes.set_xlim(cells[0] / 1.25, cells[-1] * 1.25)
+        axes.set_xticks(cells, [str(n) for n in cells])
+        axes.set_xticks([], minor=True)
         axes.grid(alpha=0.3)
         if silent:
             axes.text(0.03, 0.04, f"no index: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
                       color=ESTIMATE)
 
 
-def _finish_indices(axes) -> None:
-    """What the panels of a row share: their span, its numbers, and the words at the outer edge."""
-    for across, name in zip(axes, QUANTITIES.values(), strict=True):
-        values = [value for panel in across for line in panel.get_lines() for value in line.get_ydata()]
-        across[0].set_yscale("log")
-        low = max(MOST_SPAN[0], min(LEAST_SPAN[0], min(values) / 1.4))
-        high = min(MOST_SPAN[1], max(LEAST_SPAN[1], max(values) * 1.4))
-        across[0].set_ylim(low * (low / high) ** 0.08, high)  # room for words at the bottom
-        across[0].set_ylabel(f"index of {name}")
-        _number(across[0])
-    for panel in axes[-1]:
-        panel.set_xlabel("cells")
-
-
 def _number(axes: Axes) -> None:
     """Numbers on a logarithmic axis as people write them: 1, 2, 5 where it is short, else powers of ten."""
     low, high = axes.get_ylim()
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 60 else (1,)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+    axes.yaxis.set_major_formatter(lambda value, _: short(value))
     axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _ticks(axes: Axes, places: list[float], labels: list[str]) -> None:
-    """Ticks of the horizontal axis where there are rows and nowhere else."""
-    axes.xaxis.set_major_locator(FixedLocator(places))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(FixedFormatter(labels))
 
 
 def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
     """One legend for all panels, under the title."""
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=columns, fontsize=9, frameon=False)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns, fontsize=9,
+                  frameon=False)
 
 
 def _points(points: Iterable[tuple[float, float | None]]) -> tuple[list[float], list[float]]:

@@ -49,11 +49,10 @@ class Regions:
 class ProblemView:
     """How one problem is shown.
 
-    ``regions`` divides the material by where particles were at rest (P, D), and ``division`` says how in words:
-    "the bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and that of
-    its lower row over the upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the
-    fields of the scene among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can
-    outline domains.
+    ``regions`` divides the material by where particles were at rest (P, D), and ``division`` says how in words: "the
+    bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and that of its lower row over the
+    upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the fields of the scene
+    among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can outline domains.
     """
 
     problem: str

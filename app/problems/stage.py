@@ -1,7 +1,4 @@
-"""What the stages of all problems share: two halves, estimate and truth, each with a title or the reason it is empty.
-
-Both halves and the colour bar use one scale.
-"""
+"""What the stages of all problems share: two halves, estimate and truth, each with a title or why it is empty."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -28,7 +25,7 @@ class Half:
 
 
 class Stage(ABC, Generic[AnyScene]):
-    """Draws frames of a problem in one client's scene.
+    """Draws frames of a problem in one client's scene; both halves and the colour bar use one scale.
 
     ``domains`` says whether the particles' domains are outlined, on a stage that can. ``_titles`` and ``_silences``
     hold two labels each, the estimate's and the truth's.

@@ -29,14 +29,10 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     few = thinned(len(final.position))
     moved = (final.position - final.material_position)[few]
     size = float(np.clip(5000 / len(few), 3.0, 30.0))
-    axes.scatter(final.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles",
-                 zorder=3)
+    axes.scatter(final.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
     axes.set_title(f"displacement at t = {final.time:.4g} s", fontsize=10)
-    axes.set_xlabel("material coordinate X (m)")
-    axes.set_ylabel("displacement u (m)")
-    axes.set_xlim(0, 1)
-    limit = 1.4 * max(abs(curve).max(), robust_size(moved))
-    axes.set_ylim(-(limit or scene.amplitude), limit or scene.amplitude)
+    limit = 1.4 * max(abs(curve).max(), robust_size(moved)) or scene.amplitude
+    axes.set(xlabel="material coordinate X (m)", ylabel="displacement u (m)", xlim=(0, 1), ylim=(-limit, limit))
     axes.ticklabel_format(axis="y", scilimits=(-2, 3))
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", fontsize=8, ncols=2, markerscale=np.sqrt(30 / size))
@@ -46,8 +42,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """The bar at the end: a lane for each estimate and one for the truth, on one colour scale."""
     final, cells = result.final, result.scene.cells
     lanes = [("truth", None if final.error is None else np.abs(final.error[:, 0]), TRUTH)]
-    lanes += [(f"estimate\n({name})", np.abs(final.estimate[name][:, 0]), ESTIMATE)
-              for name, _ in styled(result)]
+    lanes += [(f"estimate\n({name})", np.abs(final.estimate[name][:, 0]), ESTIMATE) for name, _ in styled(result)]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
     few = thinned(len(final.position))
     few = few[(final.position[few] >= 0) & (final.position[few] <= 1)]  # an unstable run leaves NaN and worse
@@ -56,9 +51,8 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     scale = shared_scale(truth, known)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):
-        mapped = {} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
-        strokes = axes.vlines(final.position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2,
-                              **(mapped or {"color": "0.4"}))
+        look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
+        strokes = axes.vlines(final.position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
     if not len(few):
         say(axes, "no particle is left on the bar")
     lined = cells <= MOST_CELL_LINES
@@ -68,10 +62,8 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), lanes, strict=True):
         tick.set_color(colour)
-    axes.set_ylim(-0.5, len(lanes) - 0.5)
-    axes.set_xlim(-0.01, 1.01)
-    axes.set_xlabel(f"position x (m){'; grey lines: cell boundaries' if lined else ''}")
-    axes.set_title(f"particles at t = {final.time:.4g} s, coloured by the size of the position's error",
-                   fontsize=10)
+    axes.set(xlabel=f"position x (m){'; grey lines: cell boundaries' if lined else ''}", xlim=(-0.01, 1.01),
+             ylim=(-0.5, len(lanes) - 0.5))
+    axes.set_title(f"particles at t = {final.time:.4g} s, coloured by the size of the position's error", fontsize=10)
     if len(few) and lanes[0][1] is not None:
         colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)

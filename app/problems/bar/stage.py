@@ -1,7 +1,4 @@
-"""The bar on the stage: two lanes of particles, the estimate above the truth, and the displacement below.
-
-Both lanes and the colour bar use one scale. The stage is one bar long.
-"""
+"""The bar, as long as the stage: two lanes of particles, the estimate above the truth, and the displacement below."""
 
 import numpy as np
 import viser
@@ -33,7 +30,23 @@ class BarStage(Stage[BarScene]):
         self._exact = drawing.lines(s, "/bar/exact", drawing.rgb(TRUTH), 3.0)
         self._dots = drawing.points(s, "/bar/particles", 0.006)
         self._flashes = drawing.points(s, "/bar/crossings", 0.015)
-        self._labels(s)
+        above = 0.5 * LANE_HEIGHT + 0.03
+        self._titles = [drawing.label(s, "/bar/l1", " ", 0.0, ESTIMATE_LANE + above, "bottom-left"),
+                        drawing.label(s, "/bar/l2", " ", 0.0, TRUTH_LANE - above, "top-left")]
+        self._silences = [drawing.label(s, f"/bar/silence{lane}", " ", 0.5, lane, "center-center", 0.85)
+                          for lane in (ESTIMATE_LANE, TRUTH_LANE)]
+        drawing.label(s, "/bar/l3", "between the lanes: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
+                      "top-right", 0.85)
+        heights = CURVE_MIDDLE + 1.1 * CURVE_HEIGHT * np.array([0, 0, -1, 1])
+        drawing.lines(s, "/bar/axes", drawing.FAINT, 1.0).points = drawing.in_plane(
+            np.array([0.0, 1.0, 0.0, 0.0]), heights, -0.01).reshape(2, 2, 3)
+        top, bottom = CURVE_MIDDLE + CURVE_HEIGHT, CURVE_MIDDLE - CURVE_HEIGHT
+        self._largest = drawing.label(s, "/bar/high", "", -0.01, top, "center-right", 0.85)
+        self._smallest = drawing.label(s, "/bar/low", "", -0.01, bottom, "center-right", 0.85)
+        drawing.label(s, "/bar/zero", "0", -0.01, CURVE_MIDDLE, "center-right", 0.85)
+        self._below = drawing.label(s, "/bar/l4", "", 0.5, bottom - 0.035, "top-center")
+        drawing.label(s, "/bar/l5", "X = 0", 0.0, bottom - 0.035, "top-center", 0.85)
+        drawing.label(s, "/bar/l6", "1 m", 1.0, bottom - 0.035, "top-center", 0.85)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
@@ -42,31 +55,9 @@ class BarStage(Stage[BarScene]):
     def _draw_frame(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
                     true: np.ndarray | None, t: float, speed: float) -> None:
         x = np.clip(np.nan_to_num(arrays.position[:, 0], nan=drawing.AWAY), -0.5, 1.5)
-        self._draw_grid(scene)
         for lane, middle, sizes in zip(self._lanes, (ESTIMATE_LANE, TRUTH_LANE), (estimated, true), strict=True):
             lane.points = self._lane.points(x, middle)
             lane.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (self._lane.rows, 1))
-        self._draw_displacement(scene, arrays, t)
-        since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
-        shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS)
-        self._flashes.points = drawing.in_plane(x, np.where(shown, CROSSINGS_AT, drawing.AWAY), 0.02)
-        self._flashes.colors = drawing.flash_colours(since)
-
-    def _draw_grid(self, scene: BarScene) -> None:
-        edges = np.arange(scene.cells + 1) * scene.spacing
-        low, high = (drawing.in_plane(edges, np.array(y), -0.01)
-                     for y in (TRUTH_LANE - 0.7 * LANE_HEIGHT, ESTIMATE_LANE + 0.7 * LANE_HEIGHT))
-        self._cells.points = drawing.joined(low, high)
-        self._lane = _Lane(scene.particles)
-        for lane in self._lanes:
-            lane.point_size = self._lane.size / 2
-        self._exact.visible = scene.solution_known
-        self._below.text = "displacement u: particles (dots) on the exact curve" if scene.solution_known \
-            else "displacement u of the particles (no exact curve is known)"
-        self._largest.text = f"+{scene.motion_amplitude:.3g} m"
-        self._smallest.text = f"−{scene.motion_amplitude:.3g} m"
-
-    def _draw_displacement(self, scene: BarScene, arrays: FrameArrays, t: float) -> None:
         X = np.linspace(0, 1, 121)
         scaled = CURVE_MIDDLE + CURVE_HEIGHT * exact.displacement(scene, X, t) / scene.motion_amplitude
         curve = drawing.in_plane(X, scaled)
@@ -75,26 +66,23 @@ class BarStage(Stage[BarScene]):
         X_p = (np.arange(scene.particles) + 0.5) / scene.particles
         self._dots.points = drawing.in_plane(X_p, CURVE_MIDDLE + CURVE_HEIGHT * share, 0.01)
         self._dots.colors = np.full((scene.particles, 3), drawing.DOT, np.uint8)
+        since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
+        shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS)
+        self._flashes.points = drawing.in_plane(x, np.where(shown, CROSSINGS_AT, drawing.AWAY), 0.02)
+        self._flashes.colors = drawing.flash_colours(since)
 
-    def _labels(self, s: viser.SceneApi) -> None:
-        above = 0.5 * LANE_HEIGHT + 0.03
-        self._titles = [drawing.label(s, "/bar/l1", " ", 0.0, ESTIMATE_LANE + above, "bottom-left"),
-                        drawing.label(s, "/bar/l2", " ", 0.0, TRUTH_LANE - above, "top-left")]
-        self._silences = [drawing.label(s, f"/bar/silence{lane}", " ", 0.5, lane, "center-center", 0.85)
-                          for lane in (ESTIMATE_LANE, TRUTH_LANE)]
-        drawing.label(s, "/bar/l3", "between the lanes: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
-              "top-right", 0.85)
-        reach = 1.1 * CURVE_HEIGHT
-        drawing.lines(s, "/bar/axes", drawing.FAINT, 1.0).points = drawing.joined(
-            drawing.in_plane(np.zeros(2), np.array([CURVE_MIDDLE, CURVE_MIDDLE - reach]), -0.01),
-            drawing.in_plane(np.array([1.0, 0.0]), np.array([CURVE_MIDDLE, CURVE_MIDDLE + reach]), -0.01))
-        top, bottom = CURVE_MIDDLE + CURVE_HEIGHT, CURVE_MIDDLE - CURVE_HEIGHT
-        self._largest = drawing.label(s, "/bar/high", "", -0.01, top, "center-right", 0.85)
-        self._smallest = drawing.label(s, "/bar/low", "", -0.01, bottom, "center-right", 0.85)
-        drawing.label(s, "/bar/zero", "0", -0.01, CURVE_MIDDLE, "center-right", 0.85)
-        self._below = drawing.label(s, "/bar/l4", "", 0.5, bottom - 0.035, "top-center")
-        drawing.label(s, "/bar/l5", "X = 0", 0.0, bottom - 0.035, "top-center", 0.85)
-        drawing.label(s, "/bar/l6", "1 m", 1.0, bottom - 0.035, "top-center", 0.85)
+    def _draw_grid(self, scene: BarScene) -> None:
+        edges = np.arange(scene.cells + 1) * scene.spacing
+        self._cells.points = drawing.joined(drawing.in_plane(edges, TRUTH_LANE - 0.7 * LANE_HEIGHT, -0.01),
+                                            drawing.in_plane(edges, ESTIMATE_LANE + 0.7 * LANE_HEIGHT, -0.01))
+        self._lane = _Lane(scene.particles)
+        for lane in self._lanes:
+            lane.point_size = self._lane.size / 2
+        self._exact.visible = scene.solution_known
+        self._below.text = "displacement u: particles (dots) on the exact curve" if scene.solution_known \
+            else "displacement u of the particles (no exact curve is known)"
+        self._largest.text = f"+{scene.motion_amplitude:.3g} m"
+        self._smallest.text = f"−{scene.motion_amplitude:.3g} m"
 
 
 class _Lane:

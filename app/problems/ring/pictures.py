@@ -5,13 +5,11 @@ from typing import cast
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PathCollection
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, colour_bar, robust_size, say, shared_scale, styled, thinned
+from app.figures import MOST_CELL_LINES, colour_bar, positive, robust_size, say, shared_scale, styled, thinned
 from solvers.result import Result
 from solvers.ring import exact
 from solvers.ring.scene import RingScene
@@ -20,6 +18,7 @@ UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
 LEFT, RIGHT = -1, 1  # the sign of x
 LEGEND_ROOM = 0.3  # above the data, as a part of their decades
 MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
+POINTS_PER_METRE = 400  # of the picture of the ring, roughly
 RIM_ANGLES = np.linspace(0, 0.5 * np.pi, 181)
 
 
@@ -34,27 +33,31 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
     final = result.final
     few = thinned(len(final.position))
     few = few[np.isfinite(final.position[few]).all(axis=1)]  # an unstable run leaves NaN
+    x, y = final.position[few].T
     truth = None if final.error is None else final.error[few, 0]
     estimates = {name: final.estimate[name][few, 0] for name, _ in styled(result)}
     scale = shared_scale(truth, list(estimates.values()))
     names = list(estimates) or [""]
-    parts = place.subgridspec(1, len(names))
-    panels = [figure.add_subplot(parts[0, k]) for k in range(len(names))]
+    panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
     for axes, name in zip(panels, names, strict=True):
         _frame(axes, result)
-        _half(axes, result, few, LEFT, estimates.get(name), scale)
-        _half(axes, result, few, RIGHT, truth, scale)
-        _name_half(axes, LEFT, f"estimate ({name})" if name else "not estimated", ESTIMATE if name else "0.3")
-        _name_half(axes, RIGHT, "truth" if truth is not None else "truth not computed",
-                   TRUTH if truth is not None else "0.3")
+        halves = [(LEFT, estimates.get(name), f"estimate ({name})", ESTIMATE, "not estimated"),
+                  (RIGHT, truth, "truth", TRUTH, "truth not computed")]
+        for side, sizes, title, colour, silence in halves:
+            look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes, "cmap": COLOUR_MAP, "norm": scale}
+            axes.scatter(side * x, y, s=_dot_area(result, len(few)), linewidths=0, zorder=2, **look)
+            axes.text(0.5 + 0.485 * side, 0.95, silence if sizes is None else title, transform=axes.transAxes,
+                      color="0.3" if sizes is None else colour, fontsize=11, fontweight="bold", va="top",
+                      ha="right" if side == RIGHT else "left",
+                      bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2})
         if not len(few):
             say(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
         axes.set_title(f"particles at t = {final.time:.4g} s{coloured}", fontsize=10)
     panels[0].set_ylabel("y (m)")
     if len(few) and (estimates or truth is not None):
-        colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), panels, "|error of x| (m), one scale for both halves",
-                   aspect=60, shrink=0.75)
+        colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
+                   "|error of x| (m), one scale for both halves", aspect=60, shrink=0.75)
 
 
 def _draw_profile(axes: Axes, result: Result) -> None:
@@ -65,7 +68,7 @@ def _draw_profile(axes: Axes, result: Result) -> None:
     lines += [(f"estimate ({name})", final.estimate[name][:, 0], ESTIMATE, style) for name, style in styled(result)]
     few, drawn = thinned(len(radius)), []
     for label, sizes, colour, style in lines:
-        shown = np.where(np.isfinite(sizes) & (sizes > 0), sizes, np.nan)
+        shown = positive(sizes)
         if not np.isfinite(shown).any():
             continue
         size = float(np.clip(2000 / len(few), 1.0, 8.0))
@@ -73,17 +76,14 @@ def _draw_profile(axes: Axes, result: Result) -> None:
         axes.plot(*_shells(result, radius, shown), color=colour, linestyle=style, linewidth=1.6, label=label, zorder=3)
         drawn.append(shown)
     axes.set_title(f"error of the position at t = {final.time:.4g} s, over the thickness", fontsize=10)
-    axes.set_xlabel(f"material radius R (m), from the inner surface {exact.INNER} to the outer {exact.OUTER}")
-    axes.set_ylabel("|error of x| (m)")
-    axes.set_xlim(exact.INNER, exact.OUTER)
+    axes.set(xlabel=f"material radius R (m), from the inner surface {exact.INNER} to the outer {exact.OUTER}",
+             ylabel="|error of x| (m)", xlim=(exact.INNER, exact.OUTER))
     if not drawn:
         axes.set_yticks([])
         say(axes, "nothing to show: every error is zero, or was not computed")
         return
-    axes.set_yscale("log")
-    values = np.concatenate(drawn)
-    low, high = np.nanpercentile(values, 1) / 2, 2 * np.nanmax(values)
-    axes.set_ylim(low, high * (high / low) ** LEGEND_ROOM)
+    low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
+    axes.set(yscale="log", ylim=(low, high * (high / low) ** LEGEND_ROOM))
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", fontsize=8, ncols=2, framealpha=0.9, title="dots: particles, lines: RMS at R",
                 title_fontsize=8)
@@ -122,31 +122,12 @@ def _frame(axes: Axes, result: Result) -> None:
         for side in (LEFT, RIGHT):
             axes.plot(side * x, y, color="0.25", linewidth=0.9, zorder=3)
     axes.axvline(0, color="0.25", linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
-    axes.set_xlim(-reach, reach)
-    axes.set_ylim(0, reach)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x (m), the estimate mirrored" + ("; grey lines: cells" * (scene.cells <= MOST_CELL_LINES))
-                    + "; dark lines: exact surfaces")
-
-
-def _half(axes: Axes, result: Result, few: np.ndarray, side: int, sizes: np.ndarray | None,
-          scale: Normalize) -> PathCollection:
-    """The particles on one side, coloured by ``sizes``, or grey where there are none."""
-    x, y = result.final.position[few].T
-    look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes, "cmap": COLOUR_MAP, "norm": scale}
-    return axes.scatter(side * x, y, s=_dot_area(result, len(few)), linewidths=0, zorder=2, **look)
-
-
-def _name_half(axes: Axes, side: int, name: str, colour: str) -> None:
-    axes.text(0.5 + 0.485 * side, 0.95, name, transform=axes.transAxes, color=colour, fontsize=11, va="top",
-              ha="right" if side == RIGHT else "left", fontweight="bold",
-              bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2})
+    cells = "; grey lines: cells" * (scene.cells <= MOST_CELL_LINES)
+    axes.set(xlim=(-reach, reach), ylim=(0, reach), aspect="equal",
+             xlabel=f"x (m), the estimate mirrored{cells}; dark lines: exact surfaces")
 
 
 def _dot_area(result: Result, shown: int) -> float:
     """Area of a dot in points squared: about as wide as the particles are apart, not so wide that they merge."""
     apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, shown))
     return float(np.clip((0.8 * apart * POINTS_PER_METRE) ** 2, 0.5, 64.0))
-
-
-POINTS_PER_METRE = 400  # of the picture of the ring, roughly

@@ -1,7 +1,4 @@
-"""The ring on the stage: a quarter and its mirror images, the estimate on the left half, the truth on the right.
-
-Both halves and the colour bar use one scale. The ring is drawn to fit the stage, whatever its amplitude.
-"""
+"""The ring, made to fit the stage: a quarter and its mirror images, estimate on the left half, truth on the right."""
 
 import numpy as np
 import viser
@@ -57,7 +54,9 @@ class RingStage(Stage[RingScene]):
         for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
             half.points = self._images(x, mirrors)
             half.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1))
-        self._draw_crossings(scene, arrays, x, speed)
+        steps = arrays.steps_since_crossing
+        crossing = x[(steps >= 0) & (steps < BRIEF * speed / scene.time_step)]
+        self._flashes.points = self._images(crossing if len(crossing) else np.full((1, 2), drawing.AWAY), MIRRORS, 0.02)
         self._draw_domains(scene, arrays, x)
 
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
@@ -84,10 +83,8 @@ class RingStage(Stage[RingScene]):
         end = 1.05 * reach
         count = int(end / scene.spacing)
         at = np.arange(-count, count + 1) * scene.spacing
-        ends = np.full(len(at), end)
-        self._cells.points = np.concatenate([
-            drawing.joined(self._place(np.stack([at, -ends], 1), -0.02), self._place(np.stack([at, ends], 1), -0.02)),
-            drawing.joined(self._place(np.stack([-ends, at], 1), -0.02), self._place(np.stack([ends, at], 1), -0.02))])
+        upright = np.stack([np.repeat(at, 2), np.tile([-end, end], len(at))], axis=1)
+        self._cells.points = self._place(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3)
         axes = np.array([[-end, 0], [end, 0], [0, -end], [0, end]])
         self._planes.points = self._place(axes, -0.01).reshape(2, 2, 3)
         width = scene.spacing / scene.ppc * self._per_metre
@@ -97,14 +94,6 @@ class RingStage(Stage[RingScene]):
         self._edges = particle_layout(scene).edges if scene.particles <= MOST_DOMAINS else None
         self._size_note.text = f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
-    def _draw_crossings(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray, speed: float) -> None:
-        brief = BRIEF * speed / scene.time_step
-        steps = arrays.steps_since_crossing
-        where = x[(steps >= 0) & (steps < brief)]
-        if not len(where):
-            where = np.full((1, 2), drawing.AWAY)
-        self._flashes.points = self._images(where, MIRRORS, 0.02)
-
     def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
         """Outline what each particle stands for: a box for GIMP, a parallelogram for CPDI."""
         if not self.domains or self._edges is None or len(x) != len(self._edges):
@@ -113,23 +102,19 @@ class RingStage(Stage[RingScene]):
         self._outlines.visible = True
         first, second = _half_edges(scene, arrays, self._edges)
         corners = [x - first - second, x + first - second, x + first + second, x - first + second]
-        segments = []
-        for m in ((1, 1), (-1, 1)):
-            placed = [self._place(c * m, 0.01) for c in corners]
-            segments += [drawing.joined(placed[k], placed[(k + 1) % 4]) for k in range(4)]
-        self._outlines.points = np.concatenate(segments)
+        placed = [self._images(corner, MIRRORS[::2], 0.01) for corner in corners]
+        self._outlines.points = np.concatenate([drawing.joined(placed[k - 1], placed[k]) for k in range(4)])
 
 
 def _half_edges(scene: RingScene, arrays: FrameArrays, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Half the edge vectors (P, 2) of the particles' domains as the method sees them now."""
     F = arrays.deformation_gradient.reshape(-1, 2, 2)
     if scene.method == "cpdi":
-        return (0.5 * np.einsum("pij,pj->pi", F, edges[:, :2]), 0.5 * np.einsum("pij,pj->pi", F, edges[:, 2:]))
-    reach = 0.5 * scene.spacing / scene.ppc
-    stretch = np.minimum(np.stack([F[:, 0, 0], F[:, 1, 1]], 1), scene.ppc) if scene.method == "cpgimp" \
+        return 0.5 * np.einsum("pij,pj->pi", F, edges[:, :2]), 0.5 * np.einsum("pij,pj->pi", F, edges[:, 2:])
+    stretch = np.minimum(np.diagonal(F, axis1=1, axis2=2), scene.ppc) if scene.method == "cpgimp" \
         else np.full((len(F), 2), 0.0 if scene.method == "mpm" else 1.0)
-    zero = np.zeros(len(F))
-    return np.stack([reach * stretch[:, 0], zero], 1), np.stack([zero, reach * stretch[:, 1]], 1)
+    boxes = 0.5 * scene.spacing / scene.ppc * stretch[:, :, None] * np.eye(2)
+    return boxes[:, 0], boxes[:, 1]
 
 
 STAGE = RingStage

@@ -18,9 +18,8 @@ def regions(X: np.ndarray) -> Regions:
 
 
 RING = ProblemView(
-    "ring", regions, f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the "
-    "wall", picture=(13.5, 0.85), speed=0.2,
-    reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-5, 0.1)),
+    "ring", regions, f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the wall",
+    picture=(13.5, 0.85), speed=0.2, reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-5, 0.1)),
     amplitude_hint="largest displacement of the outer rim; above 0.198 m a real ring wrinkles, from 0.386 m on the "
                    "exact one turns inside out",
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
