@@ -53,19 +53,13 @@ class FlatCamera:
             size = (camera.image_width, camera.image_height)
             if size != self._size:
                 self._settle_until = monotonic() + SETTLE_SECONDS
-            if not (force or size != self._size or self._turned() or self._astray()):
-                return
-            self._size = size
-            self._look(size[0] / max(1, size[1]))
-
-    def _turned(self) -> bool:
-        turn = viser.transforms.SO3(self._client.camera.wxyz).as_matrix()
-        return turn[2, 2] > -0.9999 or abs(turn[0, 0]) < 0.9999
-
-    def _astray(self) -> bool:
-        position = self._client.camera.position
-        return monotonic() < self._settle_until and (
-            self._target is None or not np.allclose(position, self._target, rtol=1e-3, atol=1e-3))
+            turn = viser.transforms.SO3(camera.wxyz).as_matrix()
+            turned = turn[2, 2] > -0.9999 or abs(turn[0, 0]) < 0.9999
+            astray = monotonic() < self._settle_until and (
+                self._target is None or not np.allclose(camera.position, self._target, rtol=1e-3, atol=1e-3))
+            if force or size != self._size or turned or astray:
+                self._size = size
+                self._look(size[0] / max(1, size[1]))
 
     def _look(self, aspect: float) -> None:
         x0, x1, y0, y1 = self._rectangle

@@ -15,15 +15,11 @@ class History:
 
     def __init__(self, scene: Scene, particles: int):
         self.scene, self._particles = scene, particles
-        self._rows: dict[str, np.ndarray] = {}
+        #: Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35) and the pointwise
+        #: distance as ``transport/index_x`` and ``transport/distance_x``.
+        self.series: dict[str, np.ndarray] = {}
         self._seen, self._stride = 0, 1
         self._sums: dict[str, float] = {}
-
-    @property
-    def series(self) -> dict[str, np.ndarray]:
-        """Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35)
-        and the pointwise distance as ``transport/index_x`` and ``transport/distance_x``."""
-        return self._rows
 
     def add(self, rows: np.ndarray) -> None:
         """Append rows of samples (``solvers.samples``)."""
@@ -40,19 +36,18 @@ class History:
                             true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
         kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
         self._seen += len(rows)
-        series = {name: np.concatenate([self._rows.get(name, values[:0]), values[kept]])
-                  for name, values in new.items()}
+        series = {name: np.concatenate([self.series.get(name, v[:0]), v[kept]]) for name, v in new.items()}
         while len(series["time"]) > MOST_ROWS:
             series = {name: values[::2] for name, values in series.items()}
             self._stride *= 2
-        self._rows = series  # at once, so that whoever plots sees series of equal length
+        self.series = series  # at once, so that whoever plots sees series of equal length
 
     def crossings_per_second(self) -> tuple[np.ndarray, np.ndarray]:
         """Times and grid crossings per second of simulated time, each over a twentieth of a period or more."""
-        rows = self._rows
-        time, count = rows.get("time", np.zeros(0)), rows.get("crossings", np.zeros(0))
-        if len(time) < 2:
+        series = self.series
+        if len(series.get("time", ())) < 2:
             return np.zeros(0), np.zeros(0)
+        time, count = series["time"], series["crossings"]
         spacing = (time[-1] - time[0]) / (len(time) - 1)
         lag = max(1, min(len(time) - 1, round(CROSSING_WINDOW * self.scene.period / spacing)))
         return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])

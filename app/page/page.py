@@ -1,22 +1,21 @@
 """The page: one visitor's stage, panels and session, tied together."""
 
-import html
 import logging
 import threading
+from html import escape
 
 import numpy as np
 import viser
 
 from app.drawing import RECTANGLE, ColourBar
 from app.page.camera import FlatCamera
-from app.page.panels.about import add_about
 from app.page.panels.controls import Controls
 from app.page.panels.cost import CostTab
 from app.page.panels.head import add_head, set_up
-from app.page.panels.lessons import add_lessons
 from app.page.panels.measurements import Measurements
+from app.page.panels.texts import add_about, add_lessons
 from app.page.probe import Probe
-from app.page.session import FIRST_SCENE, Engines, Notice, Session
+from app.page.session import FIRST_SCENE, PageLinks, Session
 from app.page.view import View, look
 from app.page.worst import WorstRegions
 from app.problems.views import VIEWS
@@ -31,11 +30,9 @@ REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every
 class Page:
     """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own."""
 
-    def __init__(self, client: viser.ClientHandle, pool: Engines):
-        self._ready = False
-        self._closed = threading.Event()
-        self._drawing = threading.Lock()
-        self._client = client
+    def __init__(self, client: viser.ClientHandle, pool: PageLinks):
+        self._client, self._ready = client, False
+        self._closed, self._drawing = threading.Event(), threading.Lock()
         self._last: tuple[FrameReport, FrameArrays] | None = None
         self._view: View | None = None
         self._scale = ColourScale()
@@ -60,7 +57,7 @@ class Page:
         """The visitor has gone."""
         self._closed.set()
         self._session.close()
-        self._cost.close()
+        self._cost.jobs.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
         tabs = client.gui.add_tab_group()
@@ -83,8 +80,7 @@ class Page:
 
     def _show_stage(self, problem: str) -> None:
         for name, stage in self._stages.items():
-            if stage.root.visible != (name == problem):
-                stage.root.visible = name == problem
+            stage.root.visible = name == problem
 
     def _redraw(self) -> None:
         if self._last is None or not self._ready or self._closed.is_set():
@@ -118,15 +114,9 @@ class Page:
         if self._last is not None and self._view is not None:
             self._worst.look(*self._last, self._view)
         self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst)
-        notice = _notice_html(self._session.notice())
-        if notice != self._notice.content:
-            self._notice.content = notice
+        notice = self._session.notice()
+        self._notice.content = "" if notice is None else (
+            f"<div class='lab-notice lab-{notice.kind}' role='status'>"
+            f"{escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")
         self._cost.refresh()
         self._camera.settle()
-
-
-def _notice_html(notice: Notice | None) -> str:
-    if notice is None:
-        return ""
-    sentence = html.escape(notice.sentence[:1].upper() + notice.sentence[1:])
-    return f"<div class='lab-notice lab-{notice.kind}' role='status'>{sentence}</div>"

@@ -20,8 +20,7 @@ class Probe:
         # Rectangle selection also takes the left drag, which would otherwise rotate the view.
         client.scene.on_rect_select()(lambda event: self._select(camera, event))
 
-    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None,
-             true: np.ndarray | None) -> None:
+    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None) -> None:
         """Read mean and worst error, estimated and true (P,), of the particles in the region."""
         rectangle = self._rectangle
         if rectangle is None:
@@ -40,9 +39,8 @@ class Probe:
         self.text = "; ".join(parts)
 
     def _select(self, camera: FlatCamera, event: viser.SceneRectSelectEvent) -> None:
-        a, b = camera.on_stage(event.screen_min), camera.on_stage(event.screen_max)
-        low, high = (min(a[0], b[0]), min(a[1], b[1])), (max(a[0], b[0]), max(a[1], b[1]))
-        self._rectangle = (low, high)
-        corners = in_plane(np.array([low[0], high[0], high[0], low[0]]), np.array([low[1], low[1], high[1], high[1]]),
-                           0.03)
+        ends = camera.on_stage(event.screen_min), camera.on_stage(event.screen_max)
+        (left, right), (bottom, top) = (sorted(coordinates) for coordinates in zip(*ends, strict=True))
+        self._rectangle = (left, bottom), (right, top)
+        corners = in_plane(np.array([left, right, right, left]), np.array([bottom, bottom, top, top]), 0.03)
         self._frame.points = joined(corners, np.roll(corners, -1, axis=0))

@@ -9,10 +9,10 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
-from app.page.session import FIRST_SCENE
-from solvers.engine.pool import EnginePool, Listener, SessionLink
+from app.page.session import FIRST_SCENE, PageLinks
+from solvers.engine.pool import EnginePool
 
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
@@ -21,43 +21,18 @@ class ServeError(Exception):
     """The page cannot be served; the message says why."""
 
 
-class Closable(Protocol):
-    """What is known of a page here."""
-
-    def close(self) -> None: ...
-
-
-class PageLinks:
-    """The pool as one page sees it. Knows what the page opened, so that one that fails leaves nothing behind."""
-
-    def __init__(self, pool: EnginePool):
-        self._pool = pool
-        self._links: list[SessionLink] = []
-
-    def open(self, listener: Listener) -> SessionLink:
-        link = self._pool.open(listener)
-        self._links.append(link)
-        return link
-
-    def close(self) -> None:
-        for link in self._links:
-            link.close()
-
-
 class Visitors:
     """Who is here: a page for each of at most ``places`` visitors, closed when its visitor leaves.
 
-    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines.
-
-    The web server calls from many threads: a visitor may leave while the page is being made, or even before
-    :meth:`connect` is called.
+    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines. The web server
+    calls from many threads: a visitor may leave while the page is being made, or even before :meth:`connect`.
     """
 
-    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Closable],
+    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
                  show: Callable[[Any, str], None]):
         self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
         self._lock = threading.Lock()
-        self._pages: dict[int, Closable | None] = {}  # places taken; None while the page is being made
+        self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
         self._pageless: set[int] = set()  # here, but refused or with a page that failed
         self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
 
@@ -93,9 +68,13 @@ class Visitors:
         page.close()
 
     def _admit(self, client: Any) -> None:
-        """Make the page of a visitor who has a place."""
-        visitor = client.client_id
-        page = self._try_page(client)
+        """Make the page of a visitor who has a place; one that fails leaves nothing behind."""
+        visitor, links, page = client.client_id, PageLinks(self._pool), None
+        try:
+            page = self._make_page(client, links)
+        except Exception:
+            logging.getLogger(__name__).exception("the page of visitor %d could not be made", visitor)
+            links.close()
         with self._lock:
             left = visitor in self._left
             self._left.discard(visitor)
@@ -110,15 +89,6 @@ class Visitors:
         elif not left:
             self._show(client, "The page could not be made. Reload it, or see the terminal for the reason.")
 
-    def _try_page(self, client: Any) -> Closable | None:
-        links = PageLinks(self._pool)
-        try:
-            return self._make_page(client, links)
-        except Exception:
-            logging.getLogger(__name__).exception("the page of visitor %d could not be made", client.client_id)
-            links.close()
-            return None
-
 
 def serve(host: str, port: int, max_sessions: int) -> None:
     """Serve the page until interrupted. Raises :class:`ServeError` when host and port cannot be had."""
@@ -127,8 +97,8 @@ def serve(host: str, port: int, max_sessions: int) -> None:
     pool, server = EnginePool(FIRST_SCENE, engines=_engine_count()), None
     try:
         server = _start_server(host, port, pool, max_sessions)
-        address = f"http://{_address(host)}:{server.get_port()}"
-        print(f"mpm-lab is at {address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+        address = f"{'127.0.0.1' if host in ('', '0.0.0.0') else host}:{server.get_port()}"
+        print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         threading.Event().wait()
     finally:
         pool.close()
@@ -169,10 +139,6 @@ def _engine_count() -> int:
     affinity = getattr(os, "sched_getaffinity", None)  # not on every system
     processors = len(affinity(0)) if affinity else os.cpu_count() or 2
     return min(MOST_ENGINES, max(1, processors - 1))
-
-
-def _address(host: str) -> str:
-    return "127.0.0.1" if host in ("", "0.0.0.0") else host
 
 
 def _require_free(host: str, port: int) -> None:

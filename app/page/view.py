@@ -13,8 +13,6 @@ from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
 
 SIDE_BY_SIDE, DIFFERENCE = "estimate | truth", "estimate − truth | truth"
-VIEWS = (SIDE_BY_SIDE, DIFFERENCE)
-
 UNKNOWN = "true error unknown here: no exact solution is built in"
 TRUTH_OFF = "true error not computed: its effect is off"
 ESTIMATE_OFF = f"not estimated: the effect \"{EFFECTS['estimate'].label}\" is off"
@@ -41,8 +39,9 @@ def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str
     no_estimate = why_no_estimate(scene, report.not_valid, estimator, quantity)
     true, estimated = None if no_truth else np.abs(arrays.error[:, column]), None
     if estimator is not None and not no_estimate:
-        estimated = _known(np.abs(arrays.estimate[estimator][:, column]))
-        no_estimate = "" if estimated is not None else f"{estimator} does not estimate the {QUANTITIES[quantity]}"
+        estimated = np.abs(arrays.estimate[estimator][:, column])
+        if not np.isfinite(estimated).any():
+            estimated, no_estimate = None, f"{estimator} does not estimate the {QUANTITIES[quantity]}"
     left = Half(f"estimated error{named}", estimated, no_estimate)
     if difference:
         measures = f"size of the error, and of estimate − truth, of {QUANTITIES[quantity]}"
@@ -76,7 +75,3 @@ def why_no_estimate(scene: Scene, not_valid: dict[str, str], estimator: str | No
 
 def _why_no_acceleration(scene: Scene, quantity: str) -> str:
     return ACCELERATION_OFF if quantity == "a" and not scene.has("acceleration") else ""
-
-
-def _known(sizes: np.ndarray) -> np.ndarray | None:
-    return sizes if np.isfinite(sizes).any() else None

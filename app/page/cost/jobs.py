@@ -72,8 +72,7 @@ class Jobs:
     """Starts and ends one visitor's jobs. Rows of a sweep go to ``runs``. Any thread may call."""
 
     def __init__(self, runs: Runs, slots: threading.BoundedSemaphore = SLOTS):
-        self._runs, self._slots = runs, slots
-        self._lock = threading.Lock()
+        self._runs, self._slots, self._lock = runs, slots, threading.Lock()
         self._job: BackgroundJob | None = None
         self._closed = False
         self.status = JobStatus()

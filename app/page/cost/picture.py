@@ -8,13 +8,11 @@ import html
 import json
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from app.colours import METHOD_COLOURS, METHOD_MARKS
 from app.page.cost.runs import LIVE, SWEEP, NumberedRun
 from app.page.cost.words import sentence
 from app.words import METHODS, power_text
-from solvers.study.row import UNSTABLE
 
 WIDTH, HEIGHT = 330, 216
 LEFT, RIGHT, TOP, BOTTOM = 40, 318, 10, 182
@@ -25,23 +23,6 @@ FEW = 1.7  # decades below which 2 and 5 have a tick as well
 SHAPES = {"o": "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", "s": "M-3.6 -3.6h7.2v7.2h-7.2z", "^": "M0 -4.6L4.4 3.4H-4.4z",
           "D": "M0 -4.8L4.6 0L0 4.8L-4.6 0z", "v": "M0 4.6L4.4 -3.4H-4.4z"}
 CROSS = "M-4 -4L4 4M-4 4L4 -4"
-
-
-@dataclass(frozen=True)
-class Dot:
-    """A run where it is drawn; the size of an unstable one's error means nothing."""
-
-    run: NumberedRun
-    seconds: float
-    size: float
-
-    @property
-    def unstable(self) -> bool:
-        return self.run.status == UNSTABLE
-
-    @property
-    def method(self) -> str:
-        return self.run.row["scene"]["method"]
 
 
 class Axis:
@@ -66,15 +47,14 @@ class Axis:
 
 def picture(runs: Sequence[NumberedRun]) -> str:
     """The drawing of those of the runs that have both an error and a time; "" if there are none."""
-    dots = [Dot(run, run.seconds, run.size or math.nan) for run in runs if run.drawable and run.seconds]
+    dots = [run for run in runs if run.drawable]
     if not dots:
         return ""
     across = Axis((dot.seconds for dot in dots), LEFT, RIGHT)
     # From unstable runs no scale is taken: their error may be anything.
     up = Axis((dot.size for dot in dots if not dot.unstable), BOTTOM, TOP)
     numbered = len(dots) <= MOST_NUMBERS
-    inside = "".join([_frame(across, up), _lines(dots, across, up),
-                      *(_dot(dot, across, up, numbered) for dot in dots)])
+    inside = "".join([_frame(across, up), _lines(dots, across, up), *(_dot(dot, across, up, numbered) for dot in dots)])
     return (f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' width='100%' role='group' aria-label='error against seconds'>{inside}"
             f"</svg>{_legend(dots)}")
 
@@ -97,25 +77,25 @@ def _frame(across: Axis, up: Axis) -> str:
     return "".join(parts)
 
 
-def _lines(dots: Sequence[Dot], across: Axis, up: Axis) -> str:
+def _lines(dots: Sequence[NumberedRun], across: Axis, up: Axis) -> str:
     """Runs of sweeps that differ in their cells alone are joined."""
-    groups: dict[str, list[Dot]] = {}
+    groups: dict[str, list[NumberedRun]] = {}
     for dot in dots:
-        if dot.run.source == SWEEP and not dot.unstable:
-            groups.setdefault(json.dumps({**dot.run.row["asked"], "cells": 0}, sort_keys=True), []).append(dot)
+        if dot.source == SWEEP and not dot.unstable:
+            groups.setdefault(json.dumps({**dot.row["asked"], "cells": 0}, sort_keys=True), []).append(dot)
     drawn = []
     for group in groups.values():
-        group.sort(key=lambda dot: dot.run.row["scene"]["cells"])
+        group.sort(key=lambda dot: dot.row["scene"]["cells"])
         points = " ".join(f"{across.at(dot.seconds)},{up.at(dot.size)}" for dot in group)
         drawn.append(f"<polyline points='{points}' class='lab-line' stroke='{METHOD_COLOURS[group[0].method]}'/>")
     return "".join(drawn)
 
 
-def _dot(dot: Dot, across: Axis, up: Axis, numbered: bool) -> str:
-    run, colour = dot.run, METHOD_COLOURS[dot.method]
-    x, y = across.at(dot.seconds), TOP + 5 if dot.unstable else up.at(dot.size)
-    shape = CROSS if dot.unstable else SHAPES[METHOD_MARKS[dot.method]]
-    fill = "none" if dot.unstable else "#fff" if run.source == LIVE else colour
+def _dot(run: NumberedRun, across: Axis, up: Axis, numbered: bool) -> str:
+    colour = METHOD_COLOURS[run.method]
+    x, y = across.at(run.seconds), TOP + 5 if run.unstable else up.at(run.size)
+    shape = CROSS if run.unstable else SHAPES[METHOD_MARKS[run.method]]
+    fill = "none" if run.unstable else "#fff" if run.source == LIVE else colour
     words = html.escape(sentence(run), quote=True)
     number = f"<text x='5.5' y='-3.5' class='lab-number'>{run.number}</text>" if numbered else ""
     return (f"<g class='lab-dot' data-run='{run.number}' tabindex='0' role='button' aria-label='load {words}' "
@@ -123,12 +103,12 @@ def _dot(dot: Dot, across: Axis, up: Axis, numbered: bool) -> str:
             f"<path d='{shape}' fill='{fill}' stroke='{colour}' stroke-width='1.8'/>{number}</g>")
 
 
-def _legend(dots: Sequence[Dot]) -> str:
+def _legend(dots: Sequence[NumberedRun]) -> str:
     """The methods that occur, and what hollow marks and crosses are if there are any."""
     present = {dot.method for dot in dots}
     entries = [(SHAPES[METHOD_MARKS[code]], METHOD_COLOURS[code], METHOD_COLOURS[code], method.name)
                for code, method in METHODS.items() if code in present]
-    if any(dot.run.source == LIVE for dot in dots):
+    if any(dot.source == LIVE for dot in dots):
         entries.append((SHAPES["o"], "#fff", "#6b7480", "as timed on the stage"))
     if any(dot.unstable for dot in dots):
         entries.append((CROSS, "none", "#6b7480", "unstable"))

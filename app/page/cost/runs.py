@@ -37,24 +37,33 @@ class NumberedRun:
         return next((self._relative(norms) for norms in (self.row.get("estimate") or {}).values()), None)
 
     @property
-    def size(self) -> float | None:
-        """Where its dot goes: the error, or the estimate where no error is known."""
-        return self.estimate if self.error is None else self.error
+    def size(self) -> float:
+        """Where its dot goes: the error, or the estimate where no error is known; NaN if neither is."""
+        size = self.estimate if self.error is None else self.error
+        return math.nan if size is None else size
 
     @property
-    def seconds(self) -> float | None:
-        """Of a sweep's row the bare run's, of a live one those of everything that was computed."""
+    def seconds(self) -> float:
+        """Of a sweep's row the bare run's, of a live one those of everything that was computed; NaN if not known."""
         seconds = self.row.get("seconds") or {}
-        return seconds.get("min") or seconds.get("full")
+        return seconds.get("min") or seconds.get("full") or math.nan
+
+    @property
+    def method(self) -> str:
+        return self.row["scene"]["method"]
 
     @property
     def status(self) -> str:
         return self.row["status"]
 
     @property
+    def unstable(self) -> bool:
+        return self.status == UNSTABLE
+
+    @property
     def drawable(self) -> bool:
         """Whether it can be a dot: an unstable run whose error is out of bounds goes to the edge."""
-        return bool(self.seconds) and (self.status == UNSTABLE or (self.status == OK and bool(self.size)))
+        return self.seconds > 0 and (self.unstable or (self.status == OK and self.size > 0))
 
     def _relative(self, norms: dict) -> float | None:
         largest = (norms.get("x") or {}).get("max")
@@ -72,10 +81,8 @@ class Runs:
         self.version = 0
 
     def add(self, row: dict, source: str) -> None:
-        """Take a row in. A scene that is there keeps its number.
-
-        A live row does not replace a sweep's, and one that was lost replaces none.
-        """
+        """Take a row in. A scene that is there keeps its number, its sweep's row goes before a live one, and a row that
+        was lost replaces none."""
         key = row["key"]
         with self._lock:
             before = self._runs.get(key)

@@ -59,7 +59,7 @@ def too_large(scene: Scene) -> str:
 
 
 def seconds(value: float | None) -> str:
-    if value is None:
+    if value is None or math.isnan(value):
         return NOTHING
     return f"{1e3 * value:.2g} ms" if value < 0.0995 else f"{value:.2g} s" if value < 99.5 else f"{value:.0f} s"
 
@@ -68,10 +68,9 @@ def table(runs: Sequence[NumberedRun]) -> str:
     """The runs as a table, the newest first; their numbers are buttons."""
     if not runs:
         return ""
-    heads = ("run", "method", "cells", "p/c", "CFL", "error", "estim.", "time")
-    lines = [_line(run) for run in reversed(runs)]
-    return ("<table class='lab-runs'><tr>" + "".join(f"<th>{head}</th>" for head in heads) + "</tr>" + "".join(lines)
-            + f"</table><p>Errors of x over A, the RMS, largest over time. The newest {MOST_RUNS} runs are kept.</p>")
+    heads = "".join(f"<th>{head}</th>" for head in ("run", "method", "cells", "p/c", "CFL", "error", "estim.", "time"))
+    return (f"<table class='lab-runs'><tr>{heads}</tr>{''.join(_line(run) for run in reversed(runs))}</table><p>Errors "
+            f"of x over A, the RMS, largest over time. The newest {MOST_RUNS} runs are kept.</p>")
 
 
 def _line(run: NumberedRun) -> str:
@@ -81,8 +80,7 @@ def _line(run: NumberedRun) -> str:
     if run.status in (UNSTABLE, FAILED):
         end = f"<td colspan=2 class='lab-bad'>{run.status}</td><td>{seconds(run.seconds)}</td>"
     else:
-        end = "".join(f"<td>{text}</td>" for text in
-                      (relative(run.error), relative(run.estimate), seconds(run.seconds)))
+        end = f"<td>{relative(run.error)}</td><td>{relative(run.estimate)}</td><td>{seconds(run.seconds)}</td>"
     return (f"<tr title='{words}'><td><button data-run='{run.number}' aria-label='load run {run.number}'>{run.number}"
             "</button></td>" + "".join(f"<td>{cell}</td>" for cell in cells) + f"{end}</tr>")
 

@@ -18,7 +18,6 @@ from solvers.problems import PROBLEMS
 from solvers.rules import field_label
 from solvers.scene import Scene
 
-RUN_BUTTONS = ("Play", "Pause", "Step", "Reset")
 CFL = (0.01, 2.0)
 
 
@@ -66,25 +65,23 @@ class Controls:
             self._scene()
             self._view()
             with self._gui.add_folder("Method details", expand_by_default=False):
-                self._details()
+                for field, hint in VIEWS[self._session.scene.problem].details.items():
+                    self._field(field, hint)
             with self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
                 self._effects()
-
-    # ---- groups of widgets --------------------------------------------------------------------------------
 
     def _run(self) -> None:
         gui, session = self._gui, self._session
         acts = {"Play": lambda: session.play(True), "Pause": lambda: session.play(False),
-                "Step": session.step, "Reset": session.reset}
-        buttons = gui.add_button_group("Run", RUN_BUTTONS, hint="Step pauses and takes one time step")
+                "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
+        buttons = gui.add_button_group("Run", tuple(acts), hint="Step pauses and takes one time step")
         buttons.on_click(lambda event: acts[event.target.value]())
         self._logarithmic("Speed", "s/s", VIEWS[session.scene.problem].reach.speed, session.speed, session.set_speed,
                           "simulated seconds per second of yours")
 
     def _scene(self) -> None:
-        session, scene = self._session, self._session.scene
-        view = VIEWS[scene.problem]
-        self._choice("method", "shape functions that carry data between particles and grid")
+        session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
+        self._field("method", "shape functions that carry data between particles and grid")
         self._cells()
         per_cell = self._gui.add_slider("Particles / cell", *view.reach.ppc, 1, scene.ppc, hint="in each direction")
         self._follow(per_cell, lambda count: session.set(ppc=count))
@@ -96,7 +93,7 @@ class Controls:
                           "time step as a share of the time a wave takes through a cell")
 
     def _cells(self) -> None:
-        session, scene = self._session, self._session.scene
+        scene = self._session.scene
         length = f"{scene.cells * scene.spacing:g}"
 
         def label(count: int) -> str:
@@ -109,7 +106,7 @@ class Controls:
 
         def changed(count: int) -> None:
             cells.label = label(count)
-            session.set(cells=count)
+            self._session.set(cells=count)
 
         self._follow(cells, changed)
 
@@ -138,18 +135,9 @@ class Controls:
         self.domains = shown
         self._on_view()
 
-    def _details(self) -> None:
-        scene = self._session.scene
-        for field, hint in VIEWS[scene.problem].details.items():
-            if scene.choices(field):
-                self._choice(field, hint)
-            else:
-                self._switch(field, hint)
-
     def _effects(self) -> None:
         boxes = {name: self._gui.add_checkbox(effect.label, name in self._session.scene.effects,
                                               hint=effect.explanation) for name, effect in EFFECTS.items()}
-
         for box in boxes.values():
             self._follow(box, lambda _: self._session.set(effects=tuple(e for e, box in boxes.items() if box.value)))
 
@@ -161,21 +149,14 @@ class Controls:
 
         widget.on_update(changed)
 
-    # ---- kinds of widget ----------------------------------------------------------------------------------
-
-    def _choice(self, field: str, hint: str) -> None:
-        """A dropdown of what the scene's field may be, in words."""
-        scene = self._session.scene
-        names = words.choices(type(scene), field)
+    def _field(self, field: str, hint: str) -> None:
+        """A dropdown of what the scene's field may be, in words; a box for one that is true or false."""
+        scene, label = self._session.scene, field_label(field).capitalize()
+        value, names = getattr(scene, field), words.choices(type(scene), field)
         codes = {name: code for code, name in names.items()}
-        widget = self._gui.add_dropdown(field_label(field).capitalize(), tuple(codes), hint=hint,
-                                        initial_value=names[getattr(scene, field)])
-        self._follow(widget, lambda name: self._session.set(**{field: codes[name]}))
-
-    def _switch(self, field: str, hint: str) -> None:
-        """A box for a field of the scene that is true or false."""
-        box = self._gui.add_checkbox(field_label(field).capitalize(), getattr(self._session.scene, field), hint=hint)
-        self._follow(box, lambda on: self._session.set(**{field: on}))
+        widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
+            else self._gui.add_checkbox(label, value, hint=hint)
+        self._follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
 
     def _logarithmic(self, name: str, unit: str, reach: tuple[float, float], value: float,
                      act: Callable[[float], None], hint: str) -> None:

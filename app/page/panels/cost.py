@@ -28,10 +28,7 @@ _PICK = ("const d=event.target.closest('[data-run]');if(d&&(event.type=='click'|
 
 
 class CostTab:
-    """Make it inside its tab. :meth:`follow` hears every frame; :meth:`refresh` shows what is new, from one thread.
-
-    ``load`` puts a scene on the stage.
-    """
+    """Made inside its tab; ``load`` puts a scene on the stage. One thread calls :meth:`refresh`."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load
@@ -39,33 +36,22 @@ class CostTab:
         self.jobs = Jobs(self.runs)
         self._live = LiveRows()
         self._shown: tuple | None = None
-        self._said: tuple | None = None
         self._remark = ""
         self._build(client.gui)
 
     def follow(self, report: FrameReport, history: History) -> None:
         """A frame has come: take its run's row when it is complete."""
-        row = self._live.follow(report, history)
-        if row is not None:
+        if row := self._live.follow(report, history):
             self.runs.add(row, LIVE)
-
-    def close(self) -> None:
-        """The visitor has gone."""
-        self.jobs.close()
 
     def refresh(self) -> None:
         """Show what has changed."""
-        problem = self._session.scene.problem
-        shown = (self.runs.version, problem)
+        problem, status = self._session.scene.problem, self.jobs.status
+        shown = (self.runs.version, problem, status, self._remark)
         if shown != self._shown:
             self._shown = shown
             self._show_runs(problem)
-        status = self.jobs.status
-        if (status, self._remark) != self._said:
-            self._said = (status, self._remark)
             self._show_status(status)
-
-    # ---- widgets ------------------------------------------------------------------------------------------
 
     def _build(self, gui: viser.GuiApi) -> None:
         gui.add_html(PICKED)
@@ -93,7 +79,8 @@ class CostTab:
         self._take.on_click(lambda _: self._load_advice())
         self._table = gui.add_html("")
         self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True, color="gray")
-        self._download.on_click(lambda _: self._send())
+        self._download.on_click(lambda _: self._client.send_file_download(
+            FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True))
 
     def _show_runs(self, problem: str) -> None:
         runs = self.runs.all()
@@ -115,12 +102,10 @@ class CostTab:
         texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(status), self._remark) if text]
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
-    # ---- what the visitor does (from the viewer's threads) ------------------------------------------------
-
     def _pick(self, text: str) -> None:
         number = text.partition(" ")[0]
         run = self.runs.find(int(number)) if number.isdecimal() else None
-        if run is not None:
+        if run:
             self._put(run.scene, f"Run {run.number}")
 
     def _start_sweep(self, tasks: list[Task]) -> None:
@@ -138,9 +123,7 @@ class CostTab:
         self.jobs.search(job)
 
     def _load_advice(self) -> None:
-        """Put the advice on the stage."""
-        advice = self.jobs.status.advice
-        if advice:
+        if advice := self.jobs.status.advice:
             self._put(Task(**advice["task"]).scene(), "The advice")
 
     def _put(self, scene: Scene, name: str) -> None:
@@ -150,9 +133,6 @@ class CostTab:
             return
         self._load(scene)
         self._remark = f"{name} is on the stage."
-
-    def _send(self) -> None:
-        self._client.send_file_download(FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True)
 
 
 def _clickable(content: str) -> str:

@@ -6,7 +6,7 @@ import viser
 
 from app.page.panels.head import HALF_WIDE
 from app.page.session import Session
-from app.page.view import DIFFERENCE, SIDE_BY_SIDE, VIEWS
+from app.page.view import DIFFERENCE, SIDE_BY_SIDE
 from solvers.estimators.registry import ESTIMATORS
 from solvers.problems import PROBLEMS
 
@@ -18,18 +18,13 @@ class EstimatorChoice:
 
     def __init__(self, session: Session, on_view: Callable[[], None]):
         self._session, self._on_view = session, on_view
-        self._drawn = NONE
+        self.drawn: str | None = None  # the estimator on the stage, if any
         self.difference = False
 
     @property
     def chosen(self) -> tuple[str, ...]:
         """The estimators whose boxes are ticked."""
         return tuple(name for name, box in self._boxes.items() if box.value)
-
-    @property
-    def drawn(self) -> str | None:
-        """The estimator on the stage, if any."""
-        return None if self._drawn == NONE else self._drawn
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
@@ -39,11 +34,11 @@ class EstimatorChoice:
         for name in PROBLEMS[self._session.scene.problem].estimators:
             gui.add_html(HALF_WIDE)
             self._boxes[name] = gui.add_checkbox(ESTIMATORS[name].title, name in wished, hint=ESTIMATORS[name].summary)
-        options = wished or (NONE,)
-        self._drawn = self._drawn if self._drawn in options else options[0]
-        self._shown = gui.add_dropdown("On the stage", options, initial_value=self._drawn,
+        self.drawn = self.drawn if self.drawn in wished else next(iter(wished), None)
+        self._shown = gui.add_dropdown("On the stage", wished or (NONE,), initial_value=self.drawn or NONE,
                                        hint="the estimator whose errors are drawn, of those that run")
-        stage = gui.add_dropdown("Compare", VIEWS, initial_value=DIFFERENCE if self.difference else SIDE_BY_SIDE,
+        stage = gui.add_dropdown("Compare", (SIDE_BY_SIDE, DIFFERENCE),
+                                 initial_value=DIFFERENCE if self.difference else SIDE_BY_SIDE,
                                  hint="estimate − truth is drawn as the size of what the estimate misses, direction "
                                       "and all; its norm over that of the truth is the distance")
         for box in self._boxes.values():
@@ -52,13 +47,12 @@ class EstimatorChoice:
         stage.on_update(lambda e: self._compare(e.target.value == DIFFERENCE))
 
     def _choose(self) -> None:
-        options = self.chosen or (NONE,)
-        self._shown.options = options  # a value that is not among them gives way to the first
+        self._shown.options = self.chosen or (NONE,)  # a value that is not among them gives way to the first
         self._draw(self._shown.value)
         self._session.set(estimators=self.chosen)
 
     def _draw(self, name: str) -> None:
-        self._drawn = name
+        self.drawn = None if name == NONE else name
         self._on_view()
 
     def _compare(self, difference: bool) -> None:

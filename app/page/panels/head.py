@@ -8,7 +8,6 @@ import viser
 from app.colours import ESTIMATE, TRUTH
 from app.drawing import rgb
 
-PAGE_TITLE = "mpm-lab"
 CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the left panel
 
 #: Put before a slider whose number box would show a logarithm: the style hides the box.
@@ -24,7 +23,7 @@ _STYLE = (Path(__file__).parents[1] / "style.css").read_text(encoding="utf-8")
 # An image's onload is the one moment in a page's life that html alone can hook: it sets the tab's title and icon.
 # The viewer's own buttons (its server, its scene tree, its share link) are of no use to a visitor, and its warning
 # of slow graphics, which would cover the colour bar, does not hold for so light a picture.
-_HEAD = f"""<img src='{_PIXEL}' style='display:none' onload="document.title='{PAGE_TITLE}';
+_HEAD = f"""<img src='{_PIXEL}' style='display:none' onload="document.title='mpm-lab';
 document.querySelector('link[rel=icon]').href=this.dataset.icon;
 new MutationObserver(()=>document.querySelectorAll('.mantine-Notification-root').forEach(n=>{{
 if(n.innerText.startsWith('Software WebGL'))n.style.display='none'}})).observe(document.body,{{childList:true,

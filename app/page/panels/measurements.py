@@ -34,17 +34,14 @@ class Measurements:
             return
         quantity = controls.quantity
         self._readout.content = readout(session, report, quantity, controls.estimators.drawn, probed, worst)
-        self._plots.have(report.scene.active_estimators, self._height(extra_lines(report, history.series, quantity)))
+        # The three plots share what the window leaves below the readout.
+        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * extra_lines(report, history.series, quantity)
+        self._plots.have(report.scene.active_estimators, max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3)))
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()
         else:
             valid = session.valid_estimators
             self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity))
-
-    def _height(self, lines: int) -> int:
-        """Let the three plots share what the window leaves below the readout with so many lines more than usual."""
-        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * lines
-        return max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3))
 
 
 def _why_no_index(report: FrameReport, valid: tuple[str, ...], quantity: str) -> str:

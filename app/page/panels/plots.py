@@ -26,6 +26,7 @@ _RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")
 _EMPTY = np.array([0.0, 1e-9])  # what an empty plot holds
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
 _TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}
+HeadedPlot = tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]
 
 
 class Plots:
@@ -33,7 +34,7 @@ class Plots:
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle):
         self._gui, self._tab = client.gui, tab
-        self._sets: dict[tuple[str, ...], list[tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]]] = {}
+        self._sets: dict[tuple[str, ...], list[HeadedPlot]] = {}
         self._estimators: tuple[str, ...] = ()
         self.have((), LEAST_HEIGHT)
 
@@ -42,27 +43,24 @@ class Plots:
         if estimators not in self._sets:
             self._sets[estimators] = self._build(estimators, height)
         for names, pairs in self._sets.items():
-            for element in (element for pair in pairs for element in pair):
-                if element.visible != (names == estimators):
-                    element.visible = names == estimators
+            for heading, plot in pairs:
+                heading.visible = plot.visible = names == estimators
         self._estimators = estimators
         self._headings, self._plots = zip(*self._sets[estimators], strict=True)
-        for plot, with_label in zip(self._plots, (0, 0, LABEL_HEIGHT), strict=True):
-            if plot.height != height + with_label:
-                plot.height = height + with_label
+        for plot, label_height in zip(self._plots, (0, 0, LABEL_HEIGHT), strict=True):
+            plot.height = height + label_height
 
     def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str) -> None:
         """Draw a run: the truth and the ``valid`` ones of its estimators; ``no_index`` says why there is no index."""
         series, words = history.series, QUANTITIES[quantity]
-        time = series["time"]
+        time, true = series["time"], series[f"error_{quantity}"]
         nothing = np.full(len(time), np.nan)
-        true = series[f"error_{quantity}"]
         estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid else nothing
                      for name in self._estimators]
         power = power_of_ten(max(largest(values) for values in (*estimated, true)))
-        _set(self._headings[0], _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}"))
+        self._headings[0].content = _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}")
         self._plots[0].data = _finite(time, *(values / 10.0**power for values in (true, *estimated)))
-        _set(self._headings[1], _heading(f"error index of {words.symbol}: estimated / true", no_index))
+        self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", no_index)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
         self._plots[1].data = _finite(time, np.ones(len(time)), *indices)
@@ -73,38 +71,34 @@ class Plots:
         for plot in self._plots:
             plot.data = _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:]))
 
-    def _build(self, estimators: tuple[str, ...],
-               height: int) -> list[tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]]:
-        """Each plot below its heading."""
+    def _build(self, estimators: tuple[str, ...], height: int) -> list[HeadedPlot]:
         lines = [_line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
         true, perfect = _line("true", TRUTH, 3.5), _line("perfect", PERFECT, 2.5)
         crossings = _line("crossings", CROSSINGS, 1.5)
         with self._tab:
-            return [(self._gui.add_html(_heading("error norm")), self._plot((true, *lines), height)),
-                    (self._gui.add_html(_heading("error index")),
-                     self._plot((perfect, *lines), height, _RATIOS, _RATIO_MARKS)),
-                    (self._gui.add_html(_heading("grid crossings per second")),
-                     self._plot((crossings,), height, x_label="t / s"))]
+            return [self._plot("error norm", (true, *lines), height),
+                    self._plot("error index", (perfect, *lines), height, _RATIOS, _RATIO_MARKS),
+                    self._plot("grid crossings per second", (crossings,), height, x_label="t / s")]
 
     def _show_crossings(self, history: History) -> None:
         time, rate = history.crossings_per_second()
         power = power_of_ten(largest(rate))
-        _set(self._headings[2],
-             _heading(f"grid crossings per second{' / ' * bool(power)}{power_text(power)}",
-                      "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off"))
+        self._headings[2].content = _heading(
+            f"grid crossings per second{' / ' * bool(power)}{power_text(power)}",
+            "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off")
         self._plots[2].data = _finite(time, rate / 10.0**power) if len(time) > 1 else (_EMPTY, _EMPTY)
 
-    def _plot(self, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
-              y_axis: uplot.Axis | None = None, x_label: str = "") -> viser.GuiUplotHandle:
+    def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
+              y_axis: uplot.Axis | None = None, x_label: str = "") -> HeadedPlot:
         start = np.array([0.0, 1e-3])
         x: uplot.Axis = {"size": 24, "font": _FONT, "grid": _GRID, "ticks": _TICKS}
         if x_label:
             x |= {"label": x_label, "labelSize": LABEL_HEIGHT, "labelFont": _LABEL_FONT}
         y: uplot.Axis = {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}}
-        return self._gui.add_uplot((start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series),
-                                   axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
-                                   height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0),
-                                   legend={"show": False})
+        return self._gui.add_html(_heading(heading)), self._gui.add_uplot(
+            (start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
+            axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
+            height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0))
 
 
 def _line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
@@ -127,12 +121,6 @@ def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
         if np.isnan(series).all():
             series[0] = 0.0
     return (time, *drawn)
-
-
-def _set(element: viser.GuiHtmlHandle, content: str) -> None:
-    """Send html only when it has changed."""
-    if element.content != content:
-        element.content = content
 
 
 def _heading(text: str, remark: str = "") -> str:

@@ -14,6 +14,7 @@ from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
 from solvers.norms import energy_drift
 
+CAPPED_BELOW = 0.9  # of the speed asked for
 LINE = 18  # pixels that a line of the readout is high
 SHORT = 30  # characters of a reason that fit beside a name
 SILENCE_LINE = 40  # and of one that begins with it, on a line
@@ -24,9 +25,8 @@ def readout(session: Session, report: FrameReport, quantity: str, drawn: str | N
             worst: WorstRegions) -> str:
     """The readout as html, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage."""
     series = session.history.series
-    tables = (_run(session, report, series, probed), _estimates(report, series, quantity),
-              _worst(worst, drawn, quantity))
-    return f"<div class='lab-readout'>{''.join(tables)}</div>"
+    return (f"<div class='lab-readout'>{_run(session, report, series, probed)}{_estimates(report, series, quantity)}"
+            f"{_worst(worst, drawn, quantity)}</div>")
 
 
 def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> int:
@@ -38,9 +38,10 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
 
 
 def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None) -> str:
-    scene = report.scene
-    real = "–" if report.real_speed is None or not report.playing else f"{report.real_speed:.3g}"
-    capped = " <span class='lab-capped'>CAPPED</span>" if session.capped else ""
+    scene, speed = report.scene, report.real_speed if report.playing else None
+    real = NOTHING if speed is None else f"{speed:.3g}"
+    slow = speed is not None and speed < CAPPED_BELOW * session.speed
+    capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
     state = "" if report.playing else " <b>stopped</b>" if report.reason else " <b>paused</b>"
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
             ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
@@ -49,7 +50,7 @@ def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], p
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
         rows.append(("energy", f"out of balance by {drift:+.2%}"))
-    rows.append(("region", html.escape(probed) if probed else "drag a rectangle on the stage"))
+    rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
     return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 
 

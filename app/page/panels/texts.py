@@ -1,0 +1,30 @@
+"""The tabs to read: About, for someone who sees the page for the first time, and Lessons, as ``lessons/`` has them."""
+
+from pathlib import Path
+
+import viser
+
+from app.problems.views import VIEWS
+from solvers.estimators.registry import ESTIMATORS
+
+PAGE = Path(__file__).resolve().parents[1]
+LESSONS = PAGE.parents[1] / "lessons"
+
+
+def add_about(gui: viser.GuiApi) -> None:
+    """Fill the tab: the page, each estimator behind its name, and something to try."""
+    about = (PAGE / "about.html").read_text(encoding="utf-8")
+    gui.add_html(about.format(problems="".join(view.about for view in VIEWS.values()),
+                              divisions=", ".join(view.division for view in VIEWS.values())))
+    for estimator in ESTIMATORS.values():
+        with gui.add_folder(f"The estimator {estimator.title}", expand_by_default=False):
+            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation}</div>")
+    gui.add_html((PAGE / "try.html").read_text(encoding="utf-8"))
+
+
+def add_lessons(gui: viser.GuiApi) -> None:
+    """One folder a lesson, titled by the lesson's first line; the first lies open."""
+    for k, path in enumerate(sorted(LESSONS.glob("*.md"))):
+        title, _, text = path.read_text(encoding="utf-8").partition("\n")
+        with gui.add_folder(title.lstrip("# ").strip(), expand_by_default=k == 0):
+            gui.add_markdown(text.replace("\n## ", "\n#### "))
