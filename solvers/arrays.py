@@ -75,12 +75,11 @@ class Watch(Members):
 
 def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
     """The members of a :class:`Watch` at the start of a run of so many particles."""
-    return {
-        "sample_interval": scene.sample_interval, "farthest": farthest,
-        "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
-        "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
-        "estimate_intervals": intervals(hooks, scene), "samples": np.full((ROWS, column_count(on.estimators)), np.nan),
-        "verdict": np.zeros(3, np.int32), "memory": allocate_memory(hooks, scene)}
+    return {"sample_interval": scene.sample_interval, "farthest": farthest,
+            "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
+            "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
+            "estimate_intervals": intervals(hooks, scene), "memory": allocate_memory(hooks, scene),
+            "samples": np.full((ROWS, column_count(on.estimators)), np.nan), "verdict": np.zeros(3, np.int32)}
 
 
 def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:

@@ -83,8 +83,7 @@ class WorkerProcess:
     def kill(self) -> None:
         """End the process at once, whatever it does, and for good; who waits for an answer learns it."""
         self._closed = True
-        process = self._process
-        if process:
+        if process := self._process:
             process.kill()
 
     def close(self) -> None:
