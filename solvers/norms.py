@@ -10,10 +10,8 @@ import numpy as np
 
 
 def summary(series: np.ndarray) -> dict[str, float | None]:
-    """Final, largest and mean value over the sampled times after the start; None where there is none.
-
-    What a run that went bad left unrepresentable is passed over in the largest and the mean.
-    """
+    """Final, largest and mean value over the sampled times after the start; None where there is none. The largest and
+    the mean pass over what a run that went bad left unrepresentable."""
     values = series[1:]
     known = values[np.isfinite(values)]
     if not len(known):
@@ -28,10 +26,8 @@ def error_index(estimated: np.ndarray, true: np.ndarray) -> float | None:
 
 
 def distance(difference: np.ndarray, true: np.ndarray) -> float | None:
-    """The same of ||estimate - truth||. 0 is perfect, 1 no better than silence.
-
-    An index of 1 can hide an estimate of the right size in the wrong place; this cannot.
-    """
+    """The same of ||estimate - truth||: 0 is perfect, 1 no better than silence. An index of 1 can hide an estimate of
+    the right size in the wrong place; this cannot."""
     return error_index(difference, true)
 
 

@@ -63,10 +63,8 @@ class Solver(ABC):
         self._run(0)
 
     def advance(self, steps: int) -> np.ndarray:
-        """Take ``steps`` steps and return the rows of samples (``solvers.samples``) taken on the way.
-
-        A run that goes bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell.
-        """
+        """Take ``steps`` steps and return the rows of samples (``solvers.samples``) taken on the way. A run that goes
+        bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell."""
         interval, before = self.scene.sample_interval, self.step
         self._run(steps)
         self.step = self.step + steps if self.sound else int(self._arrays.verdict[1])

@@ -54,10 +54,8 @@ class EnginePool:
 
 
 class SessionLink:
-    """One session's line to its engine. Thread-safe; a wish replaces the one before.
-
-    The engine's reader thread calls :meth:`receive` and :meth:`engine_lost`.
-    """
+    """One session's line to its engine. Thread-safe; a wish replaces the one before. The engine's reader thread calls
+    :meth:`receive` and :meth:`engine_lost`."""
 
     def __init__(self, session: int, engine: EngineProcess, listener: Listener):
         self.session, self.listener = session, listener
@@ -114,10 +112,8 @@ class SessionLink:
             self.listener.on_frame(report, arrays)
 
     def engine_lost(self, had_worked: bool) -> None:
-        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it.
-
-        An engine that never came to work (``had_worked``) has not read the scene: that cannot be the cause.
-        """
+        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it. One that
+        never came to work (``had_worked``) has not read the scene: that cannot be the cause."""
         self._deaths += had_worked
         if self._deaths > DEATHS_ALLOWED:
             self.listener.on_trouble("the simulation process keeps ending with this scene; change a setting")

@@ -9,6 +9,7 @@ import multiprocessing
 import threading
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
@@ -32,14 +33,11 @@ def become_engine(pipe: Connection, warm_up: Scene) -> None:
 
 
 class EngineProcess:
-    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session.
-
-    ``given_up`` says that it kept dying before it was ready: it serves nobody any more.
-    """
+    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session."""
 
     def __init__(self, warm_up: Scene):
         self.ready = threading.Event()
-        self.given_up = False
+        self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
         self.links: dict[int, SessionLink] = {}
         self._failures = 0
         self._warm_up = warm_up
@@ -95,11 +93,9 @@ class EngineProcess:
                 self._outbox.clear()
                 self._wishes.clear()
                 pipe = self._pipe
-            try:
+            with suppress(OSError):  # the process died; the reader notices, restarts it and sends the wishes again
                 for message in messages:
                     pipe.send(message)
-            except OSError:
-                pass  # the process died; the reader notices, restarts it and sends the wishes again
             if self._closing:
                 return
 

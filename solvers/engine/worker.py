@@ -7,6 +7,7 @@ read before every turn, so a dragged slider never leaves stale work in a queue.
 import logging
 import signal
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from multiprocessing.connection import Connection
 from time import perf_counter
@@ -27,11 +28,10 @@ def main(pipe: Connection, warm_up: Scene) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
     runtime.start()
     build(warm_up).compile()
-    try:
+    # Until the page is gone, and so is the reason to be here.
+    with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         pipe.send(Ready())
         Worker(pipe).serve()
-    except (EOFError, BrokenPipeError, ConnectionResetError):
-        pass  # the page is gone, and so is the reason to be here
 
 
 class Worker:

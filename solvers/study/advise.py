@@ -85,10 +85,8 @@ def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterabl
 
 def advise(choices: list[Family], goal: Goal,
            on_look: Callable[[int, Scene], None] = lambda looks, scene: None) -> Advice:
-    """Search for the cheapest run that meets the goal; the best within reach if none does.
-
-    ``on_look`` is told of every run before it is made: its number and its scene.
-    """
+    """Search for the cheapest run that meets the goal; the best within reach if none does. ``on_look`` is told of every
+    run before it is made: its number and its scene."""
     looks = 0
 
     def look(family: Family, cells: int) -> None:
@@ -117,10 +115,8 @@ def advise(choices: list[Family], goal: Goal,
 
 
 def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
-    """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try.
-
-    Worth it while the search has taken less than the run that it may make unnecessary.
-    """
+    """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try:
+    while the search has taken less than the run that it may make unnecessary."""
     measured = next((c for c in ranking if c.measured), None)
     if measured is None:
         return ranking[0]

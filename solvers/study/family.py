@@ -74,11 +74,9 @@ class Family:
 
     def order(self) -> float:
         """The order that the two finest members show, as far as it may be trusted."""
-        if len(self.points) < 2:
+        if len(self.points) < 2 or not all(0 < point.error < math.inf for point in self.points[-2:]):
             return 0.0
         coarse, fine = self.points[-2:]
-        if not (math.isfinite(coarse.error) and math.isfinite(fine.error)) or fine.error <= 0:
-            return 0.0
         order = math.log(coarse.error / fine.error) / math.log(fine.cells / coarse.cells)
         return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
 

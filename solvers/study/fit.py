@@ -45,11 +45,8 @@ def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
 
 @dataclass(frozen=True)
 class Balance:
-    """error = space + factor dt^power over the steps from ``least`` to ``most``.
-
-    ``dt`` is where both parts are equal, None if that is not within these steps; ``misfit`` is the RMS of the relative
-    residual.
-    """
+    """error = space + factor dt^power over the steps from ``least`` to ``most``; ``dt`` is where both parts are equal,
+    None if that is not within these steps; ``misfit`` is the RMS of the relative residual."""
 
     space: float
     factor: float

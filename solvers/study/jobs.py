@@ -79,10 +79,8 @@ def _give_way() -> None:
 
 class BackgroundJob(WorkerProcess):
     """A job under way: a ``"sweep"`` of a list of tasks or a ``"search"`` with the fields of a :class:`SearchJob`.
-
     ``on_message`` hears every message, from a thread of its own; the last has ``done``. That comes in every case, after
-    the process has ended: with ``trouble`` if the process was lost.
-    """
+    the process has ended: with ``trouble`` if the process was lost."""
 
     def __init__(self, kind: str, question: list | dict, on_message: Callable[[dict], None]):
         super().__init__(f"{__name__}:{kind}")

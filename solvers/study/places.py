@@ -49,10 +49,8 @@ class Place(Protocol):
 
 
 def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None]) -> None:
-    """Measure every task at a place, and hand each row over as it comes, in the caller's thread.
-
-    A lost worker is replaced; a row that keeps losing its workers is marked as failed.
-    """
+    """Measure every task at a place, and hand each row over as it comes, in the caller's thread. A lost worker is
+    replaced; a row that keeps losing its workers is marked as failed."""
     lost: Counter[str] = Counter()
     waiting = {place.submit(task): task for task in tasks}
     while waiting:

@@ -33,12 +33,10 @@ BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particle
 
 def measure(task: Task) -> dict:
     """The row of a task. Whatever goes wrong in its scene is a row too."""
+    if refusal := task.refusal():
+        return refused(task, refusal)
     try:
-        scene = task.scene()
-    except SceneError as error:
-        return refused(task, error)
-    try:
-        return _measured(task, scene)
+        return _measured(task, task.scene())
     except Exception as error:
         return failed(task, f"{type(error).__name__}: {error}")
 
@@ -68,10 +66,8 @@ def _measured(task: Task, scene: Scene) -> dict:
 
 
 def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
-    """Seconds that each effect of the scene adds to the bare run when it is switched on alone.
-
-    One that needs another is compared with that one alone. An estimator's price is in the result.
-    """
+    """Seconds that each effect of the scene adds to the bare run when it is switched on alone; one that needs another
+    is compared with that one alone. An estimator's price is in the result."""
     wanted = [name for name in PRICED if scene.has(name)]
     sets = dict.fromkeys([(), *((*PRICED[name], name) for name in wanted)])
     least = {effects: min(time_bare(scene, repeats, effects)[0]) for effects in sets}
