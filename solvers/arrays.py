@@ -28,7 +28,7 @@ class Members:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            setattr(self, field.name, _aligned(getattr(self, field.name)))
+            setattr(self, field.name, aligned(getattr(self, field.name)))
 
     @classmethod
     @functools.cache
@@ -55,10 +55,7 @@ def part_of(pack: Any, kind: Any) -> Any:
 
 @dataclass
 class Watch(Members):
-    """What watches a run and is no part of the method: checks, samples, marks and estimates. P particles, E estimators.
-
-    ``memory`` is what the estimators keep, numbers and arrays by name (see ``solvers.estimators.interface``).
-    """
+    """What watches a run, no part of the method: checks, samples, marks and estimates. P particles, E estimators."""
 
     sample_interval: Integer  # steps
     farthest: Real  # how far a particle may be in a run that is sound, m
@@ -67,7 +64,7 @@ class Watch(Members):
     estimate_intervals: Integers  # steps between two steps of each estimator (E,)
     samples: Matrix  # one row a sample (ROWS, columns)
     verdict: Integers  # 0 or the kind of failure, its step, its particle (3,)
-    memory: dict
+    memory: dict  # what the estimators keep, numbers and arrays by name (see ``solvers.estimators.interface``)
 
     def members(self) -> dict[str, Any]:
         return {**super().members(), **self.memory}
@@ -75,12 +72,11 @@ class Watch(Members):
 
 def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
     """The members of a :class:`Watch` at the start of a run of so many particles."""
-    return {
-        "sample_interval": scene.sample_interval, "farthest": farthest,
-        "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
-        "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
-        "estimate_intervals": intervals(hooks, scene), "samples": np.full((ROWS, column_count(on.estimators)), np.nan),
-        "verdict": np.zeros(3, np.int32), "memory": allocate_memory(hooks, scene)}
+    return {"sample_interval": scene.sample_interval, "farthest": farthest,
+            "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
+            "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
+            "estimate_intervals": intervals(hooks, scene), "memory": allocate_memory(hooks, scene),
+            "samples": np.full((ROWS, column_count(on.estimators)), np.nan), "verdict": np.zeros(3, np.int32)}
 
 
 def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:
@@ -89,16 +85,15 @@ def zeros(length: int, width: int | None = None, *, when: bool = True, kind: typ
     return np.zeros(length if width is None else (length, width), kind)
 
 
-def aligned(array: np.ndarray) -> np.ndarray:
-    """A copy that starts at a multiple of ``ALIGNMENT``; numpy itself promises 16 bytes only."""
-    buffer = np.empty(array.nbytes + ALIGNMENT, np.uint8)
-    start = -buffer.ctypes.data % ALIGNMENT
-    copy = buffer[start:start + array.nbytes].view(array.dtype).reshape(array.shape)
-    copy[...] = array
-    return copy
-
-
-def _aligned(value: object) -> object:
+def aligned(value: Any) -> Any:
+    """A copy of an array, or of every array of a mapping, that starts at a multiple of ``ALIGNMENT``; numpy itself
+    promises 16 bytes only. Anything else as it is."""
     if isinstance(value, dict):
-        return {name: _aligned(item) for name, item in value.items()}
-    return aligned(value) if isinstance(value, np.ndarray) else value
+        return {name: aligned(item) for name, item in value.items()}
+    if not isinstance(value, np.ndarray):
+        return value
+    buffer = np.empty(value.nbytes + ALIGNMENT, np.uint8)
+    start = -buffer.ctypes.data % ALIGNMENT
+    copy = buffer[start:start + value.nbytes].view(value.dtype).reshape(value.shape)
+    copy[...] = value
+    return copy

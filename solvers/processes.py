@@ -27,10 +27,8 @@ class ProcessDied(Exception):
 
 class WorkerProcess:
     """A process that does ``work``, given as ``"module:function"``: the function is called with every question and with
-    another to call with each answer.
-
-    It starts with the first question, and again after it died. Safe from any thread: questions wait for each other.
-    """
+    another to call with each answer. It starts with the first question, and again after it died. Safe from any thread:
+    questions wait for each other."""
 
     def __init__(self, work: str, environment: Mapping[str, str] | None = None):
         self._work, self._environment = work, environment
@@ -83,8 +81,7 @@ class WorkerProcess:
     def kill(self) -> None:
         """End the process at once, whatever it does, and for good; who waits for an answer learns it."""
         self._closed = True
-        process = self._process
-        if process:
+        if process := self._process:
             process.kill()
 
     def close(self) -> None:
@@ -128,10 +125,8 @@ def ask_fresh(work: str, environment: Mapping[str, str] | None = None, patience:
 
 
 def serve(work: str) -> None:
-    """Be such a process: answer questions until whoever asks is gone, or the work fails.
-
-    Reading has a thread of its own: when whoever asked is gone, nobody wants what is being done.
-    """
+    """Be such a process: answer questions until whoever asks is gone, or the work fails. Reading has a thread of its
+    own: when whoever asked is gone, nobody wants what is being done."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for whoever started this
     output = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what native code prints is not an answer

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solvers.effects import EFFECTS
-from solvers.norms import distance, energy_drift, error_index, summary
+from solvers.norms import distance, energy_drift, error_index, finite, summary
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
@@ -17,9 +17,8 @@ SCHEMA = "mpm-lab/run/1"
 class Snapshot:
     """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
 
-    Positions are (P,) for the bar and (P, 2) for the ring, F (P,) and (P, 2, 2).
-    ``error`` (P, 4) is computed minus exact for the bar, the size of that for the ring, or None
-    without the truth; ``estimate`` maps an estimator to
+    Positions are (P,) for the bar and (P, 2) for the ring, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
+    exact for the bar, the size of that for the ring, or None without the truth; ``estimate`` maps an estimator to
     (P, 4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth
     is known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
     """
@@ -83,8 +82,7 @@ class Result:
         """What was really computed beyond the bare method."""
         scene = self.scene
         extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
-        return [effect for effect in EFFECTS if scene.has(effect)] \
-            + [name for name, on in extra.items() if on]
+        return [effect for effect in EFFECTS if scene.has(effect)] + [name for name, on in extra.items() if on]
 
     def errors(self) -> dict:
         """``{"x": {"final", "max", "mean"}, ...}`` of the true errors, nulls where the truth was off."""
@@ -96,20 +94,18 @@ class Result:
 
     def index(self, estimator: str) -> dict:
         """The error index of each quantity (eq 35)."""
-        return {q: error_index(self.series[f"{estimator}/estimate_{q}"], self.series[f"error_{q}"])
-                for q in QUANTITIES}
+        return {q: error_index(self.series[f"{estimator}/estimate_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
 
     def distance(self, estimator: str) -> dict:
         """How far the estimate is from the truth particle by particle, over the size of the truth."""
-        return {q: distance(self.series[f"{estimator}/difference_{q}"], self.series[f"error_{q}"])
-                for q in QUANTITIES}
+        return {q: distance(self.series[f"{estimator}/difference_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
 
     def energy(self) -> dict | None:
         """Kinetic plus strain energy, and the drift (E - W - E0)/E0 with the body force's work W."""
         if not self.scene.has("energy"):
             return None
         total = self.series["kinetic"] + self.series["strain"]
-        return {"initial": _number(total[0]), "final": _number(total[-1]), "drift": energy_drift(self.series)}
+        return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
 
     def to_dict(self) -> dict:
         """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
@@ -120,11 +116,10 @@ class Result:
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": None if math.isnan(crossings) else int(crossings), "energy": self.energy(),
-            "effects": self.effects, "bytes": self.bytes,
-            "not_valid": self.not_valid,
+            "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
-            "rate": _number(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
+            "rate": finite(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
 
     def _each(self, what, missing) -> dict:
         """One estimator's values as they are, several keyed by estimator, nulls for none and where not valid."""
@@ -132,8 +127,3 @@ class Result:
         names = self.scene.estimators if "estimate" in self.scene.effects else ()
         values = {name: nothing if name in self.not_valid else what(name) for name in names}
         return values if len(names) > 1 else next(iter(values.values()), nothing)
-
-
-def _number(value: float) -> float | None:
-    """JSON has no NaN: what is not a finite number is null."""
-    return float(value) if math.isfinite(value) else None

@@ -49,10 +49,8 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
         rows.append(last)
     final = solver.snapshot()
     series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
-    sound = solver.sound
-    return Result(scene=scene, status="ok" if sound else "unstable", reason=None if sound else solver.reason(),
-                  time=solver.time, steps=solver.step, series=series, final=final,
-                  bytes=solver.bytes, not_valid=solver.not_valid(),
-                  seconds=Seconds(solver.setup_seconds, compiled, ran,
-                                  {name: part * ran for name, part in shares.items()}),
-                  arch=solver.arch, threads=solver.threads, plan=solver.plan)
+    status, reason = ("ok", None) if solver.sound else ("unstable", solver.reason())
+    seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
+    return Result(scene=scene, status=status, reason=reason, time=solver.time, steps=solver.step, series=series,
+                  final=final, bytes=solver.bytes, not_valid=solver.not_valid(), seconds=seconds, arch=solver.arch,
+                  threads=solver.threads, plan=solver.plan)

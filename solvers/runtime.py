@@ -24,9 +24,8 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     global _started
     if _started != (arch, threads):
         with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
-            ti.init(arch=ti.cuda if arch == "gpu" else ti.cpu, default_fp=ti.f64,
-                    cpu_max_num_threads=threads, fast_math=False,
-                    real_matrix_scalarize=arch == "gpu", log_level=ti.ERROR, verbose=False)
+            ti.init(arch=ti.cuda if arch == "gpu" else ti.cpu, default_fp=ti.f64, cpu_max_num_threads=threads,
+                    fast_math=False, real_matrix_scalarize=arch == "gpu", log_level=ti.ERROR, verbose=False)
         _started = (arch, threads)
     return running_arch()
 

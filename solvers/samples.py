@@ -10,13 +10,11 @@ QUANTITIES = ("x", "v", "sigma", "a")
 
 #: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own
 #: norm (bar: stress as E ln F); quantities of a switched-off effect stay NaN.
-BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
-        "kinetic", "strain", "work", "crossings")
+BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra", "kinetic", "strain", "work", "crossings")
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.
 EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
 
-#: Rows that fit before the host has to collect them.
-ROWS = 512
+ROWS = 512  # that fit before the host has to collect them
 
 
 def column_count(estimators: tuple[str, ...]) -> int:

@@ -66,11 +66,9 @@ class Scene(ABC):
     sample_every: int | None = option(None, "Steps between two samples of the errors",
                                       hint="about {scene.SAMPLES_A_PERIOD} samples a period")
 
-    #: What the problem is called, and where it is, in the words of its command's help.
-    TITLE: ClassVar[str]
-    SETTING: ClassVar[str]
-    #: What the problem's own error norm is called in the result (see ``solvers.samples``).
-    EXTRA_ERROR: ClassVar[str]
+    TITLE: ClassVar[str]  # what the problem is called, in the words of its command's help
+    SETTING: ClassVar[str]  # and where it is
+    EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.samples``)
     #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
     VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
     DIMENSIONS: ClassVar[int] = 1
@@ -120,8 +118,6 @@ class Scene(ABC):
         if "truth" in self.effects and not self.solution_known:
             return [f"body force {self.body_force}: no exact solution is built in, so the true error is unknown"]
         return []
-
-    # ---- derived quantities -------------------------------------------------------------------------------
 
     @property
     def wave_speed(self) -> float:
@@ -220,8 +216,6 @@ class Scene(ABC):
         lists = {"estimator": list(self.estimators), "effects": list(self.effects)}
         return {**values, **filled, **lists}
 
-    # ---- rules --------------------------------------------------------------------------------------------
-
     def _check_choices(self) -> None:
         for name in self.__dataclass_fields__:
             if name in ("estimators", "effects"):  # as tuples, for a scene must be hashable
@@ -239,9 +233,8 @@ class Scene(ABC):
         require_number("modulus", self.modulus, 1e-6, 1e12)
         require_number("density", self.density, 1e-6, 1e12)
         if self.particles > MOST_PARTICLES:
-            raise SceneError("ppc", self.ppc,
-                             f"{self.cells} cells with so many particles each make {self.particles:,} particles; "
-                             f"at most {MOST_PARTICLES:,} are allowed")
+            raise SceneError("ppc", self.ppc, f"{self.cells} cells with so many particles each make "
+                             f"{self.particles:,} particles; at most {MOST_PARTICLES:,} are allowed")
 
     def _check_time(self) -> None:
         for one, other in (("dt", "cfl"), ("t_end", "periods")):

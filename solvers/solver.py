@@ -63,10 +63,8 @@ class Solver(ABC):
         self._run(0)
 
     def advance(self, steps: int) -> np.ndarray:
-        """Take ``steps`` steps and return the rows of samples (``solvers.samples``) taken on the way.
-
-        A run that goes bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell.
-        """
+        """Take ``steps`` steps and return the rows of samples (``solvers.samples``) taken on the way. A run that goes
+        bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell."""
         interval, before = self.scene.sample_interval, self.step
         self._run(steps)
         self.step = self.step + steps if self.sound else int(self._arrays.verdict[1])
@@ -81,8 +79,7 @@ class Solver(ABC):
     def not_valid(self) -> dict[str, str]:
         """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
         memory = memory_parts(self.HOOKS, self._arrays.memory)
-        found = {name: self.HOOKS[name].verdict(self.scene, memory)
-                 for name in self.scene.active_estimators}
+        found = {name: self.HOOKS[name].verdict(self.scene, memory) for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 
     @property
@@ -112,8 +109,7 @@ class Solver(ABC):
         kind, step, p = (int(n) for n in self._arrays.verdict)
         place = ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][p]))
         what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
-                CRUSHED: "was crushed to less than a thousandth of its size",
-                ESCAPED: self._escape()}[kind]
+                CRUSHED: "was crushed to less than a thousandth of its size", ESCAPED: self._escape()}[kind]
         cfl = self.scene.courant_number
         advice = f"take shorter steps (cfl {cfl:.2g} now; 0.3 is stable for most scenes)" if cfl > SAFE_CFL \
             else self._advice()

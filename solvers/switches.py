@@ -7,10 +7,8 @@ from solvers.scene import Scene
 
 
 class Switches(NamedTuple):
-    """What is compiled in; kernels take it as ``on``. Two scenes with equal switches share one compiled kernel.
-
-    Each effect is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``.
-    """
+    """What is compiled in; kernels take it as ``on``. Two scenes with equal switches share one compiled kernel. Each
+    effect is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``."""
 
     method: str
     linearity_preserving: bool

@@ -67,10 +67,8 @@ def rate(solver: Solver, turns: int = 5, seconds: float = SECONDS) -> float:
 
 def estimator_shares(solver: Solver) -> dict[str, float]:
     """The share of the running time that each active estimator takes, measured here and now; none if the run goes bad.
-
     The same steps are taken several times from the present state, with every estimator and with each one left out in
-    turn, samples included. The state is put back, to the bit.
-    """
+    turn, samples included. The state is put back, to the bit."""
     names = solver.scene.active_estimators
     if not names or not solver.sound:
         return {}

@@ -19,8 +19,7 @@ SCHEMA = "mpm-lab/bench/1"
 
 def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], None]) -> dict:
     """Measure everything. ``command`` is what a person starts, and ends at once; ``on_progress`` gets 0 to 1."""
-    begun = time.perf_counter()
-    effort = measure.QUICK if quick else measure.FULL
+    begun, effort = time.perf_counter(), measure.QUICK if quick else measure.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
         ("start", partial(start_times, command)), ("example", example),
         *(("rates", partial(measure.rates, name, method, effort))
@@ -34,14 +33,10 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
         found[name].append(task())
     on_progress(1.0)
     flat = {name: [row for rows in found[name] for row in rows] for name in ("rates", "estimators", "effects")}
-    return {"schema": SCHEMA, "quick": quick, "machine": _machine(), "precision": "double", "threads": 1,
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
+    machine = {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count(), "load": load,
+               "python": ".".join(map(str, sys.version_info[:3])), "taichi": ".".join(map(str, runtime.ti.__version__))}
+    return {"schema": SCHEMA, "quick": quick, "machine": machine, "precision": "double", "threads": 1,
             "arch": runtime.running_arch(), "unit": "million particle-steps per second of processor time",
             **flat, "off": found["off"], "start": found["start"][0], "example": found["example"][0],
             "seconds": time.perf_counter() - begun}
-
-
-def _machine() -> dict:
-    """What the numbers belong to."""
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
-    return {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count(), "load": load,
-            "python": ".".join(map(str, sys.version_info[:3])), "taichi": ".".join(map(str, runtime.ti.__version__))}

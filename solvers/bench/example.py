@@ -5,11 +5,12 @@ says how fast a well-known Taichi code runs on this machine and not which code i
 the start of Taichi is replaced, for one thread of the processor instead of a GPU.
 """
 
-import importlib.util
+import runpy
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+from solvers import runtime
 from solvers.processes import ProcessDied, ask_fresh
 
 NAME = "mpm99"
@@ -32,17 +33,12 @@ def example() -> dict:
 
 def find() -> Path | None:
     """Where the installed Taichi has the example, if it has it."""
-    package = importlib.util.find_spec("taichi")
-    places = package.submodule_search_locations if package else None
-    path = Path(next(iter(places))) / "examples" / "simulation" / f"{NAME}.py" if places else None
-    return path if path and path.is_file() else None
+    path = Path(runtime.ti.__file__).parent / "examples" / "simulation" / f"{NAME}.py"
+    return path if path.is_file() else None
 
 
 def measure(question: dict, answer: Callable[[dict], None]) -> None:
     """What the fresh process does."""
-    import runpy
-
-    from solvers import runtime  # sets Taichi up for silence
     ti = runtime.ti
     start = ti.init
     ti.init = lambda **_: start(arch=ti.cpu, cpu_max_num_threads=1, verbose=False, log_level=ti.ERROR)

@@ -7,11 +7,13 @@ how long a step takes does not depend on how far the particles go.
 import math
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from solvers.norms import finite
 from solvers.problems import PROBLEMS
 from solvers.rules import SceneError
 from solvers.run import build
@@ -27,11 +29,9 @@ def priced(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]
     found: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         name: ({"effects": (*needed, name)}, {"effects": needed}) for name, needed in PRICED.items()}
     found["body force"] = ({}, {"body_force": "none"})
-    try:
+    with suppress(SceneError):  # not offered
         scene(linearity_preserving=True)
         found["linearity preserving"] = ({"linearity_preserving": True}, {})
-    except SceneError:
-        pass  # not offered
     return found
 
 
@@ -59,12 +59,9 @@ def bare(problem: str, cells: int, **inputs: Any) -> Scene:
 
 def rates(problem: str, method: str, effort: Effort) -> list[dict]:
     """Million particle-steps per second at each size."""
-    rows = []
-    for cells in effort.cells[_dimensions(problem)]:
-        scene = bare(problem, cells, method=method)
-        rows.append({**_identity(scene), "particles": scene.particles,
-                     "rate": _number(rate(build(scene), effort.rate_turns))})
-    return rows
+    scenes = [bare(problem, cells, method=method) for cells in effort.cells[PROBLEMS[problem].scene.DIMENSIONS]]
+    return [{**_identity(scene), "particles": scene.particles, "rate": finite(rate(build(scene), effort.rate_turns))}
+            for scene in scenes]
 
 
 def estimator_prices(problem: str, effort: Effort) -> list[dict]:
@@ -73,25 +70,24 @@ def estimator_prices(problem: str, effort: Effort) -> list[dict]:
     without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
     valid = [name for name, scene in with_it.items() if not scene.not_valid]
     ratios = _ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
-    return [{**_identity(scene), "name": name, "ratio": _number(ratios.get(name, math.nan)),
+    return [{**_identity(scene), "name": name, "ratio": finite(ratios.get(name, math.nan)),
              "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
 
 
 def _scene_for(problem: str, estimator: str, effort: Effort) -> Scene:
     """A scene with the estimator: of the default method, or the first for which the estimator is valid."""
     kind = PROBLEMS[problem].scene
-    scenes = [bare(problem, effort.priced_cells[kind.DIMENSIONS], method=method, effects=("estimate", "acceleration"),
-                   estimators=(estimator,))
-              for method in (kind.method, *kind.choices("method"))]
+    scenes = [_priced_scene(problem, effort, method=method, effects=("estimate", "acceleration"),
+                            estimators=(estimator,)) for method in (kind.method, *kind.choices("method"))]
     return next((scene for scene in scenes if not scene.not_valid), scenes[0])
 
 
 def effect_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each effect over one without it."""
-    scene = bare(problem, effort.priced_cells[_dimensions(problem)])
+    scene = _priced_scene(problem, effort)
     pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in priced(type(scene)).items()}
     ratios = _ratios(pairs, effort.price_turns)
-    return [{**_identity(scene), "name": name, "ratio": _number(ratio)} for name, ratio in ratios.items()]
+    return [{**_identity(scene), "name": name, "ratio": finite(ratio)} for name, ratio in ratios.items()]
 
 
 def off(problem: str, effort: Effort) -> dict:
@@ -103,7 +99,7 @@ def off(problem: str, effort: Effort) -> dict:
     and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
     part of a step, but more arguments, used or not, make a call longer.
     """
-    scene = bare(problem, effort.priced_cells[_dimensions(problem)])
+    scene = _priced_scene(problem, effort)
     own, stripped = PROBLEMS[problem].solver, PROBLEMS[problem].stripped
     if stripped is None:
         raise ValueError(f"the {problem} has no stripped solver")
@@ -116,8 +112,8 @@ def off(problem: str, effort: Effort) -> dict:
     turns = take_turns(stretches, effort.off_turns) - calls / steps
     ratios = turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1)
     low, ratio, high = np.quantile(ratios, [0.25, 0.5, 0.75])
-    return {**_identity(scene), "ratio": _number(ratio), "low": _number(low), "high": _number(high),
-            "same": _number(np.median(turns[:, 3] / turns[:, 1])),
+    return {**_identity(scene), "ratio": finite(ratio), "low": finite(low), "high": finite(high),
+            "same": finite(np.median(turns[:, 3] / turns[:, 1])),
             "call": min(calls[1], calls[3]), "call_stripped": min(calls[0], calls[2])}
 
 
@@ -139,13 +135,9 @@ def _call_seconds(solver: Solver) -> float:
     return min(took)
 
 
-def _dimensions(problem: str) -> int:
-    return PROBLEMS[problem].scene.DIMENSIONS
+def _priced_scene(problem: str, effort: Effort, **inputs: Any) -> Scene:
+    return bare(problem, effort.priced_cells[PROBLEMS[problem].scene.DIMENSIONS], **inputs)
 
 
 def _identity(scene: Scene) -> dict:
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells}
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

@@ -10,6 +10,7 @@ from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
 WIDTH = len(QUANTITIES)
+DIFFERENCE = "{} minus truth"  # what an estimator's is called in the block
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,12 @@ def block_bytes(scene: Scene) -> int:
 
 def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
     """Put a snapshot into the block."""
-    P = len(shot.position)
-    crossing = shot.last_crossing
+    P, crossing = len(shot.position), shot.last_crossing
     columns = {"position": shot.position, "displacement": shot.position - shot.material_position,
                "deformation_gradient": shot.deformation_gradient,
                "steps_since_crossing": -1 if crossing is None else np.where(crossing < 0, -1, shot.step - crossing),
                "error": np.nan if shot.error is None else shot.error, **shot.estimate,
-               **{_difference(name): sizes for name, sizes in shot.difference.items()}}
+               **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()}}
     with np.errstate(over="ignore"):  # a run that has gone bad may exceed single precision
         for name, part in _parts(block, scene, P, bool(shot.difference)).items():
             values = columns[name]
@@ -56,17 +56,13 @@ def read(block: SharedMemory, scene: Scene, particles: int, differences: bool = 
     return FrameArrays(parts["position"], parts["displacement"], parts["deformation_gradient"],
                        parts["steps_since_crossing"][:, 0], parts["error"],
                        {name: parts[name] for name in scene.active_estimators},
-                       {name: parts[_difference(name)] for name in scene.active_estimators if differences})
-
-
-def _difference(estimator: str) -> str:
-    return f"{estimator} minus truth"
+                       {name: parts[DIFFERENCE.format(name)] for name in scene.active_estimators if differences})
 
 
 def _widths(scene: Scene, differences: bool) -> dict[str, int]:
     """What a frame holds, in order, and how many numbers of each a particle has."""
     D, active = scene.DIMENSIONS, scene.active_estimators
-    compared = [_difference(name) for name in active] if differences else []
+    compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
             **dict.fromkeys((*active, *compared), WIDTH)}
 

@@ -78,8 +78,5 @@ class Trouble:
     sentence: str
 
 
-@dataclass(frozen=True)
 class Ready:
     """The engine has started and compiled what the first page needs."""
-
-    arch: str

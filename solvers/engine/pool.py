@@ -36,7 +36,7 @@ class EnginePool:
 
     def open(self, listener: Listener) -> SessionLink:
         """A new session, on the engine that has fewest; on one that has been given up only if all have."""
-        engine = min(self._engines, key=lambda e: (e.given_up, e.load))
+        engine = min(self._engines, key=lambda e: (e.given_up, len(e.links)))
         return SessionLink(next(self._numbers), engine, listener)
 
     def wait_ready(self, timeout: float) -> bool:
@@ -54,7 +54,8 @@ class EnginePool:
 
 
 class SessionLink:
-    """One session's line to its engine. Thread-safe; a wish replaces the one before."""
+    """One session's line to its engine. Thread-safe; a wish replaces the one before. The engine's reader thread calls
+    :meth:`receive` and :meth:`engine_lost`."""
 
     def __init__(self, session: int, engine: EngineProcess, listener: Listener):
         self.session, self.listener = session, listener
@@ -66,7 +67,7 @@ class SessionLink:
         self._outgrown: list[SharedMemory] = []
         self._deaths = 0
         self._closed = False
-        engine.add(self)
+        engine.links[session] = self
 
     def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
             differences: bool = False) -> int:
@@ -81,7 +82,7 @@ class SessionLink:
             self._deaths = 0
             self._engine.send(self.wish)
         if self._engine.given_up:
-            self.trouble(CANNOT_START)
+            self.listener.on_trouble(CANNOT_START)
         return number
 
     def close(self) -> None:
@@ -92,10 +93,8 @@ class SessionLink:
             self._closed = True
             _free([*self._outgrown, *([self._block] if self._block else [])])
             self._block, self._outgrown = None, []
-        self._engine.remove(self.session)
+        self._engine.links.pop(self.session, None)
         self._engine.send(Goodbye(self.session))
-
-    # ---- called by the engine's reader thread -------------------------------------------------------------
 
     def receive(self, report: FrameReport) -> None:
         """Copy a frame out of the block, free the block for the next and hand the copy on."""
@@ -112,14 +111,9 @@ class SessionLink:
         if arrays is not None:
             self.listener.on_frame(report, arrays)
 
-    def trouble(self, sentence: str) -> None:
-        self.listener.on_trouble(sentence)
-
     def engine_lost(self, had_worked: bool) -> None:
-        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it.
-
-        An engine that never came to work (``had_worked``) has not read the scene: that cannot be the cause.
-        """
+        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it. One that
+        never came to work (``had_worked``) has not read the scene: that cannot be the cause."""
         self._deaths += had_worked
         if self._deaths > DEATHS_ALLOWED:
             self.listener.on_trouble("the simulation process keeps ending with this scene; change a setting")
@@ -129,8 +123,6 @@ class SessionLink:
             if self.wish and not self._closed:
                 self.wish = replace(self.wish, number=self.wish.number + 1)
                 self._engine.send(self.wish)
-
-    # ---- inside -------------------------------------------------------------------------------------------
 
     def _fitting_block(self, scene: Scene, number: int) -> SharedMemory:
         """The block, replaced by a larger one where the scene's frames would not fit."""

@@ -4,34 +4,25 @@ Writing has a thread of its own, so that a callback of the page never waits for 
 and only a session's newest wish is sent.
 """
 
-import contextlib
 import logging
 import multiprocessing
 import threading
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.connection import Connection
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from solvers.engine.messages import FrameReport, Goodbye, Ready, Seen, Trouble, Wish
 from solvers.scene import Scene
+
+if TYPE_CHECKING:
+    from solvers.engine.pool import SessionLink
 
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
 LONGEST_PAUSE = 10.0
 FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
 CANNOT_START = "the simulation process cannot be started; see the terminal"
-
-
-class Link(Protocol):
-    """What an engine knows of a session."""
-
-    session: int
-
-    def receive(self, report: FrameReport) -> None: ...
-
-    def trouble(self, sentence: str) -> None: ...
-
-    def engine_lost(self, had_worked: bool) -> None: ...
 
 
 def become_engine(pipe: Connection, warm_up: Scene) -> None:
@@ -42,17 +33,14 @@ def become_engine(pipe: Connection, warm_up: Scene) -> None:
 
 
 class EngineProcess:
-    """Starts the process, restarts it when it dies, and passes messages.
-
-    ``given_up`` says that it kept dying before it was ready: it serves nobody any more.
-    """
+    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session."""
 
     def __init__(self, warm_up: Scene):
         self.ready = threading.Event()
-        self.given_up = False
+        self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
+        self.links: dict[int, SessionLink] = {}
         self._failures = 0
         self._warm_up = warm_up
-        self._links: dict[int, Link] = {}
         self._closing = False
         self._news = threading.Condition()
         self._outbox: deque[Seen | Goodbye] = deque()
@@ -64,17 +52,6 @@ class EngineProcess:
     @property
     def process_id(self) -> int:
         return self._process.pid or 0  # it is started at once
-
-    @property
-    def load(self) -> int:
-        """Sessions served."""
-        return len(self._links)
-
-    def add(self, link: Link) -> None:
-        self._links[link.session] = link
-
-    def remove(self, session: int) -> None:
-        self._links.pop(session, None)
 
     def send(self, message: Wish | Seen | Goodbye) -> None:
         """Queue a message; never waits. A newer wish of a session takes the place of an older one."""
@@ -98,8 +75,6 @@ class EngineProcess:
             self._process.kill()
             self._process.join(2)
 
-    # ---- threads ------------------------------------------------------------------------------------------
-
     def _read(self) -> None:
         while not (self._closing or self.given_up):
             try:
@@ -108,8 +83,7 @@ class EngineProcess:
                 if not self._closing:
                     self._restart()
                 continue
-            with _contained():
-                self._dispatch(message)
+            _tell(self._dispatch, message)
 
     def _write(self) -> None:
         while True:
@@ -119,21 +93,16 @@ class EngineProcess:
                 self._outbox.clear()
                 self._wishes.clear()
                 pipe = self._pipe
-            try:
+            with suppress(OSError):  # the process died; the reader notices, restarts it and sends the wishes again
                 for message in messages:
                     pipe.send(message)
-            except OSError:
-                pass  # the process died; the reader notices, restarts it and sends the wishes again
             if self._closing:
                 return
-
-    # ---- inside -------------------------------------------------------------------------------------------
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
         ours, theirs = context.Pipe()
-        process = context.Process(target=become_engine, args=(theirs, self._warm_up), name="mpm-lab-engine",
-                                  daemon=True)
+        process = context.Process(None, become_engine, "mpm-lab-engine", (theirs, self._warm_up), daemon=True)
         process.start()
         theirs.close()
         self._pipe, self._process = ours, process
@@ -145,8 +114,7 @@ class EngineProcess:
         self.ready.clear()
         self._failures += not had_worked
         if self._failures >= FAILURES_ALLOWED:
-            self._give_up()
-            return
+            return self._give_up()
         pause = min(LONGEST_PAUSE, FIRST_PAUSE * 2 ** (self._failures - 1)) if self._failures else 0.0
         with self._news:
             if self._news.wait_for(lambda: self._closing, pause):
@@ -157,9 +125,8 @@ class EngineProcess:
                 self._start()
             except OSError:  # the old pipe stays and fails again: one more failure, and a longer pause
                 logging.getLogger(__name__).exception("the simulation process could not be started")
-        for link in list(self._links.values()):
-            with _contained():
-                link.engine_lost(had_worked)
+        for link in list(self.links.values()):
+            _tell(link.engine_lost, had_worked)
 
     def _give_up(self) -> None:
         with self._news:
@@ -168,25 +135,23 @@ class EngineProcess:
             self._wishes.clear()
         logging.getLogger(__name__).error("%d simulation processes in a row ended before they were ready; "
                                           "no more are started", self._failures)
-        for link in list(self._links.values()):
-            with _contained():
-                link.trouble(CANNOT_START)
+        for link in list(self.links.values()):
+            _tell(link.listener.on_trouble, CANNOT_START)
 
     def _dispatch(self, message: FrameReport | Trouble | Ready) -> None:
         if isinstance(message, Ready):
             self._failures = 0
             self.ready.set()
-        elif link := self._links.get(message.session):
+        elif link := self.links.get(message.session):
             if isinstance(message, FrameReport):
                 link.receive(message)
             else:
-                link.trouble(message.sentence)
+                link.listener.on_trouble(message.sentence)
 
 
-@contextlib.contextmanager
-def _contained() -> Iterator[None]:
+def _tell(hear: Callable, what: object) -> None:
     """Log what a session raises: a page that fails to draw must not stop the others' frames."""
     try:
-        yield
+        hear(what)
     except Exception:
         logging.getLogger(__name__).exception("a session could not take a message")

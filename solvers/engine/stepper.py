@@ -26,12 +26,6 @@ class BlockGone(Exception):
 class Stepper:
     """Steps a session's solver towards its wish, a slice at a time. Lives in the engine's one thread."""
 
-    _rows: list[np.ndarray]  # samples since the last frame
-    _fresh: bool  # whether there has been no frame since the build
-    _due: float  # when the next frame goes out, by perf_counter
-    _seconds_a_step: float
-    _real_speed: float | None
-
     def __init__(self, wish: Wish):
         self.wish = wish
         self._unseen = False
@@ -42,6 +36,20 @@ class Stepper:
             self.close()
             raise
 
+    def _rebuild(self) -> None:
+        self.solver = build(self.wish.scene)
+        self.solver.compile()
+        self._rows = [self.solver.measure()]  # samples since the last frame
+        self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
+        self._real_speed: float | None = None
+        self._kernel_seconds, self._kernel_steps = 0.0, 0
+        self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
+        self._start_clock()
+
+    def _start_clock(self) -> None:
+        self._anchor = self._window = (perf_counter(), self.solver.time)
+        self._frame_wanted = True
+
     def accept(self, wish: Wish) -> None:
         """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more."""
         old, self.wish = self.wish, wish
@@ -50,8 +58,8 @@ class Stepper:
             self._block = _attach(wish.memory)
         if old.scene != wish.scene or old.restarts != wish.restarts:
             self._rebuild()
-        elif wish.single_steps > old.single_steps and not wish.playing:
-            self._single_steps(wish.single_steps - old.single_steps)
+        elif wish.single_steps > old.single_steps and self.solver.sound and not wish.playing:
+            self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance))
         self._start_clock()
 
     def close(self) -> None:
@@ -91,12 +99,17 @@ class Stepper:
         now, solver = perf_counter(), self.solver
         shot = solver.snapshot(self.wish.differences)
         frames.write(self._block, solver.scene, shot)
-        self._measure_speed(now)
+        wall, simulated = self._window
+        if now - wall > 0.2:
+            self._real_speed = (solver.time - simulated) / (now - wall)
+        if now - wall > SPEED_WINDOW:
+            self._window = (now, solver.time)
+        particle_steps = self._kernel_steps * solver.scene.particles  # since the build
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, scene=solver.scene, fresh=self._fresh,
             playing=self._running, particles=len(shot.position), step=solver.step, time=solver.time,
-            rows=np.concatenate(self._rows),
-            reason=None if solver.sound else solver.reason(), rate=self._rate, real_speed=self._real_speed,
+            rows=np.concatenate(self._rows), reason=None if solver.sound else solver.reason(),
+            rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=solver.not_valid(), differences=bool(shot.difference))
         self._rows = [report.rows[:0]]
         self._fresh, self._frame_wanted, self._unseen = False, False, True
@@ -105,30 +118,9 @@ class Stepper:
         self._due = min(max(self._due + FRAME_SECONDS, now + 0.5 * FRAME_SECONDS), now + FRAME_SECONDS)
         return report
 
-    # ---- inside -------------------------------------------------------------------------------------------
-
     @property
     def _running(self) -> bool:
         return self.wish.playing and self.solver.sound and self.solver.step < LAST_STEP
-
-    def _rebuild(self) -> None:
-        self.solver = build(self.wish.scene)
-        self.solver.compile()
-        self._rows = [self.solver.measure()]
-        self._fresh, self._due = True, 0.0
-        self._kernel_seconds, self._kernel_steps, self._real_speed = 0.0, 0, None
-        self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
-        self._start_clock()
-
-    def _start_clock(self) -> None:
-        self._anchor = self._window = (perf_counter(), self.solver.time)
-        self._frame_wanted = True
-
-    @property
-    def _rate(self) -> float:
-        """Million particle-steps per second of kernel time since the build."""
-        steps = self._kernel_steps * self.solver.scene.particles
-        return 1e-6 * steps / self._kernel_seconds if steps else 0.0
 
     @property
     def _slice(self) -> int:
@@ -144,10 +136,6 @@ class Stepper:
         target = simulated + (perf_counter() - wall) * self.wish.speed
         return int((target - self.solver.time) / self.solver.scene.time_step)
 
-    def _single_steps(self, steps: int) -> None:
-        if self.solver.sound:
-            self._advance(min(steps, self.solver.longest_advance))
-
     def _advance(self, steps: int) -> None:
         begun = perf_counter()
         self._rows.append(self.solver.advance(steps))
@@ -156,13 +144,6 @@ class Stepper:
         self._kernel_seconds += took
         self._kernel_steps += steps
         self._frame_wanted |= not self.solver.sound  # the last frame says why
-
-    def _measure_speed(self, now: float) -> None:
-        wall, simulated = self._window
-        if now - wall > 0.2:
-            self._real_speed = (self.solver.time - simulated) / (now - wall)
-        if now - wall > SPEED_WINDOW:
-            self._window = (now, self.solver.time)
 
 
 def _attach(name: str) -> SharedMemory:

@@ -7,6 +7,8 @@ read before every turn, so a dragged slider never leaves stale work in a queue.
 import logging
 import signal
 from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
 from multiprocessing.connection import Connection
 from time import perf_counter
 
@@ -24,13 +26,12 @@ FAILED = "the simulation of this scene failed; change a setting"
 def main(pipe: Connection, warm_up: Scene) -> None:
     """Serve sessions until the page goes away. ``warm_up`` is compiled before the first visitor comes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
-    arch = runtime.start()
+    runtime.start()
     build(warm_up).compile()
-    try:
-        pipe.send(Ready(arch))
+    # Until the page is gone, and so is the reason to be here.
+    with suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        pipe.send(Ready())
         Worker(pipe).serve()
-    except (EOFError, BrokenPipeError, ConnectionResetError):
-        pass  # the page is gone, and so is the reason to be here
 
 
 class Worker:
@@ -85,16 +86,13 @@ class Worker:
                     wishes.pop(message.session, None)
                     self._drop(message.session)
         for wish in wishes.values():
-            self._accept(wish)
+            self._contain(wish, partial(self._accept, wish))
 
     def _accept(self, wish: Wish) -> None:
-        def work() -> None:
-            if wish.session in self._steppers:
-                self._steppers[wish.session].accept(wish)
-            else:
-                self._steppers[wish.session] = Stepper(wish)
-
-        self._contain(wish, work)
+        if wish.session in self._steppers:
+            self._steppers[wish.session].accept(wish)
+        else:
+            self._steppers[wish.session] = Stepper(wish)
 
     def _contain(self, wish: Wish, work: Callable[[], FrameReport | None]) -> FrameReport | None:
         """Do a piece of one session's work; what goes wrong in it costs that session alone."""
@@ -114,6 +112,5 @@ class Worker:
         return None
 
     def _drop(self, session: int) -> None:
-        stepper = self._steppers.pop(session, None)
-        if stepper:
+        if stepper := self._steppers.pop(session, None):
             stepper.close()

@@ -9,7 +9,9 @@ worse, until the cheapest candidate is one that has been run and whose own estim
 import math
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import product
 
 from solvers.rules import SceneError
 from solvers.scene import Scene
@@ -49,7 +51,7 @@ class Candidate:
 
     @property
     def measured(self) -> bool:
-        return self.family.measured(self.cells) is not None
+        return any(point.cells == self.cells for point in self.family.points)
 
 
 @dataclass(frozen=True)
@@ -74,24 +76,17 @@ def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterabl
     """Every combination that makes a valid scene. ``methods`` pairs a method with linearity preservation."""
     found = []
     multiple = 6 if base.DIMENSIONS == 2 else 2  # so that the ring's lattice divides evenly
-    for method, preserving in methods:
-        for ppc in per_cell:
-            for cfl in courant_numbers:
-                try:
-                    scene = replace(base, method=method, linearity_preserving=preserving, ppc=ppc,
-                                    dt=None, cfl=cfl)
-                except SceneError:
-                    continue
-                found.append(Family(scene, quantity, multiple))
+    for (method, preserving), ppc, cfl in product(methods, per_cell, courant_numbers):
+        with suppress(SceneError):
+            scene = replace(base, method=method, linearity_preserving=preserving, ppc=ppc, dt=None, cfl=cfl)
+            found.append(Family(scene, quantity, multiple))
     return found
 
 
 def advise(choices: list[Family], goal: Goal,
            on_look: Callable[[int, Scene], None] = lambda looks, scene: None) -> Advice:
-    """Search for the cheapest run that meets the goal; the best within reach if none does.
-
-    ``on_look`` is told of every run before it is made.
-    """
+    """Search for the cheapest run that meets the goal; the best within reach if none does. ``on_look`` is told of every
+    run before it is made: its number and its scene."""
     looks = 0
 
     def look(family: Family, cells: int) -> None:
@@ -108,21 +103,20 @@ def advise(choices: list[Family], goal: Goal,
     while True:
         ranking, met = _ranking(choices, goal)
         best = _settled(ranking, met, time.process_time() - begun)
-        if best.measured or looks >= coarse + MOST_LOOKS or not (met or _worth_a_look(best, goal)):
+        if best.measured or looks >= coarse + MOST_LOOKS:
+            break
+        if not met and best.family.seconds(_next_cells(best)) > goal.budget / SMALL_PART:
             break
         predicted[(id(best.family), best.cells)] = best.error
         look(best.family, _next_cells(best))
     met = best.measured and best.error <= goal.tolerance
     runner_up, why = _runner_up(choices, best, goal, met)
-    return Advice(goal, met, best, predicted.get((id(best.family), best.cells), best.error),
-                  runner_up, why, looks)
+    return Advice(goal, met, best, predicted.get((id(best.family), best.cells), best.error), runner_up, why, looks)
 
 
 def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
-    """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try.
-
-    Worth it while the search has taken less than the run that it may make unnecessary.
-    """
+    """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try:
+    while the search has taken less than the run that it may make unnecessary."""
     measured = next((c for c in ranking if c.measured), None)
     if measured is None:
         return ranking[0]
@@ -131,19 +125,14 @@ def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     return measured if near or (met and spent > PATIENCE + measured.seconds) else ranking[0]
 
 
-def _worth_a_look(candidate: Candidate, goal: Goal) -> bool:
-    """Whether to run more for a candidate that should not meet the goal: while that costs a small part of a run."""
-    return candidate.family.seconds(_next_cells(candidate)) <= goal.budget / SMALL_PART
-
-
 def _next_cells(candidate: Candidate) -> int:
     """The candidate's own number of cells, or one on the way where it lies beyond what may be carried on."""
-    family = candidate.family
-    ratio = candidate.cells / family.finest
-    strides = max(1, math.ceil(math.log(ratio) / math.log(REACH))) if ratio > 1 else 1
-    if strides == 1:
+    finest, multiple = candidate.family.points[-1].cells, candidate.family.multiple
+    ratio = candidate.cells / finest
+    if ratio <= REACH:
         return candidate.cells
-    return family.multiple * round(family.finest * ratio ** (1 / strides) / family.multiple)
+    strides = math.ceil(math.log(ratio) / math.log(REACH))
+    return multiple * round(finest * ratio ** (1 / strides) / multiple)
 
 
 def _ranking(choices: list[Family], goal: Goal) -> tuple[list[Candidate], bool]:
@@ -171,14 +160,10 @@ def _cheapest(family: Family, goal: Goal) -> Candidate | None:
 
 def _runner_up(choices: list[Family], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
     """The best candidate of another method, and why it lost, in words."""
-    def method(scene: Scene) -> tuple[str, bool]:
-        return scene.method, scene.linearity_preserving
-
-    others = [family for family in choices if method(family.scene) != method(best.scene)]
+    others = [family for family in choices if _name(family.scene) != _name(best.scene)]
     if not others:
         return None, "no other method was asked for"
-    ranking, others_meet = _ranking(others, goal)
-    other = ranking[0]
+    (other, *_), others_meet = _ranking(others, goal)
     name = _name(other.scene)
     if met and not others_meet:
         return other, (f"{name} does not get there: its error is {other.error:.2g} at {other.cells} cells and falls no "

@@ -58,13 +58,6 @@ class Family:
         insort(self.points, point)
         return point
 
-    @property
-    def finest(self) -> int:
-        return self.points[-1].cells
-
-    def measured(self, cells: int) -> Point | None:
-        return next((point for point in self.points if point.cells == cells), None)
-
     def error(self, cells: float) -> float:
         """The error expected of so many cells; infinite where nothing is known to hold."""
         last = self.points[-1]
@@ -81,11 +74,9 @@ class Family:
 
     def order(self) -> float:
         """The order that the two finest members show, as far as it may be trusted."""
-        if len(self.points) < 2:
+        if len(self.points) < 2 or not all(0 < point.error < math.inf for point in self.points[-2:]):
             return 0.0
         coarse, fine = self.points[-2:]
-        if not (math.isfinite(coarse.error) and math.isfinite(fine.error)) or fine.error <= 0:
-            return 0.0
         order = math.log(coarse.error / fine.error) / math.log(fine.cells / coarse.cells)
         return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
 
@@ -93,9 +84,9 @@ class Family:
         """The fewest cells expected to meet a tolerance, or None if none are."""
         met = [point.cells for point in self.points if point.error <= tolerance]
         if met:
-            below = [point.cells for point in self.points if point.cells < met[0]]
-            return next((n for n in self._range(below[-1] if below else met[0], met[0])
-                         if self.error(n) <= tolerance), met[0])
+            start = max((point.cells for point in self.points if point.cells < met[0]), default=met[0])
+            candidates = range(self._up(start), met[0] + 1, self.multiple)
+            return next((cells for cells in candidates if self.error(cells) <= tolerance), met[0])
         last, order = self.points[-1], self.order()
         if order == 0 or not math.isfinite(last.error):
             return None
@@ -122,15 +113,9 @@ class Family:
     def _up(self, cells: float) -> int:
         return self.multiple * math.ceil(cells / self.multiple - 1e-9)
 
-    def _range(self, first: int, last: int) -> range:
-        return range(self._up(first), last + 1, self.multiple)
-
 
 @lru_cache(maxsize=4096)
 def _seconds_per_particle_step(scene: Scene) -> float:
-    """Of the bare method, compiled and warmed up, in the processor's time; infinite for a run that goes bad.
-
-    Remembered for this process.
-    """
+    """Of the bare method, compiled and warmed up, in the processor's time; infinite for a run that goes bad."""
     seconds = 1e-6 / rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
     return seconds if math.isfinite(seconds) else math.inf

@@ -1,9 +1,12 @@
 """What rows say together: the order of convergence, the Pareto front, and where time and space error balance."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability
 
 
 @dataclass(frozen=True)
@@ -25,9 +28,9 @@ def slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
     if len(np.unique(h)) < 2:
         return None
     order, intercept = np.polyfit(np.log(h), np.log(error), 1)
-    pairs = zip(zip(h, error, strict=True), zip(h[1:], error[1:], strict=True), strict=False)
-    pairwise = tuple(float(np.log(f / e) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
-    return Slope(float(order), float(np.exp(intercept)), len(h), pairwise)
+    pairs = itertools.pairwise(zip(h, error, strict=True))
+    orders = tuple(float(np.log(f / e) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
+    return Slope(float(order), float(np.exp(intercept)), len(h), orders)
 
 
 def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
@@ -42,11 +45,8 @@ def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
 
 @dataclass(frozen=True)
 class Balance:
-    """error = space + factor dt^power over the steps from ``least`` to ``most``.
-
-    ``dt`` is where both parts are equal, None if that is not within these steps; ``misfit`` is the RMS of the relative
-    residual.
-    """
+    """error = space + factor dt^power over the steps from ``least`` to ``most``; ``dt`` is where both parts are equal,
+    None if that is not within these steps; ``misfit`` is the RMS of the relative residual."""
 
     space: float
     factor: float
@@ -84,9 +84,6 @@ def balance(steps: Sequence[float], errors: Sequence[float]) -> Balance | None:
     if len(np.unique(dt)) < 3:
         return None
     return min((_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
-
-
-STEEP = 1.5
 
 
 def _split(dt: np.ndarray, error: np.ndarray, power: int) -> Balance:

@@ -46,10 +46,7 @@ class Task:
 
     @property
     def key(self) -> str:
-        """A hash of the inputs with the defaults filled in: equal scenes have equal keys, however they were asked for.
-
-        How often a run is timed is no input, nor is where it is run.
-        """
+        """A hash of the inputs with the defaults filled in, not of how a run is timed: equal scenes have equal keys."""
         try:
             values = self.scene().to_dict()
         except SceneError:

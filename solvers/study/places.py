@@ -11,10 +11,9 @@ import functools
 import logging
 import os
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
-from queue import SimpleQueue
 from typing import Protocol
 
 from solvers.estimators.registry import EXTENSIONS
@@ -41,33 +40,27 @@ class Place(Protocol):
 
     def submit(self, task: Task) -> Future[dict]:
         """Queue a task. The future holds its row, or the way in which its worker was lost."""
-        ...
 
     def check(self) -> None:
         """Raise :class:`PlaceLost` if waiting is in vain."""
-        ...
 
     def close(self) -> None:
         """Stop everything at once."""
-        ...
 
 
 def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None]) -> None:
-    """Measure every task at a place, and hand each row over as it comes, in the caller's thread.
-
-    A lost worker is replaced; a row that keeps losing its workers is marked as failed.
-    """
+    """Measure every task at a place, and hand each row over as it comes, in the caller's thread. A lost worker is
+    replaced; a row that keeps losing its workers is marked as failed."""
     lost: Counter[str] = Counter()
     waiting = {place.submit(task): task for task in tasks}
     while waiting:
         done, _ = wait(waiting, LOOK_SECONDS, FIRST_COMPLETED)
         for future in done:
             task = waiting.pop(future)
-            row = _outcome(task, future, lost)
-            if row is None:
-                waiting[place.submit(task)] = task
-            else:
+            if row := _outcome(task, future, lost):
                 on_row(row)
+            else:
+                waiting[place.submit(task)] = task
         if not done:
             place.check()
 
@@ -103,9 +96,7 @@ class Here:
 
     def __init__(self, workers: int = 1):
         self._processes = [row_process() for _ in range(workers)]
-        self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
-        for process in self._processes:
-            self._idle.put(process)
+        self._idle = deque(self._processes)
         self._executor = ThreadPoolExecutor(workers, thread_name_prefix="row")
 
     @property
@@ -126,12 +117,12 @@ class Here:
         self._executor.shutdown()
 
     def _measure(self, task: Task) -> dict:
-        process = self._idle.get()
+        process = self._idle.popleft()  # there is one for each thread
         try:
             [row] = process.ask(task.to_dict())
             return row
         finally:
-            self._idle.put(process)
+            self._idle.append(process)
 
 
 @functools.cache

@@ -8,13 +8,11 @@ Keys of a row::
     bytes, seconds, rate, arch, threads, plan, host, version
 
 ``seconds`` holds ``repeats`` (the bare method, run after run), ``min`` of them, ``full`` (the shortest of the runs that
-gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``full``) and ``effects`` (each
-alone, if asked).
+gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``full``) and ``effects`` (each alone).
 """
 
 import platform
 import statistics
-from collections.abc import Sequence
 from dataclasses import replace
 
 from solvers.effects import EFFECTS
@@ -35,12 +33,10 @@ BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particle
 
 def measure(task: Task) -> dict:
     """The row of a task. Whatever goes wrong in its scene is a row too."""
+    if refusal := task.refusal():
+        return refused(task, refusal)
     try:
-        scene = task.scene()
-    except SceneError as error:
-        return refused(task, error)
-    try:
-        return _measured(task, scene)
+        return _measured(task, task.scene())
     except Exception as error:
         return failed(task, f"{type(error).__name__}: {error}")
 
@@ -49,53 +45,41 @@ def _measured(task: Task, scene: Scene) -> dict:
     from solvers.run import run  # here: a row can be read, kept and drawn without Taichi
 
     seconds, timed = time_bare(scene, task.repeats)
-    least = min(seconds)
     results = [run(scene) for _ in range(task.repeats)]
-    full = results[0]
-    values = full.to_dict()
+    full, values, least = results[0], results[0].to_dict(), min(seconds)
     effects = price_effects(scene, task.repeats) if task.price_effects else {}
     names = [name for name in scene.active_estimators if name not in full.not_valid]
+    fastest = min(result.seconds.run for result in results)
+    prices = {name: fastest * statistics.median(result.seconds.estimators[name] / result.seconds.run
+                                                for result in results) for name in full.seconds.estimators}
     row = {**_identity(task), "scene": values["scene"], "h": scene.spacing}
     row |= {name: values[name] for name in ("status", "reason", "t", "steps", "particles")}
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
-    row |= {"estimate": {name: full.estimates(name) for name in names},
-            "index": {name: full.index(name) for name in names},
-            "distance": {name: full.distance(name) for name in names}}
+    each = {"estimate": full.estimates, "index": full.index, "distance": full.distance}
+    row |= {kind: {name: value_of(name) for name in names} for kind, value_of in each.items()}
     row |= {name: values[name] for name in ("not_valid", "grid_crossings", "energy", "effects", "bytes")}
-    row |= {"seconds": {"repeats": seconds, "min": least, "full": min(result.seconds.run for result in results),
-                        "compile": full.seconds.compile, "setup": full.seconds.setup,
-                        "estimators": _estimator_seconds(results), "effects": effects}}
+    row |= {"seconds": {"repeats": seconds, "min": least, "full": fastest, "compile": full.seconds.compile,
+                        "setup": full.seconds.setup, "estimators": prices, "effects": effects}}
     rate = 1e-6 * timed.particles * timed.steps / least if least > 0 else None
     return row | {"rate": rate, "arch": timed.arch, "threads": timed.threads, "plan": timed.plan,
                   "host": platform.node(), "version": task.version}
 
 
-def bare(scene: Scene) -> Scene:
-    """The scene with nothing but the method: no truth, no estimate, no other effect."""
-    return replace(scene, effects=(), estimators=())
-
-
-def time_bare(scene: Scene, repeats: int) -> tuple[list[float], Result]:
-    """Seconds of the bare run, ``repeats`` times: compiled and warmed up first. The shortest is the one to believe."""
-    return _timed(bare(scene), repeats)
-
-
 def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
-    """Seconds that each effect of the scene adds to the bare run when it is switched on alone.
-
-    One that needs another is compared with that one alone. An estimator's price is in the result.
-    """
+    """Seconds that each effect of the scene adds to the bare run when it is switched on alone; one that needs another
+    is compared with that one alone. An estimator's price is in the result."""
     wanted = [name for name in PRICED if scene.has(name)]
-    sets = {(): None, **{(*PRICED[name], name): None for name in wanted}}
-    least = {effects: min(_timed(replace(bare(scene), effects=effects), repeats)[0]) for effects in sets}
+    sets = dict.fromkeys([(), *((*PRICED[name], name) for name in wanted)])
+    least = {effects: min(time_bare(scene, repeats, effects)[0]) for effects in sets}
     return {name: least[(*PRICED[name], name)] - least[PRICED[name]] for name in wanted}
 
 
-def _timed(scene: Scene, repeats: int) -> tuple[list[float], Result]:
-    """Seconds of the runs of a warmed-up scene: ``repeats``, and more of a short one, until together they have taken
-    long enough to time; and the last run."""
+def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tuple[list[float], Result]:
+    """Seconds of the runs of a warmed-up scene with these effects alone: ``repeats``, and more of a short one, until
+    together they have taken long enough to time; and the last run. The shortest is the one to believe."""
     from solvers.run import run
 
+    scene = replace(scene, effects=effects, estimators=())
     short = min(scene.end_time, WARM_UP_STEPS * scene.time_step)
     run(replace(scene, t_end=short, periods=None, sample_every=None))
     seconds: list[float] = []
@@ -105,13 +89,6 @@ def _timed(scene: Scene, repeats: int) -> tuple[list[float], Result]:
     return seconds, result
 
 
-def _estimator_seconds(results: Sequence[Result]) -> dict[str, float]:
-    """Each estimator's part of the fastest run, by the median of the shares found."""
-    least = min(result.seconds.run for result in results)
-    return {name: least * statistics.median(result.seconds.estimators[name] / result.seconds.run for result in results)
-            for name in results[0].seconds.estimators}
-
-
 def refused(task: Task, error: SceneError) -> dict:
     """The row of a combination that no scene can have."""
     return {**_identity(task), "status": REFUSED, "reason": str(error), "version": task.version}
@@ -119,8 +96,7 @@ def refused(task: Task, error: SceneError) -> dict:
 
 def failed(task: Task, reason: str) -> dict:
     """The row of a run that was lost."""
-    refusal = task.refusal()
-    scene = None if refusal else task.scene().to_dict()
+    scene = None if task.refusal() else task.scene().to_dict()
     return {**_identity(task), "scene": scene, "status": FAILED, "reason": " ".join(reason.split()),
             "version": task.version}
 

@@ -30,7 +30,9 @@ class Series:
     def label(self, names: dict[str, str] | None = None) -> str:
         """Its inputs in words; ``names`` spells methods out."""
         method = (names or {}).get(self.method, self.method)
-        return ", ".join([method, *(f"{_word(name)} {_shown(value)}" for name, value in self.variant)])
+        words = {"amplitude": "A", "modulus": "E"}
+        return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_shown(value)}"
+                                    for name, value in self.variant)])
 
     def fit(self, quantity: str, norm: str = "max") -> Slope | None:
         """The order of the error in h, over the rows that stood."""
@@ -75,10 +77,6 @@ def fits(rows: Sequence[dict], norm: str = "max") -> list[dict]:
             found.append({"method": line.method, **line.inputs, "norm": norm,
                           "orders": {quantity: fit and asdict(fit) for quantity, fit in orders.items()}})
     return found
-
-
-def _word(name: str) -> str:
-    return {"amplitude": "A", "modulus": "E"}.get(name, name.replace("_", " "))
 
 
 def _shown(value: object) -> str:

@@ -19,10 +19,9 @@ class Store:
     """The rows of a study in a directory. A row with the key of an earlier one replaces it."""
 
     def __init__(self, directory: str | os.PathLike, problem: str, resume: bool = False):
-        self.directory = Path(directory)
-        self._path = self.directory / NAME
+        self._path = Path(directory) / NAME
         self.rows: dict[str, dict] = {}
-        _prepare(self.directory, resume)
+        _prepare(self._path.parent, resume)
         try:
             self._file = open(self._path, "ab")
         except OSError as error:

@@ -46,13 +46,13 @@ def summary(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) ->
     counts = {status: sum(row["status"] == status for row in rows) for status in (OK, UNSTABLE, FAILED, REFUSED)}
     parts = [f"# Sweep of the {problem}",
              f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
-    parts += [_rows(rows), _slopes(rows), _front(rows), _trouble(rows)]
+    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
+    parts += [_rows(rows, names), _slopes(rows), _front(rows, names), _trouble(rows, names)]
     parts += [f"![{name}]({name})" for name in pictures]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _rows(rows: Sequence[dict]) -> str:
-    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
+def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
     estimators = list(dict.fromkeys(name for row in measured(rows) for name in row["index"]))
     heads = [*names, "status", *(f"error {q}" for q in SHOWN), *(f"{e}: index {q}" for e in estimators for q in SHOWN),
              "seconds", "10⁶ particle-steps/s"]
@@ -64,44 +64,41 @@ def _rows(rows: Sequence[dict]) -> str:
                       *(_number(error_of(row, q), ".3e") for q in SHOWN),
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
                       _number((row.get("seconds") or {}).get("min"), ".4g"), _number(row.get("rate"), ".3g")])
-    return "Errors are the largest RMS over particles; seconds the shortest of the bare runs.\n\n" \
-        + grid(heads, lines)
+    return "Errors are the largest RMS over particles; seconds the shortest of the bare runs.\n\n" + grid(heads, lines)
 
 
 def _slopes(rows: Sequence[dict]) -> str:
     title = "## Order of convergence: error ~ h^p\n\n"
     lines = []
     for line in series(rows):
-        found = {q: line.fit(q) for q in SHOWN}
-        if any(found.values()):
-            lines.append([line.label(), *(NOTHING if fit is None else f"{fit.order:.2f}" for fit in found.values()),
+        found = [line.fit(q) for q in SHOWN]
+        if any(found):
+            lines.append([line.label(), *(NOTHING if fit is None else f"{fit.order:.2f}" for fit in found),
                           *(NOTHING if fit is None else ", ".join(f"{p:.2f}" for p in reversed(fit.pairwise))
-                            for fit in found.values())])
+                            for fit in found)])
     if not lines:
         return title + "Nothing to fit: it takes two grids at least, and true errors."
     return title + "Fitted over all stable grids, and from each grid to the next finer one.\n\n" \
         + grid(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
 
 
-def _front(rows: Sequence[dict]) -> str:
+def _front(rows: Sequence[dict], names: Sequence[str]) -> str:
     usable = [row for row in measured(rows) if row["status"] == OK and error_of(row, "x")]
     if not usable:
         return ""
     front = pareto([row["seconds"]["min"] for row in usable], [error_of(row, "x") or 0 for row in usable])
-    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
     lines = [[*(_cell(usable[k]["scene"].get(name)) for name in names), _number(error_of(usable[k], "x"), ".3e"),
               _number(usable[k]["seconds"]["min"], ".4g")] for k in front]
     return "## Best for its time\n\nNo other row has a smaller error of x in less time.\n\n" \
         + grid([*names, "error x", "seconds"], lines)
 
 
-def _trouble(rows: Sequence[dict]) -> str:
+def _trouble(rows: Sequence[dict], names: Sequence[str]) -> str:
     """What is not ok, once for each reason."""
     reasons: dict[tuple[str, str], list[dict]] = {}
     for row in rows:
         if row["status"] != OK:
             reasons.setdefault((row["status"], row["reason"]), []).append(row)
-    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
     lines = []
     for (status, reason), alike in reasons.items():
         first = ", ".join(f"{name} {_cell((alike[0]['scene'] or alike[0]['asked']).get(name))}" for name in names)

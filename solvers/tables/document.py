@@ -17,11 +17,11 @@ Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each ru
 def document(table: Table, results: Mapping[str, Results]) -> dict:
     """The object of a table; ``results`` holds each row's under its name."""
     names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
+    seconds = [result["seconds"] for row in table.rows for result in results[row.name].values()]
     return {"schema": SCHEMA, "table": table.number, "title": table.title, "caption": table.caption,
-            "setup": list(table.setup),
-            "estimators": list(names), "rows": [_row(table.number, row, results[row.name]) for row in table.rows],
-            "seconds": {part: sum(result["seconds"][part] for row in table.rows
-                                  for result in results[row.name].values()) for part in ("setup", "compile", "run")}}
+            "setup": list(table.setup), "estimators": list(names),
+            "rows": [_row(table.number, row, results[row.name]) for row in table.rows],
+            "seconds": {part: sum(each[part] for each in seconds) for part in ("setup", "compile", "run")}}
 
 
 def parts(table: dict) -> dict[str, list[dict]]:
@@ -34,10 +34,9 @@ def parts(table: dict) -> dict[str, list[dict]]:
 
 def _row(number: str, row: Row, results: Results) -> dict:
     run = results["errors"]
-    ours = {"1": _bar_numbers, "2": _ring_errors, "3": _ring_index}[number](results)
+    ours = _ours(number, results)
     paper = {key: row.paper.get(key) for key in ours}
-    longer = {"t_end_crossings": results["crossings"]["t"]} if "crossings" in results else {}
-    inputs = {**run["scene"], **longer}
+    inputs = run["scene"] | ({"t_end_crossings": results["crossings"]["t"]} if "crossings" in results else {})
     gone_bad = next((result["reason"] for result in results.values() if result["status"] != "ok"), None)
     return {"name": row.name, "part": row.part, "inputs": inputs, "particles": run["particles"],
             "h": row.scenes["errors"].spacing, "unstable": gone_bad, "paper": paper, "ours": ours,
@@ -45,22 +44,18 @@ def _row(number: str, row: Row, results: Results) -> dict:
             "estimators": {name: _estimator(name, results) for name in run["scene"]["estimator"]}}
 
 
-def _bar_numbers(results: Results) -> dict:
-    """Largest errors, crossings to the end of the long run and of the short one, indices of the paper's estimator."""
+def _ours(number: str, results: Results) -> dict:
+    """Of a row of Table 1 the largest errors, crossings to the end of the long run and of the short one, and indices of
+    the paper's estimator; of Table 2 the errors at the end; of Table 3 that index of x."""
     run = results["errors"]
-    errors = {q: run["error"][q]["max"] for q in ("x", "v", "sigma_log")}
-    crossings = {"grid_crossings": results["crossings"]["grid_crossings"],
-                 "grid_crossings_short": run["grid_crossings"]}
+    if number == "2":
+        return {q: run["error"][q]["final"] for q in ("x", "v", "a_nodes")}
     indices = {f"index_{q}": _of(run, "index", PAPERS_ESTIMATOR, q) for q in ("x", "v", "sigma")}
-    return {**errors, **crossings, **indices}
-
-
-def _ring_errors(results: Results) -> dict:
-    return {q: results["errors"]["error"][q]["final"] for q in ("x", "v", "a_nodes")}
-
-
-def _ring_index(results: Results) -> dict:
-    return {"index_x": _of(results["errors"], "index", PAPERS_ESTIMATOR, "x")}
+    if number == "3":
+        return {"index_x": indices["index_x"]}
+    return {**{q: run["error"][q]["max"] for q in ("x", "v", "sigma_log")},
+            "grid_crossings": results["crossings"]["grid_crossings"], "grid_crossings_short": run["grid_crossings"],
+            **indices}
 
 
 def _estimator(name: str, results: Results) -> dict:

@@ -5,8 +5,7 @@ import json
 from pathlib import Path
 
 FILE = Path(__file__).parents[2] / "assets" / "reference" / "paper.json"
-BAR_KEYS = {"err_x": "x", "err_v": "v", "err_sigma": "sigma_log"}
-RING_KEYS = {"err_x": "x", "err_v": "v", "err_a": "a_nodes"}
+KEYS = {"err_x": "x", "err_v": "v", "err_sigma": "sigma_log", "err_a": "a_nodes"}
 
 
 @functools.cache
@@ -19,13 +18,13 @@ def bar(modulus: float, cells: int) -> dict[str, float]:
     for case in _numbers()["table1"]["cases"]:
         for row in case["rows"]:
             if case["modulus"] == modulus and row["cells"] == cells:
-                return {BAR_KEYS.get(key, key): value for key, value in row.items() if key != "cells"}
+                return {KEYS.get(key, key): value for key, value in row.items() if key != "cells"}
     return {}
 
 
 def ring_errors(method: str, cells: int) -> dict[str, float]:
     """Table 2: errors of x, v and of the acceleration."""
-    return {RING_KEYS[key]: value for key, value in _ring_row("table2", cells).get(method, {}).items()}
+    return {KEYS[key]: value for key, value in _ring_row("table2", cells).get(method, {}).items()}
 
 
 def ring_index(method: str, cells: int) -> dict[str, float]:

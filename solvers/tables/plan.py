@@ -7,6 +7,8 @@ estimator; and for Table 1 ``crossings``, longer and with nothing else switched 
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 
 from solvers.bar.scene import BarScene
 from solvers.ring.scene import RingScene
@@ -25,8 +27,7 @@ BAR_FORCES = {"node": "body force at the nodes (the paper's)", "material": "body
 RING_CELLS = (12, 24, 48, 96)
 RING_METHODS = ("ugimp", "cpgimp", "cpdi")
 #: Set-up of Tables 2 and 3: amplitude in m, modulus in Pa, particles per cell and direction, and what it is.
-RING_SETUPS = {"ours": (0.1, 1e7, 2, "our choice"),
-               "fitted": (0.03, 4e7, 4, "the best fit to the paper's digits")}
+RING_SETUPS = {"ours": (0.1, 1e7, 2, "our choice"), "fitted": (0.03, 4e7, 4, "the best fit to the paper's digits")}
 
 INDEX_NOTE = ("Index: sum over time of the estimated RMS errors over that of the true ones (eq 35), 1 is perfect; "
               "sampled every tenth step, or more often where a wave crosses a cell in fewer than 20 steps. Distance: "
@@ -92,50 +93,39 @@ def make(number: str, estimators: Mapping[str, Iterable[str]]) -> Table:
 def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_CELLS, end: float = 1.0,
             long: float = 10.0) -> Table:
     """The bar: errors, grid crossings and indices."""
-    rows = [_bar_row(case, force, n, tuple(estimators["bar"]), end, long)
-            for case in BAR_CASES for force in BAR_FORCES for n in cells]
+    rows = []
+    for case, force, n in product(BAR_CASES, BAR_FORCES, cells):
+        modulus, amplitude = BAR_CASES[case]
+        scene = BarScene(method="ugimp", linearity_preserving=True, cells=n, ppc=4, modulus=modulus, dt=2.5e-5,
+                         amplitude=amplitude, t_end=end, body_force=force, estimators=tuple(estimators["bar"]))
+        crossings = replace(scene, t_end=long, estimators=(), effects=("crossings",))
+        part = f"E = {modulus:g} Pa, A = {short(amplitude)} m, {BAR_FORCES[force]}"
+        rows.append(Row(f"bar-{case}-{force}-{n}", part, {**_errors_and_cost(scene), "crossings": crossings},
+                        paper.bar(modulus, n)))
     setup = (*(line.format(end=end, long=long) for line in BAR_SETUP), INDEX_NOTE, COST_NOTE)
     caption = f"linearity-preserving uGIMP, 4 particles per cell, dt = 2.5e-5 s, T = {end:g} s"
     return Table("1", "Table 1. Vibrating bar: errors, grid crossings and error indices", caption, setup, tuple(rows))
 
 
-def table_2(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING_CELLS,
-            methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> Table:
-    """The ring: errors at the end."""
-    rows = _ring_rows(paper.ring_errors, estimators, cells, methods, end)
-    return Table("2", "Table 2. Expanding ring: errors at the end of the run", RING_CAPTION.format(end=end),
-                 (*(line.format(end=end) for line in RING_SETUP), ERROR_NOTE), rows)
+def _ring_table(number: str, title: str, notes: tuple[str, ...], printed: Callable[[str, int], Mapping[str, float]],
+                estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING_CELLS,
+                methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> Table:
+    """A table of the ring, with the numbers that the paper has ``printed`` for a method and so many cells."""
+    rows = []
+    for name, method, n in product(RING_SETUPS, methods, cells):
+        amplitude, modulus, ppc, what = RING_SETUPS[name]
+        scene = RingScene(method=method, cells=n, ppc=ppc, amplitude=amplitude, modulus=modulus, dt=2e-5, t_end=end,
+                          estimators=tuple(estimators["ring"]))
+        part = f"A = {amplitude:g} m, E = {short(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
+        rows.append(Row(f"ring-{name}-{method}-{n}", part, _errors_and_cost(scene), printed(method, n)))
+    setup = (*(line.format(end=end) for line in RING_SETUP), *notes)
+    return Table(number, title, RING_CAPTION.format(end=end), setup, tuple(rows))
 
 
-def table_3(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING_CELLS,
-            methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> Table:
-    """The ring: error indices over the run."""
-    rows = _ring_rows(paper.ring_index, estimators, cells, methods, end)
-    return Table("3", "Table 3. Expanding ring: error indices over the run", RING_CAPTION.format(end=end),
-                 (*(line.format(end=end) for line in RING_SETUP), RING_INDEX_NOTE, INDEX_NOTE, COST_NOTE), rows)
-
-
-def _bar_row(case: str, force: str, cells: int, estimators: tuple[str, ...], end: float, long: float) -> Row:
-    modulus, amplitude = BAR_CASES[case]
-    scene = BarScene(method="ugimp", linearity_preserving=True, cells=cells, ppc=4, modulus=modulus,
-                     amplitude=amplitude, dt=2.5e-5, t_end=end, body_force=force, estimators=estimators)
-    crossings = replace(scene, t_end=long, estimators=(), effects=("crossings",))
-    return Row(f"bar-{case}-{force}-{cells}", f"E = {modulus:g} Pa, A = {short(amplitude)} m, {BAR_FORCES[force]}",
-               {**_errors_and_cost(scene), "crossings": crossings}, paper.bar(modulus, cells))
-
-
-def _ring_rows(printed, estimators: Mapping[str, Iterable[str]], cells: Iterable[int], methods: Iterable[str],
-               end: float) -> tuple[Row, ...]:
-    return tuple(_ring_row(name, method, n, tuple(estimators["ring"]), end, printed(method, n))
-                 for name in RING_SETUPS for method in methods for n in cells)
-
-
-def _ring_row(name: str, method: str, cells: int, estimators: tuple[str, ...], end: float, printed: dict) -> Row:
-    amplitude, modulus, ppc, what = RING_SETUPS[name]
-    scene = RingScene(method=method, cells=cells, ppc=ppc, amplitude=amplitude, modulus=modulus,
-                      dt=2e-5, t_end=end, estimators=estimators)
-    part = f"A = {amplitude:g} m, E = {short(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
-    return Row(f"ring-{name}-{method}-{cells}", part, _errors_and_cost(scene), printed)
+table_2 = partial(_ring_table, "2", "Table 2. Expanding ring: errors at the end of the run", (ERROR_NOTE,),
+                  paper.ring_errors)
+table_3 = partial(_ring_table, "3", "Table 3. Expanding ring: error indices over the run",
+                  (RING_INDEX_NOTE, INDEX_NOTE, COST_NOTE), paper.ring_index)
 
 
 def _errors_and_cost(scene: Scene) -> dict[str, Scene]:

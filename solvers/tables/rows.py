@@ -35,7 +35,7 @@ def run_row(row: Row, show: Callable[[float], None]) -> Results:
 def read_row(folder: Path, row: Row) -> Results | None:
     """The results of a finished row, or None."""
     try:
-        kept = json.loads(_file(folder, row).read_text(encoding="utf-8"))
+        kept = json.loads((folder / f"{row.name}.json").read_text(encoding="utf-8"))
         results = kept.pop("results")
         return results if kept == _made_from(row) and results.keys() == row.scenes.keys() else None
     except (OSError, ValueError, AttributeError, KeyError, TypeError):  # missing, or not what this program writes
@@ -44,14 +44,10 @@ def read_row(folder: Path, row: Row) -> Results | None:
 
 def write_row(folder: Path, row: Row, results: Results) -> None:
     """Keep the results of a row; the file appears whole or not at all."""
-    part = _file(folder, row).with_suffix(".part")
-    part.write_text(json.dumps({**_made_from(row), "results": results}, allow_nan=False, indent=2) + "\n",
-                    encoding="utf-8")
-    part.replace(_file(folder, row))
-
-
-def _file(folder: Path, row: Row) -> Path:
-    return folder / f"{row.name}.json"
+    text = json.dumps({**_made_from(row), "results": results}, allow_nan=False, indent=2)
+    part = folder / f"{row.name}.part"
+    part.write_text(f"{text}\n", encoding="utf-8")
+    part.replace(folder / f"{row.name}.json")
 
 
 def _made_from(row: Row) -> dict:
