@@ -83,8 +83,6 @@ class Line:
     def particles(self) -> np.ndarray:
         return np.arange(self.points) + 0.5
 
-    # ---- from particles, to particles or between them ---------------------------------------------------------
-
     def fit(self, width: int, degree: int) -> Rows:
         """Recovered value and slope (1/length) at every particle: weights (points, width, components, 2)."""
         index, value, slope = self._recovery(self.particles(), width, degree)
@@ -125,8 +123,6 @@ class Line:
         banded = self._banded(rows, columns, values, self.nodes, self.points)
         return Rows(banded.first, banded.weights / total[:, None, None, None])
 
-    # ---- on the error grid ------------------------------------------------------------------------------------
-
     def mass(self, measure: np.ndarray | None = None) -> np.ndarray:
         """The integral of N (nodes,), images beyond a mirror included."""
         q, weight = self.quadrature()
@@ -150,8 +146,6 @@ class Line:
         banded = self._banded(rows, columns, values, self.nodes, self.nodes)
         weights = banded.weights / self.mass(measure)[:, None, None]
         return Rows(banded.first, np.stack([weights, np.zeros_like(weights)], axis=-1))
-
-    # ---- how it is done ---------------------------------------------------------------------------------------
 
     def _recovery(self, at: np.ndarray, width: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Weights (Q, width) of the nearest particles in the value and the slope (per spacing) at the places ``at``.

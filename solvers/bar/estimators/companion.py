@@ -35,8 +35,6 @@ from solvers.kinds import integers, matrix, pairs, quads, reals
 
 POLYNOMIALS = 4  # order p
 
-# ---- the solve ------------------------------------------------------------------------------------------------
-
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
@@ -69,9 +67,6 @@ def element_forces(bar: ti.template(), first):
         weighted = bar.companion_matrices[q * n][1] * bar.modulus * stretch
         for k in range(n):
             bar.companion_nodes[first + k, 2] -= bar.companion_matrices[q * n + k][0] * weighted
-
-
-# ---- the report -----------------------------------------------------------------------------------------------
 
 
 @ti.func
@@ -109,9 +104,6 @@ def fill_elements(bar: ti.template()):
             bar.companion_elements[e * n + i] = ti.Vector([
                 bar.companion_nodes[first + i, 0], bar.companion_nodes[first + i, 2], stretch,
                 bar.companion_nodes[first + i, 4]])
-
-
-# ---- the set-up -----------------------------------------------------------------------------------------------
 
 
 def mesh(cells: int) -> Elements:

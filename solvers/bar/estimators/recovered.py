@@ -62,9 +62,6 @@ FIT, SPREAD, GATHER, SMOOTHING = range(4)  # tables: weights (value, slope)
 MOTION, GATHERED, ERRORS, FORCE = range(4)
 
 
-# ---- from particles to the error grid and back --------------------------------------------------------------------
-
-
 @ti.func
 def block(bar: ti.template(), kind: ti.template(), i):
     """Entry i of a block of the nodal array."""
@@ -131,9 +128,6 @@ def fit_slope(bar: ti.template(), p):
     return slope
 
 
-# ---- a step of the reference --------------------------------------------------------------------------------------
-
-
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
@@ -173,9 +167,6 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
             bar.recovered_nodes[block(bar, MOTION, i)], a, bar.recovered_numbers[H], first)
 
 
-# ---- the report ---------------------------------------------------------------------------------------------------
-
-
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
     """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
@@ -205,9 +196,6 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         E_sigma = bar.modulus * (bar.deformation_gradient[p] - 1 - slope[0] + error_slope[0])
         estimate = ti.Vector([E[0], E[1], E_sigma, E[2]])
         bar.estimate[base + p] = estimate if step > 0 else ti.Vector([0.0, 0.0, 0.0, 0.0])
-
-
-# ---- set-up -------------------------------------------------------------------------------------------------------
 
 
 def interval(scene):

@@ -36,8 +36,6 @@ from solvers.ring import exact
 from solvers.ring.estimators.companion_mesh import directions, free, masses, mesh, read_particles, unit_frequency
 from solvers.ring.material import kirchhoff_stress, radial_force_at
 
-# ---- the solve ------------------------------------------------------------------------------------------------
-
 
 @ti.func
 def after_step(ring: ti.template(), base, step, on: ti.template()):
@@ -119,9 +117,6 @@ def element_forces(ring: ti.template(), corner):
                 ring.companion_nodes[node, 2 + c] = ring.companion_nodes[node, 2 + c] - force[c]
 
 
-# ---- the report -----------------------------------------------------------------------------------------------
-
-
 @ti.func
 def report(ring: ti.template(), base, step, on: ti.template()):
     """Every particle's error at ``step``: computed minus the companion's, at its material point.
@@ -187,9 +182,6 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
         a = ring.acceleration[p] - ti.Vector([f[4], f[5]]) if step > 0 else ti.Vector([0.0, 0.0])
     ring.estimate_acceleration[base + p] = a
     return error[0] * error[0] + error[1] * error[1]
-
-
-# ---- the set-up -----------------------------------------------------------------------------------------------
 
 
 def allocate(scene) -> dict[str, np.ndarray]:

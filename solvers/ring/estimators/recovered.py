@@ -44,9 +44,6 @@ from solvers.ring.scene import polar_counts
 WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed
 
 
-# ---- a step of the reference --------------------------------------------------------------------------------------
-
-
 @ti.func
 def after_step(ring: ti.template(), base, step, on: ti.template()):
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
@@ -129,9 +126,6 @@ def move_reference(ring: ti.template(), first):
                                push * e[1] - divergence[1] / ring.density, ring.recovered_numbers[H], first)
             ring.recovered_nodes[op.node_at(ring, op.MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
             ring.recovered_nodes[op.node_at(ring, op.RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
-
-
-# ---- the report ---------------------------------------------------------------------------------------------------
 
 
 @ti.func
@@ -221,9 +215,6 @@ def stress_error(ring: ti.template(), p, along, around):
     scale = ring.shear_modulus / (a * d - b * c)
     return ti.Vector([own[0] - scale * (a * a + b * b - 1), own[1] - scale * (a * c + b * d),
                       own[2] - scale * (c * c + d * d - 1), 0.0])
-
-
-# ---- set-up -------------------------------------------------------------------------------------------------------
 
 
 def lines(scene):

@@ -64,9 +64,6 @@ def slopes_of(weight):
     return ti.Vector([weight[2], weight[3], weight[2], weight[3]])
 
 
-# ---- particles to nodes -------------------------------------------------------------------------------------------
-
-
 @ti.func
 def radial_gather(ring: ti.template()):
     """Integrals of N_b f R along each radius, over that of N_b R."""
@@ -138,9 +135,6 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
             ring.recovered_nodes[node_at(ring, FORCE, b)] = total
 
 
-# ---- nodes to nodes -----------------------------------------------------------------------------------------------
-
-
 @ti.func
 def radial_smoothing(ring: ti.template()):
     """The radial half of C."""
@@ -166,9 +160,6 @@ def angular_smoothing(ring: ti.template(), a, b):
         total += values_of(ring.recovered_weights[k]) * ring.recovered_nodes[node]
         node += across(ring)
     return total
-
-
-# ---- nodes to particles -------------------------------------------------------------------------------------------
 
 
 @ti.func
@@ -199,9 +190,6 @@ def radial_spread(ring: ti.template(), i, j):
         along += w[1] * e
         around += w[0] * ring.recovered_particles[line_at(ring, SLOPES, i, b + k)]
     return value, along, around
-
-
-# ---- particles to particles ---------------------------------------------------------------------------------------
 
 
 @ti.func
