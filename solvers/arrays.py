@@ -12,8 +12,8 @@ from typing import Any, get_type_hints
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.interface import EstimatorHooks
-from solvers.estimators.memory import allocate_memory, intervals
+from solvers.estimators.interface import NEVER, EstimatorHooks
+from solvers.estimators.memory import allocate_memory
 from solvers.kinds import Integer, Integers, Matrix, Quads, Real
 from solvers.samples import ROWS, column_count
 from solvers.scene import Scene
@@ -72,10 +72,11 @@ class Watch(Members):
 
 def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
     """The members of a :class:`Watch` at the start of a run of so many particles."""
+    intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "farthest": farthest,
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
-            "estimate_intervals": intervals(hooks, scene), "memory": allocate_memory(hooks, scene),
+            "estimate_intervals": np.array(intervals or [NEVER], np.int32), "memory": allocate_memory(hooks, scene),
             "samples": np.full((ROWS, column_count(on.estimators)), np.nan), "verdict": np.zeros(3, np.int32)}
 
 

@@ -108,8 +108,7 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
             moving = v
         if ti.static(on.velocity == "corners"):  # domains whose ends move with the grid tile for ever
             reach = half_width(bar, p, on) * bar.spacing
-            moving = 0.5 * (hat_velocity(bar, bar.position[p] - reach)
-                            + hat_velocity(bar, bar.position[p] + reach))
+            moving = 0.5 * (hat_velocity(bar, bar.position[p] - reach) + hat_velocity(bar, bar.position[p] + reach))
         x = bar.position[p] + bar.dt * moving
         if ti.static(on.crossings):
             jump = abs(ti.floor(x * bar.cells_per_length) - ti.floor(bar.position[p] * bar.cells_per_length))

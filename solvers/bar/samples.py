@@ -20,10 +20,8 @@ def true_error(bar: ti.template(), p, sin_t, cos_t, sin_before, on: ti.template(
     a = 0.0
     if ti.static(on.acceleration):
         a = bar.acceleration[p] + w * w * u * sin_before
-    return ti.Vector([bar.position[p] - bar.material_position[p] - u * sin_t,
-                      bar.velocity[p] - u * w * cos_t,
-                      bar.modulus * (bar.deformation_gradient[p] - 1 - stretch),
-                      a])
+    return ti.Vector([bar.position[p] - bar.material_position[p] - u * sin_t, bar.velocity[p] - u * w * cos_t,
+                      bar.modulus * (bar.deformation_gradient[p] - 1 - stretch), a])
 
 
 @ti.func

@@ -44,19 +44,17 @@ class BarSolver(Solver):
             true_a = a.acceleration - exact.acceleration(scene, X, before) \
                 if self._switches.acceleration and self.step else np.zeros_like(X)
             with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+                u, v = a.position - X - exact.displacement(scene, X, t), a.velocity - exact.velocity(scene, X, t)
                 stretch = a.deformation_gradient - exact.deformation_gradient(scene, X, t)
-                errors = np.stack([a.position - X - exact.displacement(scene, X, t),
-                                   a.velocity - exact.velocity(scene, X, t), scene.modulus * stretch, true_a],
-                                  axis=1)
+                errors = np.stack([u, v, scene.modulus * stretch, true_a], axis=1)
         estimates = {name: a.estimate[k * len(X):(k + 1) * len(X)].copy()
                      for k, name in enumerate(self._switches.estimators)}
         missed = {} if errors is None or not differences else {
             name: np.abs(estimate - errors) for name, estimate in estimates.items()}
         return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
-                        error=errors, estimate=estimates,
-                        last_crossing=a.last_crossing.copy() if self._switches.crossings else None,
                         velocity=a.velocity.copy(), deformation_gradient=a.deformation_gradient.copy(),
-                        difference=missed)
+                        error=errors, estimate=estimates, difference=missed,
+                        last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
 
     def _run(self, steps: int) -> None:
         advance(self.step, steps, self._pack, self._switches)

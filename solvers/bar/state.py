@@ -8,7 +8,7 @@ from solvers.arrays import Watch, watch
 from solvers.bar.body import BarBody, body
 from solvers.bar.scene import BarScene
 from solvers.estimators import registry
-from solvers.estimators.memory import memory_types
+from solvers.estimators.memory import packing
 from solvers.switches import switches
 
 HOOKS = registry.hooks_of("bar")
@@ -20,7 +20,7 @@ class WatchedBar(Watch, BarBody):
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
-BarState = ti.types.argpack(**WatchedBar.types(), **memory_types(HOOKS))
+BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types)
 
 
 def allocate(scene: BarScene) -> WatchedBar:

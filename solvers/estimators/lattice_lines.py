@@ -83,25 +83,21 @@ class Line:
     def particles(self) -> np.ndarray:
         return np.arange(self.points) + 0.5
 
-    # ---- from particles, to particles or between them ---------------------------------------------------------
-
     def fit(self, width: int, degree: int) -> Rows:
         """Recovered value and slope (1/length) at every particle: weights (points, width, components, 2)."""
         index, value, slope = self._recovery(self.particles(), width, degree)
-        weights = np.stack([value, slope * self.per_point], axis=-1)
-        rows = np.repeat(np.arange(self.points)[:, None], index.shape[1], axis=1)
         index, sign = self._fold(index, self.points)
-        return self._banded(rows, index, sign[..., None] * weights[:, :, None, :], self.points, self.points)
+        weights = sign[..., None] * np.stack([value, slope * self.per_point], axis=-1)[:, :, None]
+        return self._banded(np.arange(self.points)[:, None], index, weights, self.points, self.points)
 
     def spread(self) -> Rows:
         """Value and slope (1/length) of the B-splines at every particle: weights (points, 3, components, 2)."""
         index, value, slope = self._splines(self.particles())
-        weights = np.stack([value, slope * self.per_element], axis=-1)
-        rows = np.repeat(np.arange(self.points)[:, None], 3, axis=1)
         index, sign = self._fold_nodes(index)
-        return self._banded(rows, index, sign[..., None] * weights[:, :, None, :], self.points, self.nodes)
+        weights = sign[..., None] * np.stack([value, slope * self.per_element], axis=-1)[:, :, None]
+        return self._banded(np.arange(self.points)[:, None], index, weights, self.points, self.nodes)
 
-    def gather(self, width: int, degree: int, measure: np.ndarray | None = None) -> Rows:
+    def gather(self, width: int, degree: int, measure: np.ndarray | float = 1.0) -> Rows:
         """Integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
 
         f is recovered from particles; ``measure`` weighs the integration points, as R does on a radius.
@@ -109,49 +105,38 @@ class Line:
         the component is even.
         """
         q, weight = self.quadrature()
-        measured = weight if measure is None else weight * measure
+        measured = weight * measure
         node, N, dN = self._splines(q)
         particle, value, _ = self._recovery(q, width, degree)
         kinds = np.stack([N * measured[:, None], dN * self.per_element * measured[:, None], N * weight[:, None]], -1)
         node, node_sign = self._fold_nodes(node)
         particle, sign = self._fold(particle, self.points)
-        odd = sign[..., ::-1]
-        signs = np.stack([sign, odd, sign], -1)  # (Q, k, components, 3)
-        values = (node_sign[:, :, None, :, None] * kinds[:, :, None, None, :]
-                  * (signs * value[:, :, None, None])[:, None])
-        rows, columns = (np.broadcast_to(a, values.shape[:3])
-                         for a in (node[:, :, None], particle[:, None, :]))
-        total = self.mass(measure)
-        banded = self._banded(rows, columns, values, self.nodes, self.points)
-        return Rows(banded.first, banded.weights / total[:, None, None, None])
+        signs = np.stack([sign, sign[..., ::-1], sign], -1)  # (Q, k, components, 3)
+        found = (signs * value[:, :, None, None])[:, None]
+        values = node_sign[:, :, None, :, None] * kinds[:, :, None, None, :] * found
+        banded = self._banded(node[:, :, None], particle[:, None, :], values, self.nodes, self.points)
+        return Rows(banded.first, banded.weights / self.mass(measure)[:, None, None, None])
 
-    # ---- on the error grid ------------------------------------------------------------------------------------
-
-    def mass(self, measure: np.ndarray | None = None) -> np.ndarray:
+    def mass(self, measure: np.ndarray | float = 1.0) -> np.ndarray:
         """The integral of N (nodes,), images beyond a mirror included."""
         q, weight = self.quadrature()
-        weight = weight if measure is None else weight * measure
         node, N, _ = self._splines(q)
         total = np.zeros(self.nodes)
-        np.add.at(total, self._fold_nodes(node)[0], N * weight[:, None])
+        np.add.at(total, self._fold_nodes(node)[0], N * (weight * measure)[:, None])
         return total
 
-    def smoothing(self, measure: np.ndarray | None = None) -> Rows:
+    def smoothing(self, measure: np.ndarray | float = 1.0) -> Rows:
         """Integral of N_i N_j over that of N_i: what spreading and gathering makes of nodal values.
 
         Weights (nodes, k, components, 2), the second of each pair zero, as for maps that have a slope.
         """
         q, weight = self.quadrature()
-        weight = weight if measure is None else weight * measure
         node, N, _ = self._splines(q)
         node, sign = self._fold_nodes(node)
-        values = (sign * (N * weight[:, None])[..., None])[:, :, None] * (sign * N[..., None])[:, None]
-        rows, columns = (np.broadcast_to(a, values.shape[:3]) for a in (node[:, :, None], node[:, None, :]))
-        banded = self._banded(rows, columns, values, self.nodes, self.nodes)
+        values = (sign * (N * (weight * measure)[:, None])[..., None])[:, :, None] * (sign * N[..., None])[:, None]
+        banded = self._banded(node[:, :, None], node[:, None, :], values, self.nodes, self.nodes)
         weights = banded.weights / self.mass(measure)[:, None, None]
         return Rows(banded.first, np.stack([weights, np.zeros_like(weights)], axis=-1))
-
-    # ---- how it is done ---------------------------------------------------------------------------------------
 
     def _recovery(self, at: np.ndarray, width: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Weights (Q, width) of the nearest particles in the value and the slope (per spacing) at the places ``at``.
@@ -159,8 +144,7 @@ class Line:
         Weight (1 - (d/r)^2)^2 with r just beyond the furthest. Equal places in a lattice without free ends have equal
         weights, which are then found once.
         """
-        if self.ends == "free":
-            width = min(width, self.points)
+        width = min(width, self.points) if self.ends == "free" else width
         first = np.ceil(at - 0.5 * (width + 1) - 1e-9).astype(np.int64)
         if self.ends == "free":
             first = np.clip(first, 0, self.points - width)
@@ -205,6 +189,7 @@ class Line:
     def _banded(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,
                 column_count: int) -> Rows:
         """Add up entries with equal row and column into rows of consecutive columns."""
+        rows, columns = np.broadcast_arrays(rows, columns)
         tail = values.shape[rows.ndim:]
         rows, columns, values = rows.ravel(), columns.ravel(), values.reshape(rows.size, *tail)
         middle = ((np.arange(row_count) + 0.5) * column_count / row_count).astype(np.int64)

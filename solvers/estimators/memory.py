@@ -7,21 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solvers.estimators.interface import NEVER, EstimatorHooks
+from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.packing import Packing
 
 if TYPE_CHECKING:
     from solvers.scene import Scene
 
 
-def members(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
-    """The memory of all estimators, by name, with types."""
-    return {name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()}
-
-
-def memory_types(estimators: Mapping[str, EstimatorHooks]) -> dict[str, object]:
-    """The types of the members of the state that hold all estimators' memory (see ``solvers.estimators.packing``)."""
-    return Packing(members(estimators)).types
+def packing(estimators: Mapping[str, EstimatorHooks]) -> Packing:
+    """How the state holds the memory of all estimators."""
+    return Packing({name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()})
 
 
 def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
@@ -33,17 +28,12 @@ def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> d
         if own and own.keys() != blank.keys():
             raise TypeError(f"estimator {name} allocates {sorted(own.keys() ^ blank.keys())} against its own list")
         values.update(own or blank)
-    return Packing(members(estimators)).values(values)
+    return packing(estimators).values(values)
 
 
 def memory_parts(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
     """All estimators' arrays by name, out of what holds them."""
-    return Packing(members(estimators)).parts(memory)
-
-
-def intervals(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> np.ndarray:
-    """Steps between two steps of each active estimator; one entry at least."""
-    return np.array([estimators[name].interval(scene) for name in scene.active_estimators] or [NEVER], np.int32)
+    return packing(estimators).parts(memory)
 
 
 def _blank(kind: Any) -> float | int | np.ndarray:

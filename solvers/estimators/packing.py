@@ -2,9 +2,9 @@
 
 Every member of a state's argument pack counts, and an estimator with a second run has a state's worth of them. So all
 that estimators keep is in a :class:`Packing`: the arrays of one type lie one behind the other in a single one, and the
-numbers and the places where arrays begin stand in front. In kernels ``look`` gives the state with the packed members as
-attributes, for reading and for writing to arrays, and ``part`` gives those of one prefix by the rest of their names, so
-that functions written for a state (``bar.position[p]``) work on a second one.
+numbers and the places where arrays begin stand in front. In kernels :class:`Look` gives the state with the packed
+members as attributes, for reading and for writing to arrays, and ``part`` gives those of one prefix by the rest of
+their names, so that functions written for a state (``bar.position[p]``) work on a second one.
 """
 
 from collections.abc import Mapping
@@ -67,7 +67,7 @@ class Packing:
         return found
 
 
-class _Look:
+class Look:
     """A state, and the packed members as more of its attributes, while a kernel is compiled."""
 
     def __init__(self, state: object, packing: Packing):
@@ -109,12 +109,6 @@ def as_it_is(function: Any) -> Any:
     """The compiler warns of a call that it does not translate unless told so; here nothing is to be."""
     function.__dict__["_is_taichi_function"] = False
     return function
-
-
-@as_it_is
-def look(state: object, members: Mapping[str, object]) -> _Look:
-    """For kernels: the state with these members, which it keeps packed, as attributes."""
-    return _Look(state, Packing(members))
 
 
 @as_it_is

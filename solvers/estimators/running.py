@@ -3,14 +3,14 @@
 import taichi as ti
 
 from solvers.estimators.interface import NEVER
-from solvers.estimators.memory import members
-from solvers.estimators.packing import as_it_is, look
+from solvers.estimators.memory import packing
+from solvers.estimators.packing import Look, as_it_is
 
 
 @as_it_is
 def whole(state, estimators):
-    """The state with the estimators' memory as members; it runs while kernels are compiled."""
-    return look(state, members(estimators))
+    """The state with the estimators' memory, which it keeps packed, as attributes, while kernels are compiled."""
+    return Look(state, packing(estimators))
 
 
 @ti.func

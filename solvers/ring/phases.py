@@ -24,9 +24,6 @@ def update_grid(ring: ti.template(), t, on: ti.template()):
     mirror_motion(ring)
 
 
-# ---- particles ------------------------------------------------------------------------------------------------
-
-
 @ti.func
 def particles_to_nodes(ring: ti.template(), slab, on: ti.template()):
     """Clear the slab's grid, find its particles' weights, and add mass, momentum and force to the grid.
@@ -95,9 +92,6 @@ def slab_range(count, slab, slabs):
     """The part of ``count`` things that is the slab's."""
     return slab * (count // slabs) + ti.min(slab, count % slabs), \
         (slab + 1) * (count // slabs) + ti.min(slab + 1, count % slabs)
-
-
-# ---- nodes ----------------------------------------------------------------------------------------------------
 
 
 @ti.func

@@ -50,8 +50,7 @@ def stress_error(ring: ti.template(), p, expansion):
     c, s = ring.direction[p][0], ring.direction[p][1]
     F = ring.deformation_gradient[p]
     sigma = kirchhoff_stress(ring, p) / (F[0] * F[3] - F[1] * F[2])
-    return sigma - ti.Vector([along * c * c + across * s * s, (along - across) * c * s,
-                              along * s * s + across * c * c])
+    return sigma - ti.Vector([along * c * c + across * s * s, (along - across) * c * s, along * s * s + across * c * c])
 
 
 @ti.func

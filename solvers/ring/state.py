@@ -6,7 +6,7 @@ import taichi as ti
 
 from solvers.arrays import Watch, watch, zeros
 from solvers.estimators import registry
-from solvers.estimators.memory import memory_types
+from solvers.estimators.memory import packing
 from solvers.kinds import Pairs, Quads
 from solvers.ring.body import RingBody, body, farthest
 from solvers.ring.scene import RingScene
@@ -24,7 +24,7 @@ class WatchedRing(Watch, RingBody):
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
-RingState = ti.types.argpack(**WatchedRing.types(), **memory_types(HOOKS))
+RingState = ti.types.argpack(**WatchedRing.types(), **packing(HOOKS).types)
 
 
 def allocate(scene: RingScene, slabs: int) -> WatchedRing:

@@ -49,5 +49,4 @@ def recovered(scene: Any) -> str | None:
     return None
 
 
-RULES: dict[str, Callable[[Any], str | None]] = {
-    "companion": companion, "recovered": recovered, "two-grid": two_grid}
+RULES: dict[str, Callable[[Any], str | None]] = {"companion": companion, "recovered": recovered, "two-grid": two_grid}

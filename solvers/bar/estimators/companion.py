@@ -15,45 +15,30 @@ import taichi as ti
 
 from solvers.bar import exact
 from solvers.bar.forces import force_at, tones
-from solvers.estimators.companion import (
-    ACROSS,
-    NODES,
-    NOW,
-    ORDER,
-    SQUARE,
-    WORK,
-    doubt,
-    highest_frequency,
-    initial_nodes,
-    interval,
-    read_nodes,
-    step_ahead,
-)
+from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.spectral import Elements
 from solvers.kinds import integers, matrix, pairs, quads, reals
 
 POLYNOMIALS = 4  # order p
 
-# ---- the solve ------------------------------------------------------------------------------------------------
-
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
     """Carry the companion on where the particles have gone beyond its interval."""
-    step_ahead(bar, step, accelerate, on)
+    shared.step_ahead(bar, step, accelerate, on)
 
 
 @ti.func
 def accelerate(bar: ti.template(), t, on: ti.template()):
     """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
-    N = bar.companion_counts[NODES]
-    for e in range(bar.companion_counts[ACROSS]):
-        element_forces(bar, WORK * N + e * bar.companion_counts[ORDER])
-    whole = bar.companion_nodes[WORK * N, 2] + bar.companion_nodes[WORK * N + N - 1, 2]
+    N = bar.companion_counts[shared.NODES]
+    for e in range(bar.companion_counts[shared.ACROSS]):
+        element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
+    whole = bar.companion_nodes[shared.WORK * N, 2] + bar.companion_nodes[shared.WORK * N + N - 1, 2]
     size = tones(bar, t, on)
     for i in range(N):
-        work, wave = WORK * N + i, bar.companion_waves[i]
+        work, wave = shared.WORK * N + i, bar.companion_waves[i]
         force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work, 2]
         bar.companion_nodes[work, 2] = bar.companion_nodes[work, 6] * force + force_at(wave[0], wave[1], size, on)
 
@@ -61,7 +46,7 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
 @ti.func
 def element_forces(bar: ti.template(), first):
     """Take an element's internal forces from its nodes, which are in ``companion_nodes`` from ``first`` on."""
-    n = bar.companion_counts[ORDER] + 1
+    n = bar.companion_counts[shared.ORDER] + 1
     for q in range(n):
         stretch = 0.0
         for k in range(n):
@@ -71,15 +56,12 @@ def element_forces(bar: ti.template(), first):
             bar.companion_nodes[first + k, 2] -= bar.companion_matrices[q * n + k][0] * weighted
 
 
-# ---- the report -----------------------------------------------------------------------------------------------
-
-
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
     """Every particle's error at ``step``: computed minus the companion's, at its material point."""
-    read_nodes(bar, step)
+    shared.read_nodes(bar, step)
     fill_elements(bar)
-    n = bar.companion_counts[ORDER] + 1
+    n = bar.companion_counts[shared.ORDER] + 1
     squares = 0.0
     for p in range(bar.particles):
         f = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -93,15 +75,15 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         squares += x * x
         bar.estimate[base + p] = ti.Vector([x, bar.velocity[p] - f[1],
                                             bar.modulus * (bar.deformation_gradient[p] - 1 - f[2]), a])
-    bar.companion_numbers[SQUARE] = squares / bar.particles
+    bar.companion_numbers[shared.SQUARE] = squares / bar.particles
 
 
 @ti.func
 def fill_elements(bar: ti.template()):
     """u, v, u_X and a at the points of each element; u_X jumps between elements."""
-    n, N = bar.companion_counts[ORDER] + 1, bar.companion_counts[NODES]
-    for e in range(bar.companion_counts[ACROSS]):
-        first = NOW * N + e * (n - 1)
+    n, N = bar.companion_counts[shared.ORDER] + 1, bar.companion_counts[shared.NODES]
+    for e in range(bar.companion_counts[shared.ACROSS]):
+        first = shared.NOW * N + e * (n - 1)
         for i in range(n):
             stretch = 0.0
             for k in range(n):
@@ -109,9 +91,6 @@ def fill_elements(bar: ti.template()):
             bar.companion_elements[e * n + i] = ti.Vector([
                 bar.companion_nodes[first + i, 0], bar.companion_nodes[first + i, 2], stretch,
                 bar.companion_nodes[first + i, 4]])
-
-
-# ---- the set-up -----------------------------------------------------------------------------------------------
 
 
 def mesh(cells: int) -> Elements:
@@ -131,9 +110,9 @@ def allocate(scene) -> dict[str, np.ndarray]:
     element, basis, _ = elements.locate(particles)
     return {
         "companion_counts": np.array([elements.order, elements.count, 1, len(X), len(X), 1,
-                                      interval(frequency, scene.time_step)], np.int32),
+                                      shared.interval(frequency, scene.time_step)], np.int32),
         "companion_numbers": np.array([frequency, 1.0, 0.0]),
-        "companion_nodes": initial_nodes(velocity, inverse_mass),
+        "companion_nodes": shared.initial_nodes(velocity, inverse_mass),
         "companion_waves": np.stack([np.sin(exact.WAVENUMBER * X), np.cos(exact.WAVENUMBER * X)], axis=1),
         "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
         "companion_element": element, "companion_basis": basis.ravel(),
@@ -158,14 +137,14 @@ def unit_frequency(elements: Elements) -> float:
         pull[0] = pull[-1] = pull[0] + pull[-1]
         return inverse_mass * pull
 
-    return highest_frequency(accelerations, inverse_mass)
+    return shared.highest_frequency(accelerations, inverse_mass)
 
 
 def verdict(scene, memory) -> str | None:
     """Why not to trust what was reported last."""
     elements = mesh(scene.cells)
-    u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[NOW, :, :2]
-    return doubt(u[elements.of_node], (1,), memory["companion_numbers"][SQUARE])
+    u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[shared.NOW, :, :2]
+    return shared.doubt(u[elements.of_node], (1,), memory["companion_numbers"][shared.SQUARE])
 
 
 HOOKS = EstimatorHooks(

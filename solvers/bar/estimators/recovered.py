@@ -35,21 +35,10 @@ import taichi as ti
 from solvers.bar import exact
 from solvers.bar.forces import tones
 from solvers.bar.nodes import stencil_of
+from solvers.estimators import recovery
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.lattice_lines import Line, Rows
-from solvers.estimators.recovery import (
-    TAU,
-    H,
-    fit_width,
-    next_reference,
-    not_finite,
-    numbers,
-    pack_tables,
-    reference_at,
-    row_of,
-    steps_between,
-    time_since,
-)
+from solvers.estimators.recovery import TAU, H, row_of
 from solvers.kinds import integers, pairs, quads, reals
 
 WAVE_CFL = 0.8  # H c/h; stable to 1.2
@@ -62,9 +51,6 @@ FIT, SPREAD, GATHER, SMOOTHING = range(4)  # tables: weights (value, slope)
 MOTION, GATHERED, ERRORS, FORCE = range(4)
 
 
-# ---- from particles to the error grid and back --------------------------------------------------------------------
-
-
 @ti.func
 def block(bar: ti.template(), kind: ti.template(), i):
     """Entry i of a block of the nodal array."""
@@ -72,10 +58,11 @@ def block(bar: ti.template(), kind: ti.template(), i):
 
 
 @ti.func
-def gather(bar: ti.template(), i):
-    """M of the fields kept at particles, at node i, and D of them."""
+def from_particles(bar: ti.template(), table: ti.template(), row):
+    """A row of ``GATHER``, M of the fields kept at particles, at a node, and D of them; or of ``FIT``, the fields
+    recovered at a particle, and their slopes."""
     value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    p, begin, end = row_of(bar.recovered_index, GATHER, i, 0)
+    p, begin, end = row_of(bar.recovered_index, table, row, 0)
     for k in range(begin, end):
         value += bar.recovered_weights[k][0] * bar.recovered_field[p]
         slope += bar.recovered_weights[k][1] * bar.recovered_field[p]
@@ -108,19 +95,6 @@ def spread(bar: ti.template(), p, q):
 
 
 @ti.func
-def fit(bar: ti.template(), p):
-    """The fields recovered at particle p, and their slopes."""
-    value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    other, begin, end = row_of(bar.recovered_index, FIT, p, 0)
-    for k in range(begin, end):
-        weight, field = bar.recovered_weights[k], bar.recovered_field[other]
-        value += weight[0] * field
-        slope += weight[1] * field
-        other = ti.select(other + 1 < bar.particles, other + 1, 0)
-    return value, slope
-
-
-@ti.func
 def fit_slope(bar: ti.template(), p):
     """The slope alone, of the displacement alone."""
     slope = 0.0
@@ -129,9 +103,6 @@ def fit_slope(bar: ti.template(), p):
         slope += bar.recovered_weights[k][1] * bar.recovered_field[other][0]
         other = ti.select(other + 1 < bar.particles, other + 1, 0)
     return slope
-
-
-# ---- a step of the reference --------------------------------------------------------------------------------------
 
 
 @ti.func
@@ -143,9 +114,8 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
         motion = bar.recovered_nodes[block(bar, MOTION, i)]
         motion[0] += bar.recovered_numbers[H] * motion[1]
         bar.recovered_nodes[block(bar, MOTION, i)] = motion
-        mean, _ = gather(bar, i)
-        e = mean[0] - motion[0]
-        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([e, mean[1] - motion[1], 0.0, 0.0])
+        mean, _ = from_particles(bar, GATHER, i)
+        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([mean[0] - motion[0], mean[1] - motion[1], 0.0, 0.0])
     for i in range(bar.cells):
         e = bar.recovered_nodes[block(bar, GATHERED, i)]
         bar.recovered_nodes[block(bar, ERRORS, i)] = e - smooth(bar, i) + ti.Vector([e[0], 0.0, 0.0, 0.0])
@@ -166,14 +136,10 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     size = tones(bar, step * bar.dt, on)
     first = step * bar.dt < 1.5 * bar.recovered_numbers[H]
     for i in range(bar.cells):
-        shape = bar.recovered_nodes[block(bar, FORCE, i)]
-        _, divergence = gather(bar, i)
+        shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
+        _, divergence = from_particles(bar, GATHER, i)
         a = size[0] * shape[0] + size[1] * shape[1] - divergence[3] / bar.density
-        bar.recovered_nodes[block(bar, MOTION, i)] = next_reference(
-            bar.recovered_nodes[block(bar, MOTION, i)], a, bar.recovered_numbers[H], first)
-
-
-# ---- the report ---------------------------------------------------------------------------------------------------
+        bar.recovered_nodes[at] = recovery.next_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H], first)
 
 
 @ti.func
@@ -187,16 +153,17 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         if ti.static(on.acceleration):
             a = bar.acceleration[p]
         bar.recovered_field[p] = ti.Vector([bar.position[p] - bar.material_position[p], v_g, a, 0.0])
-    since = time_since(step, bar.dt, bar.recovered_numbers[H])
+    length = bar.recovered_numbers[H]
+    since = recovery.time_since(step, bar.dt, length)
     for i in range(bar.cells):
-        U, V, A = reference_at(bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_numbers[H], since, bar.dt)
-        mean, _ = gather(bar, i)
+        U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], length, since, bar.dt)
+        mean, _ = from_particles(bar, GATHER, i)
         bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, 0.0])
     for i in range(bar.cells):
         bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * bar.recovered_nodes[block(bar, GATHERED, i)] - smooth(bar, i)
     for p in range(bar.particles):
         field = bar.recovered_field[p]
-        fitted, slope = fit(bar, p)
+        fitted, slope = from_particles(bar, FIT, p)
         error, error_slope = spread(bar, p, p % (bar.particles // bar.cells))
         E = error + field - fitted
         E[1] += bar.velocity[p] - field[1]
@@ -207,11 +174,8 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         bar.estimate[base + p] = estimate if step > 0 else ti.Vector([0.0, 0.0, 0.0, 0.0])
 
 
-# ---- set-up -------------------------------------------------------------------------------------------------------
-
-
 def interval(scene):
-    return steps_between(scene, WAVE_CFL * scene.spacing)
+    return recovery.steps_between(scene, WAVE_CFL * scene.spacing)
 
 
 def allocate(scene):
@@ -219,19 +183,18 @@ def allocate(scene):
     cells, per_cell = scene.cells, scene.ppc
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    tables = [line.fit(fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1),
-              line.spread().repeated(cells, per_cell, 1),
-              line.gather(4, 2).repeated(cells, 1, per_cell),
+    tables = [line.fit(recovery.fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1),
+              line.spread().repeated(cells, per_cell, 1), line.gather(4, 2).repeated(cells, 1, per_cell),
               line.smoothing().repeated(cells, 1, 1)]
     tables = [Rows(rows.first, rows.weights[:, :, 0, :2]) for rows in tables]  # one component; value and slope
-    index, weights = pack_tables(tables)
+    index, weights = recovery.pack_tables(tables)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
     nodes = np.zeros((4, cells, 4))
     for k in (0, 1):
         nodes[FORCE, :, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
     nodes[MOTION, :, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]  # the body force is zero at the start
-    return {"recovered_numbers": numbers(scene, interval(scene)),
-            "recovered_index": index, "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), "recovered_index": index,
+            "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles, 4))}
 
 
@@ -242,4 +205,4 @@ HOOKS = EstimatorHooks(
         "recovered_nodes": quads,  # nodal values, block by block
         "recovered_field": quads,  # u, v, a, P at particles
     },
-    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=not_finite)
+    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=recovery.not_finite)

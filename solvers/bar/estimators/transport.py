@@ -10,17 +10,7 @@ on the bar. Error means computed minus exact, at a fixed particle.
 import numpy as np
 import taichi as ti
 
-from solvers.bar.nodes import (
-    EMPTY,
-    GHOSTS,
-    divergence_form,
-    fold,
-    gather_moments,
-    node_force,
-    offset,
-    spread,
-    stencil_of,
-)
+from solvers.bar import nodes
 from solvers.estimators.interface import EstimatorHooks
 from solvers.kinds import quads, real, reals
 
@@ -43,7 +33,7 @@ def in_step(bar: ti.template(), base, on: ti.template()):
         EF += H (L EF + F (sum dS Ev_i + v_xx/2 sum dS (x_i - x_p)^2));  Esigma = E EF.
     """
     if ti.static(not on.linearity_preserving):  # else the step has gathered them
-        gather_moments(bar)
+        nodes.gather_moments(bar)
     gather_errors(bar, base)
     stress_slopes(bar, on)
     node_errors(bar, on)
@@ -53,31 +43,31 @@ def in_step(bar: ti.template(), base, on: ti.template()):
 @ti.func
 def gather_errors(bar: ti.template(), base):
     """Nodal sums of S Ev, D* source, S source, D* r^2 and S r^2; source = Esigma + sigma EF/F."""
-    for i in range(bar.cells + GHOSTS):
+    for i in range(bar.cells + nodes.GHOSTS):
         bar.transport_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
         bar.transport_spread[i] = 0.0
     for p in range(bar.particles):
-        S, dS = stencil_of(bar, p)
+        S, dS = nodes.stencil_of(bar, p)
         i = bar.first_node[p]
         F = bar.deformation_gradient[p]
         error = bar.estimate[base + p]
         source = error[2] + (F - 1) * error[2] / F  # Esigma + sigma EF/F of eq 12: EF = Esigma/E, sigma = E(F - 1)
-        r = offset(bar, p)
+        r = nodes.offset(bar, p)
         for k in ti.static(range(3)):
             D = -dS[k] * F * bar.volume
             square = (r - k * bar.spacing) ** 2
             bar.transport_nodes[i + k] += ti.Vector([S[k] * error[1], D * source, S[k] * source, D * square])
             bar.transport_spread[i + k] += S[k] * square
-    fold(bar.transport_nodes, bar.cells)
-    fold(bar.transport_spread, bar.cells)
+    nodes.fold(bar.transport_nodes, bar.cells)
+    nodes.fold(bar.transport_spread, bar.cells)
 
 
 @ti.func
 def stress_slopes(bar: ti.template(), on: ti.template()):
     """sigma_x at the nodes, from the force that the step used."""
     for i in range(1, bar.cells + 1):
-        bar.transport_slope[i] = node_force(bar, i, on) / ti.max(bar.node_volume[i], EMPTY * bar.spacing)
-    spread(bar.transport_slope, bar.cells)
+        bar.transport_slope[i] = nodes.node_force(bar, i, on) / ti.max(bar.node_volume[i], nodes.EMPTY * bar.spacing)
+    nodes.spread(bar.transport_slope, bar.cells)
 
 
 @ti.func
@@ -88,9 +78,9 @@ def node_errors(bar: ti.template(), on: ti.template()):
         Ea, Ev = 0.0, 0.0
         left, right = bar.node_motion[i - 1][0], bar.node_motion[i + 1][0]
         v_xx = (left - 2 * bar.node_motion[i][0] + right) / bar.spacing**2
-        if weight > EMPTY:
+        if weight > nodes.EMPTY:
             moments, errors = bar.node_moments[i], bar.transport_nodes[i]
-            mean, scale = divergence_form(bar, i, on)
+            mean, scale = nodes.divergence_form(bar, i, on)
             sigma_x = bar.transport_slope[i]
             sigma_xx = (bar.transport_slope[i + 1] - bar.transport_slope[i - 1]) / (2 * bar.spacing)
             constant = (moments[0] - mean * weight) * moments[3] / weight  # (sum D) f_i of eq 46
@@ -101,17 +91,17 @@ def node_errors(bar: ti.template(), on: ti.template()):
             Ea = ((fed_back + quadratic + constant) * scale + linear) / mass  # eq 12
             Ev = errors[0] / weight + bar.transport_dt * Ea  # eq 21 at the node
         bar.transport_errors[i] = ti.Vector([Ev, Ea, v_xx, 0.0])
-    spread(bar.transport_errors, bar.cells)
+    nodes.spread(bar.transport_errors, bar.cells)
 
 
 @ti.func
 def particle_errors(bar: ti.template(), base, on: ti.template()):
     """Carry Ev, Ex and Esigma on with the step's own weights, and leave Ea for the report."""
     for p in range(bar.particles):
-        S, dS = stencil_of(bar, p)
+        S, dS = nodes.stencil_of(bar, p)
         i = bar.first_node[p]
         F = bar.deformation_gradient[p]
-        r = offset(bar, p)
+        r = nodes.offset(bar, p)
         at_particle = ti.Vector([0.0, 0.0, 0.0, 0.0])  # Ev, Ea, v_xx of the nodes, interpolated
         L, error_slope, second = 0.0, 0.0, 0.0
         for k in ti.static(range(3)):
@@ -133,10 +123,9 @@ def particle_errors(bar: ti.template(), base, on: ti.template()):
 
 def allocate(scene):
     """Nodal arrays, with the periodic images."""
-    nodes = scene.cells + GHOSTS
-    return {"transport_dt": scene.estimate_interval * scene.time_step, "transport_nodes": np.zeros((nodes, 4)),
-            "transport_spread": np.zeros(nodes), "transport_slope": np.zeros(nodes),
-            "transport_errors": np.zeros((nodes, 4))}
+    N = scene.cells + nodes.GHOSTS
+    return {"transport_dt": scene.estimate_interval * scene.time_step, "transport_nodes": np.zeros((N, 4)),
+            "transport_spread": np.zeros(N), "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
 
 
 HOOKS = EstimatorHooks(

@@ -20,14 +20,12 @@ from solvers.kinds import pairs, quads, real
 from solvers.switches import switches
 
 IMAGES = 4  # images of the common lattice's points beyond either end
+
 TABLES = ("down", "across", "up")  # from the run's lattice to the common one, from the second run's, and back
-
-
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
     **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.MEMBERS.items()},
-    "two_grid_gain": real,  # 1/(r^2 - 1)
-    "two_grid_interval": ti.i32,
+    "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
     "two_grid_before": pairs,  # F and a of the second bar a step ago
     "two_grid_fields": quads,  # u, v, sigma, a of either run, with images
     "two_grid_common": quads,  # the extrapolated ones on the second bar's lattice, with images
@@ -36,39 +34,29 @@ MEMORY = {
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """One step of the second bar, from ``coarse_dt`` ago until now."""
-    coarse_step(part(bar, "coarse_"), part(bar, "two_grid_").before, step * bar.dt, ti.static(two_grid.bare(on)))
-
-
-@ti.func
-def coarse_step(coarse: ti.template(), before: ti.template(), t, on: ti.template()):
-    """Step the second bar to time t, and keep F and a as they were for their rates."""
+    """One step of the second bar, from ``coarse_dt`` ago until now; F and a before it are kept, for their rates."""
+    coarse, bare = ti.static([part(bar, "coarse_"), two_grid.bare(on)])
     for q in range(coarse.particles):
-        before[q] = ti.Vector([coarse.deformation_gradient[q], coarse.acceleration[q]])
-    update_grid(coarse, t - coarse.dt, on)
-    nodes_to_particles(coarse, 0, on)
+        bar.two_grid_before[q] = ti.Vector([coarse.deformation_gradient[q], coarse.acceleration[q]])
+    update_grid(coarse, step * bar.dt - coarse.dt, bare)
+    nodes_to_particles(coarse, 0, bare)
 
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """The run's fields less the extrapolated ones."""
-    compare(bar, part(bar, "two_grid_"), step, on)
-    subtract(bar, part(bar, "two_grid_up_"), part(bar, "two_grid_").common, base, on)
-
-
-@ti.func
-def compare(bar: ti.template(), own: ti.template(), step, on: ti.template()):
-    """q* on the common lattice, which is the second bar's."""
+    """The run's fields less the extrapolated ones, q*, on the common lattice, which is the second bar's."""
+    own, coarse = ti.static([part(bar, "two_grid_"), part(bar, "coarse_")])
     for q in range(bar.coarse_particles + 2 * IMAGES):
         own.common[q] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(bar.particles):
         own.fields[own.down_taps + p] = fields_of(bar, p, on)
     close(own.fields, bar.particles, own.down_taps)
     smooth(part(bar, "two_grid_down_"), own.fields, 1 + own.gain, own.common, bar.coarse_particles)
-    coarse_fields(bar, own, part(bar, "coarse_"), step)
+    coarse_fields(bar, own, coarse, step)
     close(own.fields, bar.coarse_particles, own.across_taps)
     smooth(part(bar, "two_grid_across_"), own.fields, -own.gain, own.common, bar.coarse_particles)
     close(own.common, bar.coarse_particles, IMAGES)
+    subtract(bar, part(bar, "two_grid_up_"), own.common, base, on)
 
 
 @ti.func

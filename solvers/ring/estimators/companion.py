@@ -12,56 +12,37 @@ which leaves both rims free of traction; u_y = 0 on theta = 0 and u_x = 0 on the
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.companion import (
-    ACROSS,
-    AROUND,
-    LAYERS,
-    NODES,
-    NOW,
-    ORDER,
-    RADII,
-    ROW,
-    SQUARE,
-    STIFFEST,
-    WORK,
-    doubt,
-    initial_nodes,
-    interval,
-    read_nodes,
-    step_ahead,
-)
+from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
 from solvers.kinds import integer_quads, integers, matrix, pairs, quads, reals
 from solvers.ring import exact
 from solvers.ring.estimators.companion_mesh import directions, free, masses, mesh, read_particles, unit_frequency
 from solvers.ring.material import kirchhoff_stress, radial_force_at
 
-# ---- the solve ------------------------------------------------------------------------------------------------
-
 
 @ti.func
 def after_step(ring: ti.template(), base, step, on: ti.template()):
     """Carry the companion on where the particles have gone beyond its interval."""
-    step_ahead(ring, step, accelerate, on)
+    shared.step_ahead(ring, step, accelerate, on)
 
 
 @ti.func
 def accelerate(ring: ti.template(), t, on: ti.template()):
     """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
-    row = ring.companion_counts[ROW]
+    row = ring.companion_counts[shared.ROW]
     stiffest = 1.0
-    for across in range(ring.companion_counts[ACROSS]):
-        for around in range(ring.companion_counts[AROUND]):
-            corner = ring.companion_counts[ORDER] * (across * row + around)
+    for across in range(ring.companion_counts[shared.ACROSS]):
+        for around in range(ring.companion_counts[shared.AROUND]):
+            corner = ring.companion_counts[shared.ORDER] * (across * row + around)
             stiffest = ti.max(stiffest, element_stresses(ring, corner))
             element_forces(ring, corner)
-    ring.companion_numbers[STIFFEST] = stiffest
-    for k in range(ring.companion_counts[RADII]):
+    ring.companion_numbers[shared.STIFFEST] = stiffest
+    for k in range(ring.companion_counts[shared.RADII]):
         force = 0.0
         if ti.static(on.body_force != "none"):
             force = radial_force_at(ring, ring.companion_radii[k], t, on)
         for j in range(row):
-            i = WORK * ring.companion_counts[NODES] + k * row + j
+            i = shared.WORK * ring.companion_counts[shared.NODES] + k * row + j
             for c in ti.static(range(2)):
                 a = ring.companion_nodes[i, 6 + c] * ring.companion_nodes[i, 2 + c]
                 ring.companion_nodes[i, 2 + c] = a + force * ring.companion_directions[j][c]
@@ -73,8 +54,8 @@ def element_stresses(ring: ti.template(), corner):
 
     Returns its stiffest tangent over 2 mu: the largest eigenvalue of dP/dF is mu (1 + 1/s^2), s the least stretch.
     """
-    n, row = ring.companion_counts[ORDER] + 1, ring.companion_counts[ROW]
-    trial = WORK * ring.companion_counts[NODES] + corner
+    n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
+    trial = shared.WORK * ring.companion_counts[shared.NODES] + corner
     stiffest = 1.0
     for i in range(n):
         R = ring.companion_radii[corner // row + i][0]
@@ -104,8 +85,8 @@ def element_stresses(ring: ti.template(), corner):
 @ti.func
 def element_forces(ring: ti.template(), corner):
     """Take the element's internal forces from its nodes."""
-    n, row = ring.companion_counts[ORDER] + 1, ring.companion_counts[ROW]
-    trial = WORK * ring.companion_counts[NODES] + corner
+    n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
+    trial = shared.WORK * ring.companion_counts[shared.NODES] + corner
     for i in range(n):
         for j in range(n):
             force = ti.Vector([0.0, 0.0])
@@ -119,31 +100,25 @@ def element_forces(ring: ti.template(), corner):
                 ring.companion_nodes[node, 2 + c] = ring.companion_nodes[node, 2 + c] - force[c]
 
 
-# ---- the report -----------------------------------------------------------------------------------------------
-
-
 @ti.func
 def report(ring: ti.template(), base, step, on: ti.template()):
-    """Every particle's error at ``step``: computed minus the companion's, at its material point.
-
-    Along each radius of particles the companion is first reduced to one arc of nodes, then read there at each
-    particle's angle.
-    """
-    read_nodes(ring, step)
+    """Every particle's error at ``step``: computed minus the companion's, at its material point. Along each radius of
+    particles that is first reduced to one arc of nodes, then read there at each particle's angle."""
+    shared.read_nodes(ring, step)
     squares = 0.0
     for k in range(ring.radius_count):
         reduce_to_arc(ring, k)
         for place in range(ring.companion_places[k][0], ring.companion_places[k + 1][0]):
             squares += particle_error(ring, base, ring.companion_places[place], step, on)
-    ring.companion_numbers[SQUARE] = squares / ring.particles
+    ring.companion_numbers[shared.SQUARE] = squares / ring.particles
 
 
 @ti.func
 def reduce_to_arc(ring: ti.template(), k):
     """u, v, a and u_R on the arc of the k-th particle radius, at the nodes' angles."""
-    n, row = ring.companion_counts[ORDER] + 1, ring.companion_counts[ROW]
-    start = NOW * ring.companion_counts[NODES] + ring.companion_places[k][1]
-    arc = LAYERS * ring.companion_counts[NODES]
+    n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
+    start = shared.NOW * ring.companion_counts[shared.NODES] + ring.companion_places[k][1]
+    arc = shared.LAYERS * ring.companion_counts[shared.NODES]
     for j in range(row):
         total = ti.Vector([0.0] * 8)
         for i in range(n):
@@ -159,12 +134,11 @@ def reduce_to_arc(ring: ti.template(), k):
 @ti.func
 def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
     """Errors of x and v, of the Cauchy stress and of a at a particle, whose ``place`` is (p, first node of its arc,
-    first of its polynomials). Returns the square of that of x.
-    """
+    first of its polynomials). Returns the square of that of x."""
     p = place[0]
     f = ti.Vector([0.0] * 8)  # u, v, a, u_R
     turn = ti.Vector([0.0, 0.0])  # u_theta/R
-    for j in range(ring.companion_counts[ORDER] + 1):
+    for j in range(ring.companion_counts[shared.ORDER] + 1):
         arc, basis = place[1] + j, ring.companion_basis[place[2] + j]
         for c in ti.static(range(8)):
             f[c] += basis[0] * ring.companion_nodes[arc, c]
@@ -189,9 +163,6 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
     return error[0] * error[0] + error[1] * error[1]
 
 
-# ---- the set-up -----------------------------------------------------------------------------------------------
-
-
 def allocate(scene) -> dict[str, np.ndarray]:
     """The companion at rest, moving with the initial velocity."""
     radial, angular = mesh(scene.cells)
@@ -200,14 +171,13 @@ def allocate(scene) -> dict[str, np.ndarray]:
     inverse_mass = free(radial, angular) / (scene.density * masses(radial, angular)[..., None])
     frequency = scene.wave_speed * unit_frequency(radial, angular)
     basis, places = read_particles(scene, radial, angular)
-    matrices = np.zeros((n, n, 4))
-    for k, part in enumerate((radial.derivative, angular.derivative, np.outer(radial.weights, angular.weights))):
-        matrices[..., k] = part
+    weights = np.outer(radial.weights, angular.weights)
+    matrices = np.stack([radial.derivative, angular.derivative, weights, np.zeros((n, n))], axis=-1)
     return {
         "companion_counts": np.array([radial.order, radial.count, angular.count, len(e), len(X), len(R),
-                                      interval(frequency, scene.time_step)], np.int32),
+                                      shared.interval(frequency, scene.time_step)], np.int32),
         "companion_numbers": np.array([frequency, 1.0, 0.0]),
-        "companion_nodes": initial_nodes(exact.velocity(scene, X, 0.0), inverse_mass.reshape(-1, 2), len(e)),
+        "companion_nodes": shared.initial_nodes(exact.velocity(scene, X, 0.0), inverse_mass.reshape(-1, 2), len(e)),
         "companion_radii": np.stack([R, *exact.shape(R)], axis=1), "companion_directions": e,
         "companion_matrices": matrices.reshape(-1, 4), "companion_stresses": np.zeros((n * n, 4)),
         "companion_basis": basis, "companion_places": places}
@@ -217,15 +187,16 @@ def verdict(scene, memory) -> str | None:
     """Why not to trust what was reported last.
 
     Force and initial velocity are radial, and so is the exact motion; what the companion moves around the ring is
-    error, and grows beyond bounds where the radial motion is unsmatrix: from rounding, within 20 periods at A = 0.19.
+    error, and grows beyond bounds where the radial motion is unstable: from rounding, within 20 periods at A = 0.19.
     """
     radial, angular = mesh(scene.cells)
     count = len(radial.nodes) * len(angular.nodes)
-    u = memory["companion_nodes"][NOW * count:(NOW + 1) * count, :2].reshape(len(radial.nodes), len(angular.nodes), 2)
+    u = memory["companion_nodes"][shared.NOW * count:(shared.NOW + 1) * count, :2]
+    u = u.reshape(len(radial.nodes), len(angular.nodes), 2)
     elements = u[radial.of_node[:, None, :, None], angular.of_node[None, :, None, :]]
     around = u @ np.array([[0.0, 1.0], [-1.0, 0.0]]) * directions(angular)
     known = float(np.sqrt(np.mean(np.sum(around, axis=-1) ** 2)))
-    return doubt(elements, (2, 3), memory["companion_numbers"][SQUARE], known)
+    return shared.doubt(elements, (2, 3), memory["companion_numbers"][shared.SQUARE], known)
 
 
 HOOKS = EstimatorHooks(

@@ -21,30 +21,18 @@ that the fit follows them: one particle per cell, or particles moved with their 
 import numpy as np
 import taichi as ti
 
+from solvers.estimators import recovery
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.lattice_lines import Line, Rows
-from solvers.estimators.recovery import (
-    TAU,
-    H,
-    fit_width,
-    next_reference,
-    not_finite,
-    numbers,
-    pack_tables,
-    reference_at,
-    steps_between,
-    time_since,
-)
+from solvers.estimators.recovery import TAU, H
 from solvers.kinds import integers, quads, reals
-from solvers.ring import cpdi, exact, gimp
+from solvers.ring import exact
 from solvers.ring.estimators import recovered_operators as op
 from solvers.ring.material import kirchhoff_stress
+from solvers.ring.phases import gather
 from solvers.ring.scene import polar_counts
 
 WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed
-
-
-# ---- a step of the reference --------------------------------------------------------------------------------------
 
 
 @ti.func
@@ -53,41 +41,40 @@ def after_step(ring: ti.template(), base, step, on: ti.template()):
     for p in range(ring.particles):
         q, X = ring.motion[p], ring.material_position[p]
         ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
-    op.radial_gather(ring)
-    damped_errors(ring)
+    op.radial_gather(ring, op.FIELD, op.VALUE)
+    damped_errors(ring, ring.recovered_nodes)
     op.angular_spread(ring)
     find_stress(ring)
     op.gather_force(ring, step * ring.dt, on)
-    op.radial_gather_stress(ring)
-    move_reference(ring, step * ring.dt < 1.5 * ring.recovered_numbers[H])
+    op.radial_gather(ring, op.STRESS, op.SLOPE_AND_OVER_R)
+    move_reference(ring, ring.recovered_nodes, step * ring.dt < 1.5 * ring.recovered_numbers[H])
 
 
 @ti.func
-def damped_errors(ring: ti.template()):
+def damped_errors(ring: ti.template(), nodes: ti.template()):
     """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
     B = op.across(ring)
     for a in range(op.node_count(ring) // B):
         for b in range(B):
             i = a * B + b
-            r = ring.recovered_nodes[op.node_at(ring, op.MOTION, i)]
+            r = nodes[op.node_at(ring, op.MOTION, i)]
             r += ring.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
-            ring.recovered_nodes[op.node_at(ring, op.MOTION, i)] = r
-            ring.recovered_nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b) - r
+            nodes[op.node_at(ring, op.MOTION, i)] = r
+            nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b, op.ANGULAR_VALUES) - r
     op.radial_smoothing(ring)
     for a in range(op.node_count(ring) // B):
         for b in range(B):
-            e = ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)]
+            e = nodes[op.node_at(ring, op.GATHERED, a * B + b)]
             rough = e - op.angular_smoothing(ring, a, b)
-            ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)] = rough
-            ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)] = ti.Vector(
-                [e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
+            nodes[op.node_at(ring, op.GATHERED, a * B + b)] = rough
+            nodes[op.node_at(ring, op.ERRORS, a * B + b)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
     op.radial_smoothing(ring)
     for a in range(op.node_count(ring) // B):
         for b in range(B):
-            rough = ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)] - op.angular_smoothing(ring, a, b)
-            e = ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)]  # not +=, an atomic addition
-            ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)] = e + ring.recovered_numbers[TAU] * ti.Vector(
-                [rough[2], rough[3], 0.0, 0.0])
+            rough = nodes[op.node_at(ring, op.GATHERED, a * B + b)] - op.angular_smoothing(ring, a, b)
+            damping = ring.recovered_numbers[TAU] * ti.Vector([rough[2], rough[3], 0.0, 0.0])
+            e = nodes[op.node_at(ring, op.ERRORS, a * B + b)]  # not +=, an atomic addition
+            nodes[op.node_at(ring, op.ERRORS, a * B + b)] = e + damping
 
 
 @ti.func
@@ -112,36 +99,32 @@ def polar_gradient(ring: ti.template(), p, along, around):
 
 
 @ti.func
-def move_reference(ring: ti.template(), first):
+def move_reference(ring: ti.template(), nodes: ti.template(), first):
     """The acceleration of every node, and the rate that follows."""
-    B = op.across(ring)
+    B, step = op.across(ring), ring.recovered_numbers[H]
     for a in range(op.node_count(ring) // B):
-        e = ring.recovered_nodes[op.node_at(ring, op.DIRECTION, a)]
+        e = nodes[op.node_at(ring, op.DIRECTION, a)]
         for b in range(B):
-            i = a * B + b
-            push = ring.recovered_nodes[op.node_at(ring, op.FORCE, b)][0]
-            divergence = op.angular_gather_stress(ring, a, b)
-            r = ring.recovered_nodes[op.node_at(ring, op.MOTION, i)]
-            before = ring.recovered_nodes[op.node_at(ring, op.RATE, i)]
-            x = next_reference(ti.Vector([r[0], r[2], before[0], before[2]]),
-                               push * e[0] - divergence[0] / ring.density, ring.recovered_numbers[H], first)
-            y = next_reference(ti.Vector([r[1], r[3], before[1], before[3]]),
-                               push * e[1] - divergence[1] / ring.density, ring.recovered_numbers[H], first)
-            ring.recovered_nodes[op.node_at(ring, op.MOTION, i)] = ti.Vector([x[0], y[0], x[1], y[1]])
-            ring.recovered_nodes[op.node_at(ring, op.RATE, i)] = ti.Vector([x[2], y[2], x[3], y[3]])
-
-
-# ---- the report ---------------------------------------------------------------------------------------------------
+            push = nodes[op.node_at(ring, op.FORCE, b)][0]
+            parts = op.angular_gather(ring, a, b, op.EACH)
+            a_x = push * e[0] - (parts[0] + parts[2]) / ring.density
+            a_y = push * e[1] - (parts[1] + parts[3]) / ring.density
+            at_r, at_rate = op.node_at(ring, op.MOTION, a * B + b), op.node_at(ring, op.RATE, a * B + b)
+            r, rate = nodes[at_r], nodes[at_rate]
+            x = recovery.next_reference(ti.Vector([r[0], r[2], rate[0], rate[2]]), a_x, step, first)
+            y = recovery.next_reference(ti.Vector([r[1], r[3], rate[1], rate[3]]), a_y, step, first)
+            nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
 
 
 @ti.func
 def report(ring: ti.template(), base, step, on: ti.template()):
     """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
     for p in range(ring.particles):
-        q, X, v_g = ring.motion[p], ring.material_position[p], grid_velocity(ring, p, on)
+        q, X = ring.motion[p], ring.material_position[p]
+        v_g, _, _ = gather(ring, p, on)  # the grid's velocity, with the last step's weights
         field = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
         ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = field
-    find_errors(ring, step, False)
+    find_errors(ring, ring.recovered_nodes, step, False)
     for p in range(ring.particles):
         line, j = p // ring.radius_count, p % ring.radius_count
         fitted, along, around = op.angular_fit(ring, line, j)
@@ -165,7 +148,7 @@ def report_acceleration(ring: ti.template(), base, step):
     for p in range(ring.particles):
         a_p = ring.acceleration[p]
         ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
-    find_errors(ring, step, True)
+    find_errors(ring, ring.recovered_nodes, step, True)
     for p in range(ring.particles):
         line, j = p // ring.radius_count, p % ring.radius_count
         fitted, _, _ = op.angular_fit(ring, line, j)
@@ -175,39 +158,28 @@ def report_acceleration(ring: ti.template(), base, step):
 
 
 @ti.func
-def grid_velocity(ring: ti.template(), p, on: ti.template()):
-    """The grid's velocity at the particle, with the last step's weights."""
-    v = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    if ti.static(on.method == "cpdi"):
-        v, _, _ = cpdi.gather(ring, p)
-    else:
-        v, _, _ = gimp.gather(ring, p)
-    return v
-
-
-@ti.func
-def find_errors(ring: ti.template(), step, of_acceleration: ti.template()):
+def find_errors(ring: ti.template(), nodes: ti.template(), step, of_acceleration: ti.template()):
     """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted along each radius."""
-    op.radial_gather(ring)
-    since, B = time_since(step, ring.dt, ring.recovered_numbers[H]), op.across(ring)
+    op.radial_gather(ring, op.FIELD, op.VALUE)
+    B, length = op.across(ring), ring.recovered_numbers[H]
+    since = recovery.time_since(step, ring.dt, length)
     for a in range(op.node_count(ring) // B):
         for b in range(B):
             i = a * B + b
-            r = ring.recovered_nodes[op.node_at(ring, op.MOTION, i)]
-            rate = ring.recovered_nodes[op.node_at(ring, op.RATE, i)]
-            U_x, V_x, A_x = reference_at(ti.Vector([r[0], r[2], rate[0], rate[2]]),
-                                         ring.recovered_numbers[H], since, ring.dt)
-            U_y, V_y, A_y = reference_at(ti.Vector([r[1], r[3], rate[1], rate[3]]),
-                                         ring.recovered_numbers[H], since, ring.dt)
+            r, rate = nodes[op.node_at(ring, op.MOTION, i)], nodes[op.node_at(ring, op.RATE, i)]
+            x = ti.Vector([r[0], r[2], rate[0], rate[2]])
+            y = ti.Vector([r[1], r[3], rate[1], rate[3]])
+            U_x, V_x, A_x = recovery.reference_at(x, length, since, ring.dt)
+            U_y, V_y, A_y = recovery.reference_at(y, length, since, ring.dt)
             true_mean = ti.Vector([U_x, U_y, V_x, V_y])
             if ti.static(of_acceleration):
                 true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
-            ring.recovered_nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b) - true_mean
+            nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b, op.ANGULAR_VALUES) - true_mean
     op.radial_smoothing(ring)
     for a in range(op.node_count(ring) // B):
         for b in range(B):
-            ring.recovered_nodes[op.node_at(ring, op.ERRORS, a * B + b)] = \
-                2 * ring.recovered_nodes[op.node_at(ring, op.GATHERED, a * B + b)] - op.angular_smoothing(ring, a, b)
+            e = nodes[op.node_at(ring, op.GATHERED, a * B + b)]
+            nodes[op.node_at(ring, op.ERRORS, a * B + b)] = 2 * e - op.angular_smoothing(ring, a, b)
     op.angular_spread(ring)
     op.radial_fit(ring)
 
@@ -223,9 +195,6 @@ def stress_error(ring: ti.template(), p, along, around):
                       own[2] - scale * (c * c + d * d - 1), 0.0])
 
 
-# ---- set-up -------------------------------------------------------------------------------------------------------
-
-
 def lines(scene):
     """The lattice's lines, around the quarter and across the ring, with elements a cell wide at the inner radius."""
     around, across = polar_counts(scene.cells, scene.ppc)
@@ -236,28 +205,28 @@ def lines(scene):
 
 def interval(scene):
     angle, radius = lines(scene)
-    return steps_between(scene, WAVE_CFL * min(exact.INNER / angle.per_element, 1 / radius.per_element))
+    return recovery.steps_between(scene, WAVE_CFL * min(exact.INNER / angle.per_element, 1 / radius.per_element))
 
 
 def allocate(scene):
     """Operators along both lines, and the reference in the initial configuration."""
     angle, radius = lines(scene)
-    width, R = fit_width(scene), exact.INNER + radius.quadrature()[0] / radius.per_point
+    width, R = recovery.fit_width(scene), exact.INNER + radius.quadrature()[0] / radius.per_point
     angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
     radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
-    index, weights = pack_tables([across_planes(rows) for rows in angular] + [of_four(rows) for rows in radial],
-                                 (angle.nodes * radius.nodes, radius.nodes))
+    index, weights = recovery.pack_tables([*map(across_planes, angular), *map(of_four, radial)],
+                                          (angle.nodes * radius.nodes, radius.nodes))
     theta = angle.particles() / angle.per_point
     direction = np.stack([angular[2](wave)[:, c, 0] for c, wave in enumerate((np.cos(theta), np.sin(theta)))], axis=1)
     # The initial velocity is radial, and the body force is zero at the start.
     v0 = scene.amplitude * scene.angular_frequency * exact.shape(exact.INNER + radius.particles() / radius.per_point)[0]
+    fields = op.PARTICLE_BLOCKS * angle.points * radius.points + 2 * angle.points * radius.nodes
     nodes = np.zeros((7, angle.nodes * radius.nodes, 4))
     nodes[op.MOTION, :, 2:] = (direction[:, None] * radial[2](v0)[:, 0, 0, None]).reshape(-1, 2)
     nodes[op.DIRECTION, :angle.nodes, :2] = direction
-    return {"recovered_numbers": numbers(scene, interval(scene)), "recovered_index": index,
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), "recovered_index": index,
             "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
-            "recovered_particles": np.zeros((op.PARTICLE_BLOCKS * angle.points * radius.points
-                                             + 2 * angle.points * radius.nodes, 4))}
+            "recovered_particles": np.zeros((fields, 4))}
 
 
 def across_planes(rows):
@@ -278,4 +247,4 @@ HOOKS = EstimatorHooks(
         "recovered_nodes": quads,  # nodal values, block by block
         "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
     },
-    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=not_finite)
+    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=recovery.not_finite)

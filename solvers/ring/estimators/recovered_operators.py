@@ -1,7 +1,7 @@
 """The recovered estimator's operators on the ring: each along the radius first, then along the angle, or back.
 
 Particle (i, j), the j-th along the i-th radius, is number i K + j, K = ``radius_count``; node (a, b) of the error grid
-is number a B + b, B = ``recovered_across``. Fields are two vectors side by side, (x, y, x, y). Weights along the angle
+is number a B + b, B = ``across``. Fields are two vectors side by side, (x, y, x, y). Weights along the angle
 come for x and y, because a symmetry plane mirrors them differently: (value x, value y, slope x, slope y).
 """
 
@@ -23,7 +23,9 @@ PARTICLE_BLOCKS = 3
 VALUES, SLOPES = 0, 1  # blocks behind these, of radii with nodes on them: values, and slopes around
 STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for reports
 
-
+#: Which of a weight's four numbers two vectors (x, y, x, y) are taken times.
+VALUE, SLOPE, SLOPE_AND_OVER_R = (0, 0, 0, 0), (1, 1, 1, 1), (1, 1, 2, 2)  # along the radius
+ANGULAR_VALUES, ANGULAR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
 COUNT, ACROSS = 24, 25  # after the tables' headers: nodes of the error grid, and those on a radius
 
 
@@ -64,62 +66,38 @@ def slopes_of(weight):
     return ti.Vector([weight[2], weight[3], weight[2], weight[3]])
 
 
-# ---- particles to nodes -------------------------------------------------------------------------------------------
-
-
 @ti.func
-def radial_gather(ring: ti.template()):
-    """Integrals of N_b f R along each radius, over that of N_b R."""
-    K = ring.radius_count
-    for line in range(ring.particles // K):
-        for b in range(across(ring)):
-            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
-            p = particle_at(ring, FIELD, line * K + j)
-            for k in range(begin, end):
-                total += ring.recovered_weights[k][0] * ring.recovered_particles[p]
-                p += 1
-            ring.recovered_particles[line_at(ring, VALUES, line, b)] = total
-
-
-@ti.func
-def radial_gather_stress(ring: ti.template()):
-    """Integrals along each radius of N_b' R P e_R and of N_b P e_angle, side by side, over that of N_b R."""
-    K = ring.radius_count
-    for line in range(ring.particles // K):
-        for b in range(across(ring)):
-            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
-            p = particle_at(ring, STRESS, line * K + j)
-            for k in range(begin, end):
-                w = ring.recovered_weights[k]
-                total += ti.Vector([w[1], w[1], w[2], w[2]]) * ring.recovered_particles[p]
-                p += 1
-            ring.recovered_particles[line_at(ring, VALUES, line, b)] = total
-
-
-@ti.func
-def angular_gather(ring: ti.template(), a, b):
-    """M f at node (a, b), from what the radii gathered."""
-    value = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
-    entry = line_at(ring, VALUES, line, b)
-    for k in range(begin, end):
-        value += values_of(ring.recovered_weights[k]) * ring.recovered_particles[entry]
-        entry += across(ring)
-    return value
-
-
-@ti.func
-def angular_gather_stress(ring: ti.template(), a, b):
-    """D P at node (a, b): the first vector of what the radii gathered with N_a, the second with N_a'."""
+def row_sum(ring: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start, stride):
+    """The sum over a row of a table: entry ``start + stride i`` of ``field`` times the four of the row's i-th weights
+    that ``pick`` names."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    line, begin, end = row_of(ring.recovered_index, ANGULAR_GATHER, a, a)
-    entry = line_at(ring, VALUES, line, b)
+    first, begin, end = row_of(ring.recovered_index, table, row, row)
+    entry = start + stride * first
     for k in range(begin, end):
-        total += ring.recovered_weights[k] * ring.recovered_particles[entry]
-        entry += across(ring)
-    return ti.Vector([total[0] + total[2], total[1] + total[3]])
+        w = ring.recovered_weights[k]
+        total += ti.Vector([w[pick[0]], w[pick[1]], w[pick[2]], w[pick[3]]]) * field[entry]
+        entry += stride
+    return total
+
+
+@ti.func
+def radial_gather(ring: ti.template(), block: ti.template(), pick: ti.template()):
+    """Integrals along each radius of a block of the particles' fields, over that of N_b R.
+
+    With ``VALUE`` those of N_b f R; with ``SLOPE_AND_OVER_R`` of N_b' R P e_R and of N_b P e_angle, side by side.
+    """
+    for line in range(ring.particles // ring.radius_count):
+        for b in range(across(ring)):
+            ring.recovered_particles[line_at(ring, VALUES, line, b)] = row_sum(
+                ring, RADIAL_GATHER, b, pick, ring.recovered_particles,
+                particle_at(ring, block, line * ring.radius_count), 1)
+
+
+@ti.func
+def angular_gather(ring: ti.template(), a, b, pick: ti.template()):
+    """At node (a, b), from what the radii gathered: M f with ``ANGULAR_VALUES``; with ``EACH`` the two parts of D P,
+    the first vector with N_a and the second with N_a'."""
+    return row_sum(ring, ANGULAR_GATHER, a, pick, ring.recovered_particles, line_at(ring, VALUES, 0, b), across(ring))
 
 
 @ti.func
@@ -130,15 +108,8 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
             b_j = radial_force_at(ring, ring.radii[j], t, on)
             ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)] = ti.Vector([b_j, b_j, b_j, b_j])
         for b in range(across(ring)):
-            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            j, begin, end = row_of(ring.recovered_index, RADIAL_GATHER, b, b)
-            for k in range(begin, end):
-                total += ring.recovered_weights[k][0] * ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)]
-                j += 1
-            ring.recovered_nodes[node_at(ring, FORCE, b)] = total
-
-
-# ---- nodes to nodes -----------------------------------------------------------------------------------------------
+            ring.recovered_nodes[node_at(ring, FORCE, b)] = row_sum(
+                ring, RADIAL_GATHER, b, VALUE, ring.recovered_particles, particle_at(ring, FITTED_SLOPE, 0), 1)
 
 
 @ti.func
@@ -147,28 +118,15 @@ def radial_smoothing(ring: ti.template()):
     B = across(ring)
     for a in range(node_count(ring) // B):
         for b in range(B):
-            total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            other, begin, end = row_of(ring.recovered_index, RADIAL_SMOOTHING, b, b)
-            node = node_at(ring, GATHERED, a * B + other)
-            for k in range(begin, end):
-                total += ring.recovered_weights[k][0] * ring.recovered_nodes[node]
-                node += 1
-            ring.recovered_nodes[node_at(ring, HALF_SMOOTHED, a * B + b)] = total
+            ring.recovered_nodes[node_at(ring, HALF_SMOOTHED, a * B + b)] = row_sum(
+                ring, RADIAL_SMOOTHING, b, VALUE, ring.recovered_nodes, node_at(ring, GATHERED, a * B), 1)
 
 
 @ti.func
 def angular_smoothing(ring: ti.template(), a, b):
     """C of the gathered nodal values at node (a, b), from the radial half."""
-    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    other, begin, end = row_of(ring.recovered_index, ANGULAR_SMOOTHING, a, a)
-    node = node_at(ring, HALF_SMOOTHED, other * across(ring) + b)
-    for k in range(begin, end):
-        total += values_of(ring.recovered_weights[k]) * ring.recovered_nodes[node]
-        node += across(ring)
-    return total
-
-
-# ---- nodes to particles -------------------------------------------------------------------------------------------
+    return row_sum(ring, ANGULAR_SMOOTHING, a, ANGULAR_VALUES, ring.recovered_nodes, node_at(ring, HALF_SMOOTHED, b),
+                   across(ring))
 
 
 @ti.func
@@ -190,8 +148,7 @@ def angular_spread(ring: ti.template()):
 @ti.func
 def radial_spread(ring: ti.template(), i, j):
     """The errors at particle (i, j) with their slopes along the radius and the angle, from the angular half."""
-    value, along = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    around = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    value, along, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     b, begin, _ = row_of(ring.recovered_index, RADIAL_SPREAD, j, j)
     for k in ti.static(range(3)):
         w, e = ring.recovered_weights[begin + k], ring.recovered_particles[line_at(ring, VALUES, i, b + k)]
@@ -201,25 +158,12 @@ def radial_spread(ring: ti.template(), i, j):
     return value, along, around
 
 
-# ---- particles to particles ---------------------------------------------------------------------------------------
-
-
 @ti.func
 def line_slopes(ring: ti.template(), i, j):
     """Slopes of the fields along the radius and the angle, each recovered on one line through particle (i, j)."""
     K = ring.radius_count
-    along, around = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j, j)
-    p = particle_at(ring, FIELD, i * K + other)
-    for k in range(begin, end):
-        along += ring.recovered_weights[k][1] * ring.recovered_particles[p]
-        p += 1
-    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i, i)
-    p = particle_at(ring, FIELD, other * K + j)
-    for k in range(begin, end):
-        around += slopes_of(ring.recovered_weights[k]) * ring.recovered_particles[p]
-        p += K
-    return along, around
+    return (row_sum(ring, RADIAL_FIT, j, SLOPE, ring.recovered_particles, particle_at(ring, FIELD, i * K), 1),
+            row_sum(ring, ANGULAR_FIT, i, ANGULAR_SLOPES, ring.recovered_particles, particle_at(ring, FIELD, j), K))
 
 
 @ti.func
@@ -244,8 +188,7 @@ def radial_fit(ring: ti.template()):
 def angular_fit(ring: ti.template(), i, j):
     """The fields recovered over a patch around particle (i, j), with slopes along the radius and the angle."""
     K = ring.radius_count
-    value, along = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    around = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    value, along, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i, i)
     p = other * K + j
     for k in range(begin, end):

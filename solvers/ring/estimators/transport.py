@@ -27,7 +27,6 @@ from solvers.ring.phases import fold, mirror
 @ti.func
 def in_step(ring: ti.template(), base, on: ti.template()):
     """Advance Ex by H = k dt and report Ev and Ea, between the node update and the particle update."""
-    clear(ring)
     gather_moments(ring, on)
     fold(ring, fold_pair)
     node_errors(ring)
@@ -35,17 +34,12 @@ def in_step(ring: ti.template(), base, on: ti.template()):
 
 
 @ti.func
-def clear(ring: ti.template()):
-    for j in range(ring.active):
-        for node in range(j * ring.row, j * ring.row + ring.active):
-            ring.transport_stress[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            ring.transport_moments[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            ring.transport_error[node] = ti.Vector([0.0, 0.0])
-
-
-@ti.func
 def gather_moments(ring: ti.template(), on: ti.template()):
     """Nodal sums of V S (sigma_xx, sigma_yy, 1), of V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the body force."""
+    for j in range(ring.active):
+        for node in range(j * ring.row, j * ring.row + ring.active):
+            ring.transport_stress[node], ring.transport_moments[node] = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+            ring.transport_error[node] = ti.Vector([0.0, 0.0])
     for p in range(ring.particles):
         F = ring.deformation_gradient[p]
         tau = kirchhoff_stress(ring, p)
@@ -78,8 +72,7 @@ def add(ring: ti.template(), p, node, S, S_x, S_y, volume, stress, push):
     r_x = ring.motion[p][0] - (node % ring.row - GHOSTS) * ring.spacing
     r_y = ring.motion[p][1] - (node // ring.row - GHOSTS) * ring.spacing
     ring.transport_stress[node] = ring.transport_stress[node] + S * stress
-    ring.transport_moments[node] = ring.transport_moments[node] \
-        - volume * ti.Vector([S_x, S_y, S_x * r_x, S_y * r_y])
+    ring.transport_moments[node] = ring.transport_moments[node] - volume * ti.Vector([S_x, S_y, S_x * r_x, S_y * r_y])
     ring.transport_error[node] = ring.transport_error[node] + S * push
 
 

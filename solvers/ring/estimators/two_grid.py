@@ -30,8 +30,7 @@ PARITY = (1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 1.0)  # of the mirror image of u
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in RingBody.types().items()},
     **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.MEMBERS.items()},
-    "two_grid_gain": real,  # 1/(r^2 - 1)
-    "two_grid_interval": ti.i32,
+    "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
     "two_grid_angles": ti.i32, "two_grid_coarse_angles": ti.i32, "two_grid_common_radii": ti.i32,  # of the lattices
     "two_grid_before": quads, "two_grid_before_a": pairs,  # F and a of the second ring a step ago
     "two_grid_fields": octets, "two_grid_fields_a": pairs,  # u, v, sigma and a of either run, in polar components
@@ -42,36 +41,26 @@ MEMORY = {
 
 @ti.func
 def after_step(ring: ti.template(), base, step, on: ti.template()):
-    """One step of the second ring, from ``coarse_dt`` ago until now."""
-    coarse_step(part(ring, "two_grid_"), part(ring, "coarse_"), step * ring.dt, ti.static(two_grid.bare(on)))
-
-
-@ti.func
-def coarse_step(own: ti.template(), coarse: ti.template(), t, on: ti.template()):
-    """Step the second ring to time t, and keep F and a as they were for their rates."""
+    """One step of the second ring, from ``coarse_dt`` ago until now; F and a before it are kept, for their rates."""
+    coarse, bare = ti.static([part(ring, "coarse_"), two_grid.bare(on)])
     for q in range(coarse.particles):
-        own.before[q] = coarse.deformation_gradient[q]
-        own.before_a[q] = coarse.acceleration[q]
-    update_grid(coarse, t - coarse.dt, on)
-    nodes_to_particles(coarse, 0, 0, on)
+        ring.two_grid_before[q] = coarse.deformation_gradient[q]
+        ring.two_grid_before_a[q] = coarse.acceleration[q]
+    update_grid(coarse, step * ring.dt - coarse.dt, bare)
+    nodes_to_particles(coarse, 0, 0, bare)
 
 
 @ti.func
 def report(ring: ti.template(), base, step, on: ti.template()):
-    """The run's fields less the extrapolated ones."""
-    compare(ring, part(ring, "two_grid_"), base, step, on)
-
-
-@ti.func
-def compare(ring: ti.template(), own: ti.template(), base, step, on: ti.template()):
-    """Both runs' fields down to the common lattice, extrapolated, and up to the run's particles again."""
-    count = own.coarse_angles * own.common_radii
-    for t in range(count):
+    """Both runs' fields down to the common lattice, extrapolated, up to the run's particles again, and the run's less
+    these."""
+    own, coarse = ti.static([part(ring, "two_grid_"), part(ring, "coarse_")])
+    for t in range(own.coarse_angles * own.common_radii):
         own.common[t], own.common_a[t] = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
     run_fields(ring, own, on)
     smooth(own, part(ring, "two_grid_down_radius_"), part(ring, "two_grid_down_angle_"), own.angles,
            ring.particles // own.angles, 1 + own.gain)
-    coarse_fields(ring, own, part(ring, "coarse_"), step)
+    coarse_fields(ring, own, coarse, step)
     smooth(own, part(ring, "two_grid_across_radius_"), part(ring, "two_grid_across_angle_"), own.coarse_angles,
            ring.coarse_particles // own.coarse_angles, -own.gain)
     across = ring.particles // own.angles
