@@ -1,11 +1,13 @@
-"""Fixtures for the physics tests. Everything runs on pytest's one thread, as Taichi demands."""
+"""Fixtures for the physics tests, and how tests share processes. All run on a main thread, as Taichi demands."""
 
 from __future__ import annotations
 
 import functools
 import signal
+from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from solvers.result import Result
 from solvers.run import run
@@ -13,6 +15,17 @@ from solvers.scene import Scene
 
 # A shell that starts a job in the background has it ignore Ctrl-C, and its children with it; some tests send one.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+settings.register_profile("lab", deadline=None)  # how busy the machine is says nothing about an example
+settings.load_profile("lab")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests of a file share what it prepares, so one process runs them; two browsers at once would only wait."""
+    browser = Path(__file__).parent / "browser"
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group("browser" if browser in item.path.parents else item.path.stem))
 
 
 @functools.cache
