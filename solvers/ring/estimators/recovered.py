@@ -179,9 +179,9 @@ def grid_velocity(ring: ti.template(), p, on: ti.template()):
     """The grid's velocity at the particle, with the last step's weights."""
     v = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if ti.static(on.method == "cpdi"):
-        v, _, _ = cpdi.gather(ring, p)
+        v, _, _ = cpdi.gather(ring, p, ring.node_motion, on)
     else:
-        v, _, _ = gimp.gather(ring, p)
+        v, _, _ = gimp.gather(ring, p, ring.node_motion)
     return v
 
 
