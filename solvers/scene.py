@@ -171,7 +171,7 @@ class Scene(ABC):
         """The step in seconds, from ``dt`` or ``cfl``."""
         if self.dt == AUTO:
             return SAFE * self.step_bound
-        return self.dt if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
+        return float(self.dt) if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
 
     @property
     def step_bound(self) -> float:

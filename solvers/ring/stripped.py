@@ -27,7 +27,8 @@ class Bare(NamedTuple):
 
 StrippedRingState = part_types(WatchedRing, (
     "particles", "row", "active", "radius_count", "spacing", "cells_per_length", "dt", "shear_modulus", "density",
-    "material_position", "farthest_move", "farthest", "amplitude", "angular_frequency", "motion", "deformation_gradient", "mass", "direction", "radius",
+    "material_position", "farthest_move",
+    "farthest", "amplitude", "angular_frequency", "motion", "deformation_gradient", "mass", "direction", "radius",
     "edges", "weights", "corner_nodes", "radii", "radial_force", "node_sums", "node_motion", "verdict"))
 
 
