@@ -27,4 +27,6 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("energy", "energy", "follow kinetic and strain energy and the work of the body force"),
     Effect("acceleration", "acceleration error", "keep each particle's acceleration, to compare and to estimate it",
            needs=("truth", "estimate")),
+    Effect("soundness", "contradictions", "look for contradictions in the motion itself that show a run to be lost"),
+    Effect("margin", "step margin", "compare the time step with the bound of what the present configuration bears"),
 )}

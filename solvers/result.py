@@ -9,6 +9,7 @@ from solvers.effects import EFFECTS
 from solvers.norms import distance, energy_drift, error_index, finite, summary
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
+from solvers.soundness import evidence
 
 SCHEMA = "mpm-lab/run/1"
 
@@ -55,7 +56,7 @@ class Result:
     """A finished run. ``series`` holds the sampled norms over time (see ``solvers.samples``)."""
 
     scene: Scene
-    status: str  # "ok" or "unstable"
+    status: str  # "ok", "unstable" or "lost" (``solvers.soundness``)
     reason: str | None
     time: float
     steps: int
@@ -107,6 +108,12 @@ class Result:
         total = self.series["kinetic"] + self.series["strain"]
         return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
 
+    def step(self) -> dict[str, float | None]:
+        """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""
+        seen = self.series["margin"][np.isfinite(self.series["margin"])]
+        return {"dt": self.scene.time_step, "bound": self.scene.step_bound,
+                "margin": float(seen.max()) if len(seen) else None}
+
     def to_dict(self) -> dict:
         """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
         crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
@@ -116,6 +123,7 @@ class Result:
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": None if math.isnan(crossings) else int(crossings), "energy": self.energy(),
+            "soundness": evidence(self.scene, self.series), "step": self.step(),
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},

@@ -10,6 +10,7 @@ from solvers.problems import PROBLEMS
 from solvers.result import Result, Seconds
 from solvers.scene import Scene
 from solvers.solver import Solver
+from solvers.soundness import LOST, OK, UNSTABLE, find
 from solvers.timing import estimator_shares
 
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
@@ -49,8 +50,17 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
         rows.append(last)
     final = solver.snapshot()
     series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
-    status, reason = ("ok", None) if solver.sound else ("unstable", solver.reason())
+    not_valid = solver.not_valid()
+    status, reason = _verdict(solver, series, not_valid)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     return Result(scene=scene, status=status, reason=reason, time=solver.time, steps=solver.step, series=series,
-                  final=final, bytes=solver.bytes, not_valid=solver.not_valid(), seconds=seconds, arch=solver.arch,
+                  final=final, bytes=solver.bytes, not_valid=not_valid, seconds=seconds, arch=solver.arch,
                   threads=solver.threads, plan=solver.plan)
+
+
+def _verdict(solver: Solver, series: dict[str, np.ndarray], not_valid: dict[str, str]) -> tuple[str, str | None]:
+    """Status and reason of a run that has ended."""
+    if not solver.sound:
+        return UNSTABLE, solver.reason()
+    finding = find(solver.scene, series, not_valid)
+    return (LOST, solver.lost(finding, series["time"][finding.sample])) if finding else (OK, None)

@@ -9,8 +9,10 @@ import numpy as np
 QUANTITIES = ("x", "v", "sigma", "a")
 
 #: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own
-#: norm (bar: stress as E ln F); quantities of a switched-off effect stay NaN.
-BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra", "kinetic", "strain", "work", "crossings")
+#: norm (bar: stress as E ln F); ``apart`` to ``torn`` are contradictions (``solvers.soundness``) in metres, ``place``
+#: is the particle where they are worst, ``margin`` is dt over its bound; what is switched off stays NaN.
+BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
+        "kinetic", "strain", "work", "crossings", "apart", "adrift", "out_of_shape", "torn", "place", "margin")
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.
 EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
 

@@ -8,21 +8,27 @@ from which the flags of the command line are made.
 
 from __future__ import annotations
 
+import functools
+import importlib
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar
 
 from solvers.effects import EFFECTS
 from solvers.estimators import registry
+from solvers.remedies import FROZEN
 from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
+from solvers.step_bound import SAFE
 
 MOST_PARTICLES = 1_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
 MOST_SAMPLES = 1_000_000
 DEFAULT_CFL = 0.05
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
+LISTS = ("estimators", "effects", "remedies")
+AUTO = "auto"
 LEAST_CFL = 1e-9
 MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
 
@@ -49,7 +55,8 @@ class Scene(ABC):
     amplitude: float = option(0.0, "Amplitude A of the displacement", "m")
     modulus: float = option(0.0, "Young's modulus E", "Pa")
     density: float = option(0.0, "Density", "kg/m3")
-    dt: float | None = option(None, "Time step; instead of --cfl", "s", hint="from --cfl")
+    dt: float | str | None = option(None, "Time step, or auto: what the motion ahead bears; instead of --cfl", "s",
+                                    hint="from --cfl")
     cfl: float | None = option(None, "Time step as dt c/h, no unit, c = sqrt(E/density); instead of --dt",
                                hint=f"{DEFAULT_CFL} without --dt")
     t_end: float | None = option(None, "End of the run; instead of --periods", "s", hint="from --periods")
@@ -61,6 +68,8 @@ class Scene(ABC):
     estimators: tuple[str, ...] = option(("transport",), "Error estimators, one or several")
     effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between; what is "
                                       "left out costs nothing", hint="all")
+    remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
+                                       "between", hint="none")
     arch: str = option("cpu", "Processor to run on", choices=("cpu", "gpu"))
     threads: int = option(1, "Processor threads, at most")
     sample_every: int | None = option(None, "Steps between two samples of the errors",
@@ -75,6 +84,7 @@ class Scene(ABC):
     STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
     GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
     FEWEST_CELLS: ClassVar[int] = 4
+    REMEDIES: ClassVar[tuple[str, ...]] = ()
     DEFAULT_PERIODS: ClassVar[float] = 5.0
     SAMPLES_A_PERIOD: ClassVar[int] = 200
 
@@ -83,6 +93,8 @@ class Scene(ABC):
         """What the field called ``name`` may be, one or several of; nothing where it is a number."""
         if name == "estimators":
             return registry.names(cls.problem)
+        if name == "remedies":
+            return cls.REMEDIES
         return tuple(EFFECTS) if name == "effects" else cls.__dataclass_fields__[name].metadata.get("choices", ())
 
     @classmethod
@@ -115,9 +127,15 @@ class Scene(ABC):
 
     def warnings(self) -> list[str]:
         """Sentences about what is allowed but will surprise."""
+        sentences = []
+        if self.time_step > self.step_bound:
+            sentences.append(f"time step {self.time_step:.3g} s (cfl {self.courant_number:.2g}): above the "
+                             f"{self.step_bound:.3g} s that this motion bears by linear theory; expect the run to go "
+                             f"unstable (--dt auto takes {SAFE * self.step_bound:.3g} s)")
         if "truth" in self.effects and not self.solution_known:
-            return [f"body force {self.body_force}: no exact solution is built in, so the true error is unknown"]
-        return []
+            sentences.append(f"body force {self.body_force}: no exact solution is built in, so the true error is "
+                             "unknown")
+        return sentences
 
     @property
     def wave_speed(self) -> float:
@@ -147,13 +165,25 @@ class Scene(ABC):
     @property
     def time_step(self) -> float:
         """The step in seconds, from ``dt`` or ``cfl``."""
-        return self.dt if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
+        if self.dt == AUTO:
+            return SAFE * self.step_bound
+        return float(self.dt) if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
+
+    @property
+    def step_bound(self) -> float:
+        """The longest step in seconds that the motion ahead bears by linear theory (``solvers.step_bound``)."""
+        return _step_bound(replace(self, dt=None, cfl=None, t_end=None, periods=None, sample_every=None))
+
+    @property
+    def frozen(self) -> bool:
+        """Whether the weights are computed once and for all, at the material positions."""
+        return FROZEN in self.remedies
 
     @property
     def courant_number(self) -> float:
         """``cfl`` as given, or that of ``dt``."""
         if self.dt is not None:
-            return self.dt * self.wave_speed / self.spacing
+            return self.time_step * self.wave_speed / self.spacing
         return DEFAULT_CFL if self.cfl is None else self.cfl
 
     @property
@@ -213,12 +243,13 @@ class Scene(ABC):
         values = {field_key(f.name): getattr(self, f.name) for f in fields(self)}
         filled = {"dt": self.time_step, "cfl": self.courant_number, "t_end": self.end_time,
                   "periods": self.end_time / self.period, "sample_every": self.sample_interval}
-        lists = {"estimator": list(self.estimators), "effects": list(self.effects)}
+        lists = {"estimator": list(self.estimators), "effects": list(self.effects),
+                 "remedies": list(self.remedies)}
         return {**values, **filled, **lists}
 
     def _check_choices(self) -> None:
         for name in self.__dataclass_fields__:
-            if name in ("estimators", "effects"):  # as tuples, for a scene must be hashable
+            if name in LISTS:  # as tuples, for a scene must be hashable
                 object.__setattr__(self, name, require_names(name, getattr(self, name), self.choices(name)))
             elif self.choices(name):
                 require_choice(name, getattr(self, name), self.choices(name))
@@ -242,8 +273,9 @@ class Scene(ABC):
                 raise SceneError(other, getattr(self, other),
                                  f"{one.replace('_', '-')} is given too; give one of the two")
             for name in (one, other):
-                if getattr(self, name) is not None:
-                    require_number(name, getattr(self, name), 0, math.inf)
+                if getattr(self, name) is not None and (name, getattr(self, name)) != ("dt", AUTO):
+                    require_number(name, getattr(self, name), 0, math.inf,
+                                   "give a number above 0, or auto" if name == "dt" else "")
         name, unit = ("cfl", 1.0) if self.dt is None else ("dt", self.spacing / self.wave_speed)
         if self.courant_number > MOST_CFL:
             raise SceneError(name, getattr(self, name), "is far beyond any stable step; "
@@ -262,3 +294,8 @@ class Scene(ABC):
             raise SceneError("sample_every", self.sample_interval,
                              f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
                              f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
+
+
+@functools.lru_cache(maxsize=64)
+def _step_bound(scene: Scene) -> float:
+    return importlib.import_module(f"solvers.{scene.problem}.step_bound").least(scene)

@@ -13,12 +13,13 @@ from solvers.estimators.memory import memory_parts
 from solvers.result import Snapshot
 from solvers.samples import ROWS
 from solvers.scene import Scene
+from solvers.step_bound import SAFE
 
 if TYPE_CHECKING:
     from solvers.arrays import Watch
+    from solvers.soundness import Finding
 
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
-SAFE_CFL = 0.4  # up to which the length of the step is hardly to blame
 
 
 class Solver(ABC):
@@ -107,14 +108,31 @@ class Solver(ABC):
     def reason(self) -> str:
         """Why the run stopped, and what to change, in one sentence."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
-        place = ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][p]))
         what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
                 CRUSHED: "was crushed to less than a thousandth of its size", ESCAPED: self._escape()}[kind]
-        cfl = self.scene.courant_number
-        advice = f"take shorter steps (cfl {cfl:.2g} now; 0.3 is stable for most scenes)" if cfl > SAFE_CFL \
-            else self._advice()
         return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
-                f"(X = {place}) {what}; {advice}")
+                f"(X = {self._place(p)}) {what}; {self._advice()}")
+
+    def lost(self, finding: Finding, time: float) -> str:
+        """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""
+        where = "" if finding.particle is None else \
+            f", most at particle {finding.particle} (X = {self._place(finding.particle)})"
+        return f"the run is lost from t = {time:.4g} s on: {finding.sentence}{where}; {self._advice()}"
+
+    def _place(self, particle: int) -> str:
+        return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))
+
+    def _advice(self) -> str:
+        """What to change: the likeliest cause first."""
+        scene = self.scene
+        if scene.time_step > SAFE * scene.step_bound:
+            return (f"take shorter steps (--dt auto takes {SAFE * scene.step_bound:.3g} s, this run took "
+                    f"{scene.time_step:.3g} s)")
+        if scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen:
+            return "one particle per cell is the cause: give two or more"
+        if scene.velocity == "particle":
+            return "moving the particles with their own velocity is the cause: give --velocity grid"
+        return self._other_advice()
 
     @abstractmethod
     def snapshot(self, differences: bool = False) -> Snapshot:
@@ -133,5 +151,5 @@ class Solver(ABC):
         """What a particle did that is where it cannot be."""
 
     @abstractmethod
-    def _advice(self) -> str:
-        """What to change when the step is short enough."""
+    def _other_advice(self) -> str:
+        """What to change when the step is short enough and the cause is none of the usual ones."""

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from solvers.effects import EFFECTS
+from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene import Scene
 
 
@@ -16,14 +17,31 @@ class Switches(NamedTuple):
     velocity: str
     effects: tuple[str, ...]
     estimators: tuple[str, ...]
+    remedies: tuple[str, ...]
 
     def __getattr__(self, name: str) -> bool:
         if name not in EFFECTS:
             raise AttributeError(f"no effect is called {name}")
         return name in self.effects
 
+    @property
+    def filtered(self) -> bool:
+        return FILTER in self.remedies
+
+    @property
+    def coupled(self) -> bool:
+        return COUPLED in self.remedies
+
+    @property
+    def centred(self) -> bool:
+        return CENTRED in self.remedies
+
+    @property
+    def frozen(self) -> bool:
+        return FROZEN in self.remedies
+
 
 def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
-                    tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators)
+                    tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators, scene.remedies)

@@ -9,6 +9,7 @@ from solvers.bar import exact
 from solvers.bar.nodes import GHOSTS
 from solvers.bar.scene import BarScene
 from solvers.kinds import Integer, Integers, Pairs, Quads, Real, Reals
+from solvers.remedies import remedy_rates
 from solvers.switches import Switches
 
 
@@ -43,6 +44,13 @@ class BarBody(Members):
     node_moments: Quads  # sum of D*, D* r, S r, S sigma (N+4, 4)
     node_volume: Reals  # V_i = sum of S F V0 (N+4,)
     node_motion: Pairs  # v_i after the step and a_i (N+4, 2)
+    node_stiffness: Reals  # what Gershgorin's circle of a node bears, 1/s^2 (N+4,), for the margin of the step
+    remedy_interval: Integer  # steps between two turns of the remedies
+    filter_rate: Real  # what a turn of the null-space filter takes out
+    coupling_rate: Real  # how far a turn of the coupling draws F
+    particle_scratch: Reals  # of the remedies (P,)
+    node_scratch: Reals  # of the remedies (N+4,)
+    node_displacement: Reals  # x - X on the nodes, for the coupling of F (N+4,)
     totals: Reals  # grid crossings so far, work of the body force so far (2,)
 
 
@@ -65,4 +73,8 @@ def body(scene: BarScene, on: Switches) -> dict:
         "first_node": zeros(P, kind=np.int32), "weights": zeros(P, 4), "acceleration": zeros(P, when=on.acceleration),
         "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),
         "node_moments": zeros(nodes, 4, when=moments), "node_volume": zeros(nodes, when=moments),
-        "node_motion": zeros(nodes, 2), "totals": zeros(2)}
+        "node_motion": zeros(nodes, 2), "totals": zeros(2),
+        "node_stiffness": zeros(nodes, when=on.margin), **remedy_rates(scene),
+        "particle_scratch": zeros(P, when=on.filtered or on.coupled),
+        "node_scratch": zeros(nodes, when=on.filtered or on.coupled),
+        "node_displacement": zeros(nodes, when=on.coupled)}

@@ -14,7 +14,8 @@ from solvers.shapes import weights_1d
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
     """The first half of a step, from time t: weights, particles to nodes, and the nodes' new motion."""
-    find_weights(bar, on)
+    if ti.static(not on.frozen):
+        find_weights(bar, on)
     particles_to_nodes(bar, t, on)
     update_nodes(bar, t, on)
 
@@ -23,7 +24,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 def half_width(bar: ti.template(), p, on: ti.template()):
     """Half the particle's domain, in cells: constant for uGIMP, stretched by F for cpGIMP."""
     width = bar.half_width
-    if ti.static(on.method == "cpgimp"):
+    if ti.static(on.method == "cpgimp" and not on.frozen):
         width = ti.min(ti.max(bar.half_width * bar.deformation_gradient[p], 1e-6), MOST_HALF_WIDTH)
     return width
 
@@ -33,6 +34,8 @@ def find_weights(bar: ti.template(), on: ti.template()):
     """Keep each particle's stencil for both mappings of the step."""
     for p in range(bar.particles):
         x = bar.position[p]
+        if ti.static(on.frozen):
+            x = bar.material_position[p]
         first, S, dS = weights_1d(on.method, (x - ti.floor(x)) * bar.cells_per_length, half_width(bar, p, on))
         # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
         bar.first_node[p] = ti.cast(ti.min(ti.max(first, -1.0), bar.cells), ti.i32) + 1
@@ -48,7 +51,9 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)
         i = bar.first_node[p]
-        volume = bar.deformation_gradient[p] * bar.volume
+        volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
+        if ti.static(not on.frozen):
+            volume *= bar.deformation_gradient[p]
         stress = bar.modulus * (bar.deformation_gradient[p] - 1)
         interpolated = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
         if ti.static(on.body_force in ("material", "two-tone")):
@@ -110,7 +115,7 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
             reach = half_width(bar, p, on) * bar.spacing
             moving = 0.5 * (hat_velocity(bar, bar.position[p] - reach) + hat_velocity(bar, bar.position[p] + reach))
         x = bar.position[p] + bar.dt * moving
-        if ti.static(on.crossings):
+        if ti.static(on.crossings and not on.frozen):
             jump = abs(ti.floor(x * bar.cells_per_length) - ti.floor(bar.position[p] * bar.cells_per_length))
             jumps += jump
             bar.last_crossing[p] = ti.select(jump > 0, step, bar.last_crossing[p])
@@ -118,5 +123,8 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
             bar.acceleration[p] = motion[1]
         bar.velocity[p] = v
         bar.position[p] = x
-        bar.deformation_gradient[p] *= 1 + bar.dt * L
+        if ti.static(on.frozen):
+            bar.deformation_gradient[p] += bar.dt * L  # the gradient of S is with respect to X
+        else:
+            bar.deformation_gradient[p] *= 1 + bar.dt * L
     bar.totals[0] += jumps

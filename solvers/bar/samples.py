@@ -6,6 +6,7 @@ compared at that step's time, one step before the others'.
 
 import taichi as ti
 
+from solvers.bar import soundness
 from solvers.bar.state import HOOKS
 from solvers.estimators import running
 from solvers.samples import BASE, EACH, column
@@ -65,6 +66,10 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
             out[row, at] = squares[q]
             if ti.static(on.truth and (q < 3 or on.acceleration)):
                 out[row, at + 4] = missed[q]
+    if ti.static(on.soundness):
+        soundness.look(bar, row)
+    if ti.static(on.margin):
+        soundness.step_margin(bar, row)
     if ti.static(on.energy):
         kinetic, strain = 0.0, 0.0
         for p in range(bar.particles):

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from solvers.bar import validity
+from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.rules import SceneError, require_number
 from solvers.scene import Scene, option
 
@@ -34,6 +35,7 @@ class BarScene(Scene):
     SETTING = "The bar is 1 m long."
     EXTRA_ERROR = "sigma_log"
     VALIDITY = validity.RULES
+    REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN)
     STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT
     GENTLE_AMPLITUDE = 1e-3
 
@@ -71,3 +73,18 @@ class BarScene(Scene):
         if self.velocity == "corners" and self.method != "cpgimp":
             raise SceneError("velocity", "corners", "moves the corners of convected domains and needs "
                              "the method cpgimp; with other methods give grid or particle")
+        if self.frozen:
+            self._check_frozen()
+
+    def _check_frozen(self) -> None:
+        """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""
+        others = [name for name in self.remedies if name != FROZEN]
+        if others:
+            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights stands alone: {others[0]} mends "
+                             "what comes of particles that move through the grid; leave one of the two out")
+        for name, value, plain in (("linearity_preserving", self.linearity_preserving, False),
+                                   ("body_force", self.body_force == "node", False),
+                                   ("velocity", self.velocity == "corners", False)):
+            if value != plain:
+                raise SceneError(name, getattr(self, name), "does not go with frozen-weights, whose particles do not "
+                                 "move through the grid; leave one of the two out")

@@ -2,7 +2,8 @@
 
 import taichi as ti
 
-from solvers.bar.phases import nodes_to_particles, update_grid
+from solvers.bar import remedies
+from solvers.bar.phases import find_weights, nodes_to_particles, update_grid
 from solvers.bar.samples import sample
 from solvers.bar.state import HOOKS, BarState
 from solvers.estimators import running
@@ -40,7 +41,9 @@ def advance(start: ti.i32, steps: ti.i32, bar: BarState, on: ti.template()):
             step = start + k
             update_grid(bar, step * bar.dt, on)
             running.in_step(bar, step + 1, HOOKS, on)
+            remedies.in_step(bar, step + 1, on)
             nodes_to_particles(bar, step + 1, on)
+            remedies.after_step(bar, on)
             running.after_step(bar, step + 1, HOOKS, on)
             if (step + 1) % CHECK_EVERY == 0:
                 check(bar, step + 1)
@@ -65,3 +68,11 @@ def report(step: ti.i32, bar: BarState, on: ti.template()):
     ti.loop_config(serialize=True)
     for _ in range(1):
         running.report(bar, step, HOOKS, on)
+
+
+@ti.kernel
+def freeze(bar: BarState, on: ti.template()):
+    """Find the weights of a bar that keeps them."""
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        find_weights(bar, on)

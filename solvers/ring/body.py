@@ -10,6 +10,7 @@ import numpy as np
 
 from solvers.arrays import Members, zeros
 from solvers.kinds import Integer, IntegerQuads, Integers, Octets, Pairs, Quads, Real, Reals
+from solvers.remedies import remedy_rates
 from solvers.ring import exact
 from solvers.ring.layout import GHOSTS, particle_layout
 from solvers.ring.scene import RingScene
@@ -48,10 +49,23 @@ class RingBody(Members):
     acceleration: Pairs  # a at the particle in the last step (P, 2), with the effect
     radii: Quads  # R, w, w', w'' of the exact solution at the material radii (K, 4)
     radial_force: Reals  # body force per mass in this step (K,)
+    farthest_move: Real  # how far a particle of a sound run may be from where it began, m
     node_sums: Octets  # momentum, force, mass of each slab and three zeros: a whole vector register (T*N, 8)
     node_mass: Reals  # mass of all slabs in the last step (N,), for the truth and the estimators
     node_motion: Quads  # v after the step and a (N, 4)
+    neighbours: Integers  # two next particles on the lattice, -1 for none (2P,), with the effect
+    circles: Quads  # sums over the particles of a material radius (K,), with the effect
+    node_bound: Quads  # of the step's margin: gradient, its scaled size, Gershgorin's sum (N,), with the effect
+    remedy_interval: Integer  # steps between two turns of the remedies
+    filter_rate: Real  # what a turn of the null-space filter takes out
+    coupling_rate: Real  # how far a turn of the coupling draws F
+    particle_scratch: Quads  # of the remedies: a velocity and a displacement (P,)
+    node_scratch: Quads  # of the remedies, as the particles' (N,)
+    node_remedy: Quads  # of the remedies: unseen velocity and sum of displacements (N,)
     totals: Reals  # grid crossings and work of the body force so far, a slab at a time (2 T,)
+
+
+FARTHEST_MOVE = 20.0  # amplitudes
 
 
 def farthest(scene: RingScene) -> float:
@@ -62,9 +76,11 @@ def farthest(scene: RingScene) -> float:
 def body(scene: RingScene, on: Switches, slabs: int) -> dict:
     """The members of a :class:`RingBody` at the start: the scene's layout, F = I and the exact velocity."""
     layout, row, cpdi = particle_layout(scene), scene.cells + 1, on.method == "cpdi"
+    mended = on.filtered or on.coupled
     P, N, X = len(layout.volume), row * row, layout.position
     return {
-        "particles": P, "nodes": N, "row": row, "active": min(row, int(farthest(scene) / scene.spacing) + GHOSTS + 3),
+        "particles": P, "farthest_move": FARTHEST_MOVE * scene.amplitude, "nodes": N, "row": row,
+        "active": min(row, int(farthest(scene) / scene.spacing) + GHOSTS + 3),
         "slabs": slabs, "radius_count": len(layout.radii), "spacing": scene.spacing,
         "cells_per_length": 1 / scene.spacing, "dt": scene.time_step, "shear_modulus": 0.5 * scene.modulus,
         "density": scene.density, "half_width": 0.5 / scene.ppc, "amplitude": scene.amplitude,
@@ -76,4 +92,8 @@ def body(scene: RingScene, on: Switches, slabs: int) -> dict:
         "first_node": zeros(P, when=not cpdi, kind=np.int32),
         "corner_nodes": zeros(P, 4, when=cpdi, kind=np.int32), "acceleration": zeros(P, 2, when=on.acceleration),
         "radii": np.stack([layout.radii, *exact.shape(layout.radii)], axis=1), "radial_force": zeros(len(layout.radii)),
-        "node_sums": zeros(slabs * N, 8), "node_mass": zeros(N), "node_motion": zeros(N, 4), "totals": zeros(2 * slabs)}
+        "node_sums": zeros(slabs * N, 8), "node_mass": zeros(N), "node_motion": zeros(N, 4), "totals": zeros(2 * slabs),
+        "neighbours": layout.neighbours.ravel().astype(np.int32) if on.soundness else zeros(1, kind=np.int32),
+        "circles": zeros(len(layout.radii), 4, when=on.soundness), "node_bound": zeros(N, 4, when=on.margin),
+        **remedy_rates(scene), "particle_scratch": zeros(P, 4, when=mended), "node_scratch": zeros(N, 4, when=mended),
+        "node_remedy": zeros(N, 4, when=mended)}

@@ -14,19 +14,24 @@ CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 
 @ti.func
-def convected_edges(ring: ti.template(), p):
+def convected_edges(ring: ti.template(), p, on: ti.template()):
     """F r1 and F r2, in cells, as (r1x, r1y, r2x, r2y)."""
-    F = ring.deformation_gradient[p]
     r = ring.edges[p] * ring.cells_per_length
-    return ti.Vector([F[0] * r[0] + F[1] * r[1], F[2] * r[0] + F[3] * r[1],
-                      F[0] * r[2] + F[1] * r[3], F[2] * r[2] + F[3] * r[3]])
+    if ti.static(not on.frozen):
+        F = ring.deformation_gradient[p]
+        r = ti.Vector([F[0] * r[0] + F[1] * r[1], F[2] * r[0] + F[3] * r[1],
+                       F[0] * r[2] + F[1] * r[3], F[2] * r[2] + F[3] * r[3]])
+    return r
 
 
 @ti.func
-def find_weights(ring: ti.template(), p):
+def find_weights(ring: ti.template(), p, on: ti.template()):
     """Keep the cell of each corner and its place in it. Vectors of four are of the corners."""
     x = ring.motion[p] * ring.cells_per_length + GHOSTS
-    r = convected_edges(ring, p)
+    if ti.static(on.frozen):
+        X = ring.material_position[p]
+        x = ti.Vector([X[0], X[1], 0.0, 0.0]) * ring.cells_per_length + GHOSTS
+    r = convected_edges(ring, p, on)
     along_first, along_second = ti.Vector([c[0] for c in CORNERS]), ti.Vector([c[1] for c in CORNERS])
     corner_x = x[0] + along_first * r[0] + along_second * r[2]
     corner_y = x[1] + along_first * r[1] + along_second * r[3]
@@ -42,9 +47,9 @@ def find_weights(ring: ti.template(), p):
 
 
 @ti.func
-def corner_gradients(ring: ti.template(), p):
+def corner_gradients(ring: ti.template(), p, on: ti.template()):
     """Weights of the values at corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
-    r = convected_edges(ring, p)
+    r = convected_edges(ring, p, on)
     per = 0.5 * ring.cells_per_length / (r[0] * r[3] - r[1] * r[2])
     return per * ti.Vector([r[1] - r[3], r[2] - r[0], r[1] + r[3], -r[0] - r[2]])
 
@@ -62,12 +67,12 @@ def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template())
     """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
         places, cells = ring.weights[p], ring.corner_nodes[p]
-        g = corner_gradients(ring, p)
+        g = corner_gradients(ring, p, on)
         carried, tau = force_moment(ring, p, on)
         carried = 0.25 * carried
         for c in ti.static(range(4)):
             a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
-            pull = force_record(g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[1] + g[a + 1] * tau[2])
+            pull = force_record(g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[2] + g[a + 1] * tau[3])
             sums = carried + b * pull
             N = hats(places, c)
             first = grid + cells[c]
@@ -77,16 +82,16 @@ def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template())
 
 
 @ti.func
-def gather(ring: ti.template(), p):
-    """Grid motion (v, a) at the particle and its derivatives in x and y."""
+def gather(ring: ti.template(), p, values: ti.template(), on: ti.template()):
+    """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
     places, cells = ring.weights[p], ring.corner_nodes[p]
-    g = corner_gradients(ring, p)
+    g = corner_gradients(ring, p, on)
     total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     for c in ti.static(range(4)):
         N = hats(places, c)
         node = cells[c]
-        value = N[0] * ring.node_motion[node] + N[1] * ring.node_motion[node + 1] \
-            + N[2] * ring.node_motion[node + ring.row] + N[3] * ring.node_motion[node + ring.row + 1]
+        value = N[0] * values[node] + N[1] * values[node + 1] \
+            + N[2] * values[node + ring.row] + N[3] * values[node + ring.row + 1]
         total += value
         sign = ti.static(1.0 if c < 2 else -1.0)
         if ti.static(c % 2 == 0):
@@ -94,3 +99,14 @@ def gather(ring: ti.template(), p):
         else:
             second_pair += sign * value
     return 0.25 * total, g[0] * first_pair + g[2] * second_pair, g[1] * first_pair + g[3] * second_pair
+
+
+@ti.func
+def scatter(ring: ti.template(), p, carried, values: ti.template()):
+    """Add four numbers of the particle to the nodes' values, with its weights."""
+    places, cells = ring.weights[p], ring.corner_nodes[p]
+    for c in ti.static(range(4)):
+        N = hats(places, c)
+        for k in ti.static(range(4)):
+            node = cells[c] + (k // 2) * ring.row + k % 2
+            values[node] = values[node] + 0.25 * N[k] * carried

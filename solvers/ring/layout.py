@@ -23,6 +23,7 @@ class Layout:
     edges: np.ndarray  # (P, 4)
     radii: np.ndarray  # (K,)
     radius: np.ndarray  # (P,) int32
+    neighbours: np.ndarray  # the next particles on the lattice in its two directions, -1 for none (P, 2)
 
 
 def particle_layout(scene: RingScene) -> Layout:
@@ -38,7 +39,8 @@ def _polar(scene: RingScene) -> Layout:
                                                     indexing="ij"))
     R, c, s = radii[radius], np.cos(angle), np.sin(angle)
     edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
-    return Layout(np.stack([R * c, R * s], axis=1), R * d_radius * d_angle, edges, radii, radius.astype(np.int32))
+    return Layout(np.stack([R * c, R * s], axis=1), R * d_radius * d_angle, edges, radii, radius.astype(np.int32),
+                  _neighbours(np.arange(around * across).reshape(around, across)))
 
 
 def _cartesian(scene: RingScene) -> Layout:
@@ -50,4 +52,12 @@ def _cartesian(scene: RingScene) -> Layout:
     x, y = x[kept], y[kept]
     radii, radius = np.unique(R[kept].round(12), return_inverse=True)
     edges = np.tile([side, 0.0, 0.0, side], (len(x), 1))
-    return Layout(np.stack([x, y], axis=1), np.full(len(x), side**2), edges, radii, radius.astype(np.int32))
+    number = np.where(kept, np.cumsum(kept) - 1, -1).reshape(len(line), len(line))
+    return Layout(np.stack([x, y], axis=1), np.full(len(x), side**2), edges, radii, radius.astype(np.int32),
+                  _neighbours(number))
+
+
+def _neighbours(number: np.ndarray) -> np.ndarray:
+    """Of a lattice of particles' numbers, -1 where there is none: the next in either direction (P, 2)."""
+    wide = np.pad(number, ((0, 1), (0, 1)), constant_values=-1)
+    return np.stack([wide[1:, :-1], wide[:-1, 1:]], axis=2)[number >= 0]

@@ -18,6 +18,18 @@ def kirchhoff_stress(ring: ti.template(), p):
 
 
 @ti.func
+def stress_of(ring: ti.template(), p, on: ti.template()):
+    """J sigma as (xx, xy, yx, yy), or P = mu (F - F^-T) where the weights stay those of the material at rest."""
+    tau = kirchhoff_stress(ring, p)
+    stress = ti.Vector([tau[0], tau[1], tau[1], tau[2]])
+    if ti.static(on.frozen):
+        F = ring.deformation_gradient[p]
+        per_J = 1 / (F[0] * F[3] - F[1] * F[2])
+        stress = ring.shear_modulus * (F - per_J * ti.Vector([F[3], -F[2], -F[1], F[0]]))
+    return stress
+
+
+@ti.func
 def radial_force_at(ring: ti.template(), known, t, on: ti.template()):
     """The body force per mass at time t where ``known`` is (R, w, w', w''), radius and exact solution.
 
@@ -49,12 +61,12 @@ def radial_forces(ring: ti.template(), t, on: ti.template()):
 
 @ti.func
 def force_moment(ring: ti.template(), p, on: ti.template()):
-    """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yy) by gradient of the weight."""
+    """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yx, yy) by gradient of the weight."""
     q, mass = ring.motion[p], ring.mass[p]
     push = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force != "none"):
         push = mass * ring.radial_force[ring.radius[p]] * ring.direction[p]
-    tau = (mass / ring.density) * kirchhoff_stress(ring, p)  # V sigma = V0 J sigma
+    tau = (mass / ring.density) * stress_of(ring, p, on)  # V sigma = V0 J sigma
     return ti.Vector([mass * q[2], mass * q[3], push[0], push[1], mass, 0.0, 0.0, 0.0]), tau
 
 

@@ -35,14 +35,23 @@ def particles_to_nodes(ring: ti.template(), slab, on: ti.template()):
     for j in range(ring.active):
         for node in range(grid + j * ring.row, grid + j * ring.row + ring.active):
             ring.node_sums[node] = ti.Vector([0.0] * 8)
+    if ti.static(not on.frozen):
+        find_weights(ring, start, end, on)
+    if ti.static(on.method == "cpdi"):
+        cpdi.particles_to_nodes(ring, start, end, grid, on)
+    else:
+        gimp.particles_to_nodes(ring, start, end, grid, on)
+
+
+@ti.func
+def find_weights(ring: ti.template(), start, end, on: ti.template()):
+    """Keep the weights of the particles from ``start`` to ``end`` for both mappings of the step."""
     if ti.static(on.method == "cpdi"):
         for p in range(start, end):
-            cpdi.find_weights(ring, p)
-        cpdi.particles_to_nodes(ring, start, end, grid, on)
+            cpdi.find_weights(ring, p, on)
     else:
         for p in range(start, end):
             gimp.find_weights(ring, p, on)
-        gimp.particles_to_nodes(ring, start, end, grid, on)
 
 
 @ti.func
@@ -51,12 +60,12 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
     start, end = slab_range(ring.particles, slab, ring.slabs)
     dt, jumps, work = ring.dt, 0.0, 0.0
     for p in range(start, end):
-        here, by_x, by_y = gather(ring, p, on)
+        here, by_x, by_y = gather(ring, p, ring.node_motion, on)
         q, F = ring.motion[p], ring.deformation_gradient[p]
         moved = q + dt * here
         if ti.static(on.velocity == "particle"):
             moved[0], moved[1] = q[0] + dt * moved[2], q[1] + dt * moved[3]
-        if ti.static(on.crossings):
+        if ti.static(on.crossings and not on.frozen):
             per = ring.cells_per_length
             cells = ti.floor(moved * per) - ti.floor(q * per)
             jump = abs(cells[0]) + abs(cells[1])
@@ -68,22 +77,24 @@ def nodes_to_particles(ring: ti.template(), slab, step, on: ti.template()):
             push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
             work += dt * (push[0] * (here[0] - 0.5 * dt * here[2]) + push[1] * (here[1] - 0.5 * dt * here[3]))
         ring.motion[p] = moved
-        # (L F)_ij = L_ix F_xj + L_iy F_yj, the four entries side by side.
-        ring.deformation_gradient[p] = F + dt * (
-            ti.Vector([by_x[0], by_x[0], by_x[1], by_x[1]]) * ti.Vector([F[0], F[1], F[0], F[1]])
-            + ti.Vector([by_y[0], by_y[0], by_y[1], by_y[1]]) * ti.Vector([F[2], F[3], F[2], F[3]]))
+        if ti.static(on.frozen):  # the gradient of S is with respect to X
+            ring.deformation_gradient[p] = F + dt * ti.Vector([by_x[0], by_y[0], by_x[1], by_y[1]])
+        else:  # (L F)_ij = L_ix F_xj + L_iy F_yj, the four entries side by side
+            ring.deformation_gradient[p] = F + dt * (
+                ti.Vector([by_x[0], by_x[0], by_x[1], by_x[1]]) * ti.Vector([F[0], F[1], F[0], F[1]])
+                + ti.Vector([by_y[0], by_y[0], by_y[1], by_y[1]]) * ti.Vector([F[2], F[3], F[2], F[3]]))
     ring.totals[2 * slab] = ring.totals[2 * slab] + jumps
     ring.totals[2 * slab + 1] = ring.totals[2 * slab + 1] + work
 
 
 @ti.func
-def gather(ring: ti.template(), p, on: ti.template()):
-    """Grid motion (v, a) at the particle and its derivatives in x and y, with the method's weights."""
+def gather(ring: ti.template(), p, values: ti.template(), on: ti.template()):
+    """The nodes' values, four numbers, at the particle and their derivatives in x and y, with the method's weights."""
     here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     if ti.static(on.method == "cpdi"):
-        here, by_x, by_y = cpdi.gather(ring, p)
+        here, by_x, by_y = cpdi.gather(ring, p, values, on)
     else:
-        here, by_x, by_y = gimp.gather(ring, p)
+        here, by_x, by_y = gimp.gather(ring, p, values)
     return here, by_x, by_y
 
 
@@ -131,8 +142,8 @@ def update_nodes(ring: ti.template(), j, on: ti.template()):
         node = j * ring.row + i
         sums = ring.node_sums[node]
         mass = sums[4]
-        if ti.static(on.truth or len(on.estimators) > 0):
-            ring.node_mass[node] = mass  # for samples and estimators
+        if ti.static(on.truth or on.margin or on.filtered or on.coupled or len(on.estimators) > 0):
+            ring.node_mass[node] = mass  # for samples, estimators and remedies
         motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
         if mass > least:
             q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass

@@ -8,6 +8,7 @@ time. ``error_extra`` is the paper's "Err A": the error of the acceleration at t
 import taichi as ti
 
 from solvers.estimators import running
+from solvers.ring import margin, soundness
 from solvers.ring.exact import C1, C2, C3, INNER
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
@@ -60,7 +61,7 @@ def squared(tensor):
 
 
 @ti.func
-def node_acceleration_error(ring: ti.template(), before):
+def node_acceleration_error(ring: ti.template(), before, on: ti.template()):
     """Mean squared error of the nodes' acceleration against the exact one at the place of the node."""
     total, count = 0.0, 0
     omega = ring.angular_frequency
@@ -71,7 +72,7 @@ def node_acceleration_error(ring: ti.template(), before):
                 x, y = (i - GHOSTS) * ring.spacing, (j - GHOSTS) * ring.spacing
                 r = ti.max(ti.sqrt(x * x + y * y), 0.1 * INNER)
                 R = r  # the material radius that has come here: R + T w(R) = r
-                for _ in range(NEWTON_STEPS):
+                for _ in range(ti.static(0 if on.frozen else NEWTON_STEPS)):
                     w = ((C3 * R + C2) * R + C1) * R
                     slope = (3 * C3 * R + 2 * C2) * R + C1
                     R -= (R + before * w - r) / (1 + before * slope)
@@ -98,6 +99,10 @@ def sample(ring: ti.template(), row, step, on: ti.template()):
         sample_truth(ring, row, step, on)
     if ti.static(len(on.estimators) > 0):
         sample_estimates(ring, row, step, on)
+    if ti.static(on.soundness):
+        soundness.look(ring, row)
+    if ti.static(on.margin):
+        margin.step_margin(ring, row, on)
     if ti.static(on.energy):
         sample_energy(ring, row)
 
@@ -114,7 +119,7 @@ def sample_truth(ring: ti.template(), row, step, on: ti.template()):
         ring.samples[row, ti.static(column("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
         # Before the first step no acceleration has been computed, and so none can be wrong.
-        nodes = node_acceleration_error(ring, before)
+        nodes = node_acceleration_error(ring, before, on)
         ring.samples[row, ti.static(column("error_a"))] = squares[3] if step > 0 else 0.0
         ring.samples[row, ti.static(column("error_extra"))] = nodes * ring.particles if step > 0 else 0.0
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from solvers.remedies import COUPLED, FILTER, FROZEN
 from solvers.ring import validity
 from solvers.rules import SceneError, require_number, require_whole
 from solvers.scene import Scene, option
 
 INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A min w' reaches 0
+RESONANCE = 0.115  # amplitude from which on the ring's own motion is unstable: a disturbance grows with every period
 WRINKLING = 0.198  # amplitude at which the surface of the compressed ring wrinkles (Biot)
 
 
@@ -39,6 +41,7 @@ class RingScene(Scene):
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
     EXTRA_ERROR = "a_nodes"
     VALIDITY = validity.RULES
+    REMEDIES = (FILTER, COUPLED, FROZEN)
     STRAIN_PER_AMPLITUDE = 1 / INVERSION
     GENTLE_AMPLITUDE = 1e-2
     DIMENSIONS = 2
@@ -87,6 +90,12 @@ class RingScene(Scene):
             raise SceneError("linearity_preserving", True,
                              "is not offered for the ring: at the free surface it breaks action and reaction and the "
                              "run blows up, and away from it CPDI gains nothing; leave it off")
+        if self.frozen and len(self.remedies) > 1:
+            raise SceneError("remedies", " ".join(self.remedies), "frozen-weights stands alone: the others mend what "
+                             "comes of particles that move through the grid; leave one of the two out")
+        if COUPLED in self.remedies and self.method == "cpdi":
+            raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
+                             "follow the deformation; give null-space-filter or frozen-weights")
         if self.plan == "serial" and self.threads > 1:
             raise SceneError("threads", self.threads,
                              "the serial plan runs on one; give 1, or the plan parallel or auto")

@@ -3,11 +3,13 @@
 import time
 
 from solvers import runtime
+from solvers.remedies import COUPLED, FILTER, FROZEN
 from solvers.result import Snapshot
+from solvers.ring.body import FARTHEST_MOVE
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
-from solvers.ring.scene import RingScene
+from solvers.ring.scene import RESONANCE, RingScene
 from solvers.ring.state import HOOKS, RingState, WatchedRing, allocate, farthest
-from solvers.ring.step import CHECK_EVERY, advance, inspect, report, step_in_slabs
+from solvers.ring.step import CHECK_EVERY, advance, freeze, inspect, report, step_in_slabs
 from solvers.solver import SOUND, Solver
 from solvers.switches import switches
 
@@ -31,6 +33,8 @@ class RingSolver(Solver):
         self._switches = switches(scene)
         self._arrays = allocate(scene, self.threads)
         self._pack = RingState(**self._arrays.members())
+        if self._switches.frozen:
+            freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False) -> Snapshot:
@@ -70,10 +74,17 @@ class RingSolver(Solver):
         inspect(self.step, 0, self._pack, self._switches)
 
     def _escape(self) -> str:
-        return f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, or beyond a plane)"
+        return (f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, beyond a plane, "
+                f"or {FARTHEST_MOVE:g} amplitudes from where it began)")
 
-    def _advice(self) -> str:
-        if self.scene.method != "cpdi":
-            return "choose CPDI, more particles per cell or a smaller amplitude"
-        return "choose a smaller amplitude or fewer periods"
+    def _other_advice(self) -> str:
+        scene = self.scene
+        if scene.amplitude >= RESONANCE:
+            return (f"from A = {RESONANCE} on the ring's own motion is unstable (parametric resonance) and no remedy "
+                    "helps: choose a smaller amplitude or fewer periods")
+        if scene.method == "mpm" and not scene.frozen:
+            return f"hat functions hold only with the remedy {FROZEN}; or choose CPDI"
+        if scene.method != "cpdi" and not scene.remedies:
+            return f"call for the remedies {FILTER},{COUPLED}, or choose CPDI"
+        return "choose more particles per cell, a smaller amplitude or fewer periods"
 

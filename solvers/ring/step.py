@@ -6,7 +6,7 @@
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.ring import phases
+from solvers.ring import phases, remedies
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.samples import sample
@@ -23,13 +23,14 @@ def check(ring: ti.template(), step):
     """Stop a run that has gone bad: det F <= 0, tiny or NaN, or a particle outside of where the ring can be."""
     flattest, bad = FLATTEST, -1
     for p in range(ring.particles):
-        q, F = ring.motion[p], ring.deformation_gradient[p]
+        q, X, F = ring.motion[p], ring.material_position[p], ring.deformation_gradient[p]
         J = F[0] * F[3] - F[1] * F[2]
         inside = q[0] > -ring.spacing and q[1] > -ring.spacing
         if not J >= flattest:  # true for NaN too
             flattest, bad = -1e300 if ti.math.isnan(J) else J, p
             ring.verdict[0] = CRUSHED if J > 0 else INVERTED
-        elif not (inside and q[0] * q[0] + q[1] * q[1] < ring.farthest * ring.farthest) and bad < 0:
+        elif not (inside and q[0] * q[0] + q[1] * q[1] < ring.farthest * ring.farthest and
+                  (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < ring.farthest_move ** 2) and bad < 0:
             bad = p
             ring.verdict[0] = ESCAPED
     if bad >= 0:
@@ -45,6 +46,7 @@ def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
             step = start + k
             phases.update_grid(ring, step * ring.dt, on)
             running.in_step(ring, step + 1, HOOKS, on)
+            remedies.in_step(ring, step + 1, on)
             phases.nodes_to_particles(ring, 0, step + 1, on)
             running.after_step(ring, step + 1, HOOKS, on)
             if (step + 1) % CHECK_EVERY == 0:
@@ -77,6 +79,7 @@ def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template(
     for _ in range(ti.min(slabs, 1)):
         phases.mirror_motion(ring)
         running.in_step(ring, step + 1, HOOKS, on)
+        remedies.in_step(ring, step + 1, on)
     for task in range(TASK * slabs):
         if task % TASK == 0:
             phases.nodes_to_particles(ring, task // TASK, step + 1, on)
@@ -101,3 +104,11 @@ def report(step: ti.i32, ring: RingState, on: ti.template()):
     ti.loop_config(serialize=True)
     for _ in range(1):
         running.report(ring, step, HOOKS, on)
+
+
+@ti.kernel
+def freeze(ring: RingState, on: ti.template()):
+    """Find the weights of a ring that keeps them."""
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        phases.find_weights(ring, 0, ring.particles, on)

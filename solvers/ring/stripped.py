@@ -18,14 +18,16 @@ from solvers.ring.step import CHECK_EVERY, check
 from solvers.solver import SOUND
 
 
-class Force(NamedTuple):
-    """The kind of body force, as the mappings ask for it."""
+class Bare(NamedTuple):
+    """What the mappings ask of the switches."""
 
     body_force: str = "material"
+    frozen: bool = False
 
 
 StrippedRingState = part_types(WatchedRing, (
     "particles", "row", "active", "radius_count", "spacing", "cells_per_length", "dt", "shear_modulus", "density",
+    "material_position", "farthest_move",
     "farthest", "amplitude", "angular_frequency", "motion", "deformation_gradient", "mass", "direction", "radius",
     "edges", "weights", "corner_nodes", "radii", "radial_force", "node_sums", "node_motion", "verdict"))
 
@@ -38,7 +40,7 @@ def particles_to_nodes(ring: ti.template(), t, on: ti.template()):
         for node in range(j * ring.row, j * ring.row + ring.active):
             ring.node_sums[node] = ti.Vector([0.0] * 8)
     for p in range(ring.particles):
-        cpdi.find_weights(ring, p)
+        cpdi.find_weights(ring, p, on)
     cpdi.particles_to_nodes(ring, 0, ring.particles, 0, on)
     fold(ring, fold_sums)
 
@@ -63,10 +65,10 @@ def update_nodes(ring: ti.template()):
 
 
 @ti.func
-def nodes_to_particles(ring: ti.template()):
+def nodes_to_particles(ring: ti.template(), on: ti.template()):
     dt = ring.dt
     for p in range(ring.particles):
-        here, by_x, by_y = cpdi.gather(ring, p)
+        here, by_x, by_y = cpdi.gather(ring, p, ring.node_motion, on)
         F = ring.deformation_gradient[p]
         ring.motion[p] = ring.motion[p] + dt * here
         ring.deformation_gradient[p] = F + dt * (
@@ -82,7 +84,7 @@ def advance(start: ti.i32, steps: ti.i32, ring: StrippedRingState, on: ti.templa
             step = start + k
             particles_to_nodes(ring, step * ring.dt, on)
             update_nodes(ring)
-            nodes_to_particles(ring)
+            nodes_to_particles(ring, on)
             if (step + 1) % CHECK_EVERY == 0:
                 check(ring, step + 1)
 
@@ -95,7 +97,7 @@ class StrippedRing(RingSolver):
         self._stripped = part_of(self._pack, StrippedRingState)
 
     def _run(self, steps: int) -> None:
-        advance(self.step, steps, self._stripped, Force())
+        advance(self.step, steps, self._stripped, Bare())
 
 
 SOLVER = StrippedRing

@@ -121,7 +121,7 @@ def report(ring: ti.template(), base, step, on: ti.template()):
     """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
     for p in range(ring.particles):
         q, X = ring.motion[p], ring.material_position[p]
-        v_g, _, _ = gather(ring, p, on)  # the grid's velocity, with the last step's weights
+        v_g, _, _ = gather(ring, p, ring.node_motion, on)  # the grid's velocity, with the last step's weights
         field = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
         ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = field
     find_errors(ring, ring.recovered_nodes, step, False)

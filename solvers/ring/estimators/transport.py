@@ -51,7 +51,7 @@ def gather_moments(ring: ti.template(), on: ti.template()):
         if ti.static(on.body_force != "none"):
             push = ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
         if ti.static(on.method == "cpdi"):
-            places, cells, g = ring.weights[p], ring.corner_nodes[p], cpdi.corner_gradients(ring, p)
+            places, cells, g = ring.weights[p], ring.corner_nodes[p], cpdi.corner_gradients(ring, p, on)
             for c in ti.static(range(4)):
                 N = cpdi.hats(places, c)
                 a, sign = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)

