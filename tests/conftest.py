@@ -21,6 +21,7 @@ settings.register_profile("lab", deadline=None)  # how busy the machine is says 
 settings.load_profile("lab")
 
 
+@pytest.hookimpl(tryfirst=True)  # before the groups are read
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Tests of a file share what it prepares, so one process runs them; two browsers at once would only wait."""
     browser = Path(__file__).parent / "browser"
