@@ -12,6 +12,7 @@ from solvers.scene import Scene
 from solvers.soundness import evidence
 
 SCHEMA = "mpm-lab/run/1"
+ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run counts as accurate
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class Result:
     scene: Scene
     status: str  # "ok", "unstable" or "lost" (``solvers.soundness``)
     reason: str | None
+    broken_at: float | None  # time at which the run was found lost or unstable
     time: float
     steps: int
     series: dict[str, np.ndarray]
@@ -108,6 +110,13 @@ class Result:
         total = self.series["kinetic"] + self.series["strain"]
         return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
 
+    def life(self) -> dict[str, float | None]:
+        """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
+        the run was found lost or unstable ("sound"); None where it did not, or the truth is unknown."""
+        beyond = np.flatnonzero(self.series["error_x"] > ACCURATE * self.scene.motion_amplitude)
+        times = {"accurate": self.series["time"][beyond[0]] if len(beyond) else None, "sound": self.broken_at}
+        return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()}
+
     def step(self) -> dict[str, float | None]:
         """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""
         seen = self.series["margin"][np.isfinite(self.series["margin"])]
@@ -123,7 +132,7 @@ class Result:
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": None if math.isnan(crossings) else int(crossings), "energy": self.energy(),
-            "soundness": evidence(self.scene, self.series), "step": self.step(),
+            "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},

@@ -51,16 +51,18 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     final = solver.snapshot()
     series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
     not_valid = solver.not_valid()
-    status, reason = _verdict(solver, series, not_valid)
+    status, reason, broken_at = _verdict(solver, series, not_valid)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
-    return Result(scene=scene, status=status, reason=reason, time=solver.time, steps=solver.step, series=series,
-                  final=final, bytes=solver.bytes, not_valid=not_valid, seconds=seconds, arch=solver.arch,
-                  threads=solver.threads, plan=solver.plan)
+    return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
+                  series=series, final=final, bytes=solver.bytes, not_valid=not_valid, seconds=seconds,
+                  arch=solver.arch, threads=solver.threads, plan=solver.plan)
 
 
-def _verdict(solver: Solver, series: dict[str, np.ndarray], not_valid: dict[str, str]) -> tuple[str, str | None]:
-    """Status and reason of a run that has ended."""
-    if not solver.sound:
-        return UNSTABLE, solver.reason()
+def _verdict(solver: Solver, series: dict[str, np.ndarray],
+             not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
+    """Status, reason and time of breakdown of a run that has ended."""
     finding = find(solver.scene, series, not_valid)
-    return (LOST, solver.lost(finding, series["time"][finding.sample])) if finding else (OK, None)
+    since = None if finding is None else float(series["time"][finding.sample])
+    if not solver.sound:
+        return UNSTABLE, solver.reason(), solver.time if since is None else since
+    return (OK, None, None) if finding is None or since is None else (LOST, solver.lost(finding, since), since)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from solvers.scene import Scene
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
+BROKEN = (UNSTABLE, LOST)
 MOST_ERROR = 0.5  # of x, in amplitudes of the motion: beyond it a run says nothing about where its particles are
 
 

@@ -89,7 +89,7 @@ def test_its_error_in_space_is_of_order_p_plus_one_or_better(order, monkeypatch)
 
 def test_its_error_in_time_is_of_fourth_order(monkeypatch):
     """One step of its own to each of the particles', each time half as long: differences fall by 2^4."""
-    monkeypatch.setattr(companion_bar, "interval", lambda frequency, dt: 1)
+    monkeypatch.setattr(companion, "interval", lambda frequency, dt: 1)
     scene = BarScene(estimators=ONLY, cells=10, amplitude=1e-3, periods=3)
     coarse, middle, fine = (own_displacement(replace(scene, cfl=cfl), Elements(0.0, 1.0, 3, 4), monkeypatch)
                             for cfl in (0.1, 0.05, 0.025))

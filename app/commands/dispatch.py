@@ -1,6 +1,6 @@
 """From words to a command: finds the command, reads its flags, and turns every mistake into one line.
 
-Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable run, 130 stopped by Ctrl-C.
+Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable or lost run, 130 stopped by Ctrl-C.
 """
 
 import contextlib

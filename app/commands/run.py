@@ -14,7 +14,7 @@ from solvers.scene import Scene
 if TYPE_CHECKING:
     from solvers.result import Result
 
-OK, FAILED, UNSTABLE = 0, 1, 3
+OK, FAILED, BROKEN = 0, 1, 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +24,7 @@ class Run(SceneFlags):
     HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
 
     {setting} Without --json a table goes to standard output.
-    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable.
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
     """
     OUTPUT: ClassVar[frozenset[str]] = frozenset({"json", "plot", "quiet"})
 
@@ -51,7 +51,7 @@ class Run(SceneFlags):
         drawn = picture is None or _draw(result, picture)
         if result.status != "ok":
             say(result.reason)
-            return UNSTABLE
+            return BROKEN
         return OK if drawn else FAILED
 
 

@@ -10,7 +10,7 @@ from solvers.rules import FIELDS, field_key
 from solvers.scene import Scene
 
 #: Words that stand for no names, or all.
-SPECIAL = {"estimators": ("none",), "effects": ("all", "none")}
+SPECIAL = {"estimators": ("none",), "effects": ("all", "none"), "remedies": ("none",)}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,9 +14,10 @@ from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag,
 from app.commands.output import Target, json_text, say
 from app.commands.scene_flags import SceneFlags
 from solvers.rules import require_whole
+from solvers.soundness import LOST, OK, UNSTABLE
 from solvers.study import summary as table
 from solvers.study.grid import MOST_ROWS, Task, plan
-from solvers.study.row import FAILED, OK, REFUSED, UNSTABLE, refused
+from solvers.study.row import FAILED, REFUSED, refused
 from solvers.study.store import Store, StoreError
 
 if TYPE_CHECKING:
@@ -30,8 +31,8 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 class Sweep(SceneFlags):
     """The flags of a sweep beside those of its scenes.
 
-    Every flag of a scene may hold several values; those that are lists in one scene already (estimator, effects)
-    are not swept over.
+    Every flag of a scene may hold several values; those that are lists in one scene already (estimator, effects,
+    remedies) are not swept over.
     """
 
     HELP: ClassVar[str] = """Run the {title} for every combination of the values given: what accuracy costs in time.
@@ -42,7 +43,7 @@ class Sweep(SceneFlags):
     """
     OUTPUT: ClassVar[frozenset[str]] = frozenset({"out", "workers", "scheduler", "resume", "repeats", "each_effect",
                                                   "quiet", "no_linearity_preserving"})
-    LISTS: ClassVar[frozenset[str]] = frozenset({"estimator", "effects"})
+    LISTS: ClassVar[frozenset[str]] = frozenset({"estimator", "effects", "remedies"})
 
     no_linearity_preserving: Annotated[Switch, default_hint("on")] = False
     """Plain transfers; give both to compare."""
@@ -182,7 +183,7 @@ def _told(row: dict, tasks: Sequence[Task]) -> str:
     """A row in one line of progress."""
     inputs = ", ".join(f"{name.replace('_', '-')} {value}" for name, value in row["asked"].items()
                        if len({str(task.inputs.get(name)) for task in tasks}) > 1)
-    if row["status"] in (OK, UNSTABLE):
+    if row["status"] in (OK, UNSTABLE, LOST):
         error = row["error"]["x"]["max"]
         outcome = f"error of x {error:.2e} m, " if error is not None else ""
         return f"{inputs}: {row['status']}, {outcome}{row['seconds']['min']:.3g} s"

@@ -26,7 +26,7 @@ class Tables:
     """Make the paper's tables again and write them beside the printed numbers: Markdown, JSON and a picture each.
 
     Takes a minute or two. Each finished row is kept in DIR/rows; a command that was stopped goes on there. Exit status:
-    0 ok, 1 could not run or write, 2 bad input, 3 a row went unstable, 130 stopped by Ctrl-C.
+    0 ok, 1 could not run or write, 2 bad input, 3 a row went unstable or is lost, 130 stopped by Ctrl-C.
     """
 
     table: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="{1,2,3,all}")] = "all"

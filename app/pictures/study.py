@@ -19,8 +19,8 @@ from app.pictures.study_cost import cost_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
 from app.pictures.study_step import error_step_figure
 from app.words import QUANTITIES
+from solvers.soundness import BROKEN, OK
 from solvers.study.fit import pareto
-from solvers.study.row import OK, UNSTABLE
 from solvers.study.series import Series, error_of, measured
 
 NO_TRUTH = "no row has a true error"
@@ -90,8 +90,8 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
             _agreement(panel, rows, name, quantity)
     handles = [*parts.method_handles(rows), Line2D([], [], color=TRUTH, label="perfect"),
                Line2D([], [], color=TRUTH, linestyle=":", label="off by a factor of 2")]
-    if any(row["status"] == UNSTABLE for row in rows):
-        handles.append(Line2D([], [], color="0.3", label="went unstable", **UNSTABLE_LOOK))
+    if any(row["status"] in BROKEN for row in rows):
+        handles.append(Line2D([], [], color="0.3", label="unstable or lost", **UNSTABLE_LOOK))
     figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=len(handles))
     return figure
 
@@ -144,7 +144,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     for row in rows:
         true, estimated = error_of(row, quantity), row["estimate"].get(estimator, {}).get(quantity, {}).get("max")
         if true and estimated:
-            points.append((true, estimated, row["scene"]["method"], row["status"] == UNSTABLE))
+            points.append((true, estimated, row["scene"]["method"], row["status"] in BROKEN))
     if not points:
         axes.set(xticks=[], yticks=[])
         say(axes, "not estimated" if any(row["estimate"].get(estimator) for row in rows) else "not valid here")

@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from app.colours import METHOD_COLOURS, METHOD_MARKS
 from app.figures import Look, say
 from app.words import METHODS, QUANTITIES
-from solvers.study.row import UNSTABLE
+from solvers.soundness import BROKEN
 from solvers.study.series import Series, error_of, measured, series
 
 LINE_STYLES = ("-", "--", ":", "-.")
@@ -61,12 +61,12 @@ def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str,
     crosses = []
     for line, look in lines:
         points = [(abscissa(row), error) for row in line.rows
-                  if row["status"] != UNSTABLE and (error := error_of(row, quantity))]
+                  if row["status"] not in BROKEN and (error := error_of(row, quantity))]
         if points:
             axes.plot(*zip(*points, strict=True), **(look if joined else {**look, "linestyle": "none"}), zorder=3)
         stood += [error for _, error in points]
         crosses += [(abscissa(row), error_of(row, quantity), look["color"]) for row in line.rows
-                    if row["status"] == UNSTABLE]
+                    if row["status"] in BROKEN]
     limit = UNSTABLE_ROOM * max(stood, default=np.inf)
     shown = stood + [error for _, error, _ in crosses if error is not None and 0 < error <= limit]
     if shown:
@@ -93,8 +93,8 @@ def legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: 
     handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
     if len(entries) > len(shown):
         handles.append(Line2D([], [], linestyle="none", label=f"and {len(entries) - len(shown)} more"))
-    if any(row["status"] == UNSTABLE for line, _ in entries for row in line.rows):
-        handles.append(Line2D([], [], color="0.3", label="went unstable (at the top edge: error beyond the scale)",
+    if any(row["status"] in BROKEN for line, _ in entries for row in line.rows):
+        handles.append(Line2D([], [], color="0.3", label="unstable or lost (at the top edge: error beyond the scale)",
                               **UNSTABLE_LOOK))
     lengths = [len(str(handle.get_label())) + 7 for handle in handles]
     columns = len(handles) if sum(lengths) < LEGEND_WIDTH else max(1, LEGEND_WIDTH // max(lengths))

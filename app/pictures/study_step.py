@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 from app.figures import Look
 from app.pictures import study_parts as parts
 from app.pictures.series import DRAWN
+from solvers.soundness import OK
 from solvers.study.fit import balance
-from solvers.study.row import OK
 from solvers.study.series import Series, error_of
 
 MOST_MISFIT = 0.15  # relative; beyond, the two parts do not describe the points

@@ -3,9 +3,9 @@
 Keys of a row::
 
     schema, key, problem, asked (the inputs as given), scene (all inputs, defaults filled in; null if refused), h,
-    status ("ok", "unstable", "failed", "refused"), reason, t, steps, particles, particle_steps,
+    status ("ok", "unstable", "lost", "failed", "refused"), reason, t, steps, particles, particle_steps,
     error, estimate, index, distance, not_valid (the last four keyed by estimator), grid_crossings, energy, effects,
-    bytes, seconds, rate, arch, threads, plan, host, version
+    soundness, life, bytes, seconds, rate, arch, threads, plan, host, version
 
 ``seconds`` holds ``repeats`` (the bare method, run after run), ``min`` of them, ``full`` (the shortest of the runs that
 gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``full``) and ``effects`` (each alone).
@@ -22,7 +22,7 @@ from solvers.scene import Scene
 from solvers.study.grid import Task
 
 SCHEMA = "mpm-lab/row/1"
-OK, UNSTABLE, FAILED, REFUSED = "ok", "unstable", "failed", "refused"
+FAILED, REFUSED = "failed", "refused"  # and what a run ends with, ``solvers.soundness``
 WARM_UP_STEPS = 256
 TIMED_SECONDS = 0.05  # that the timed runs of a scene take together at least,
 MOST_TIMES = 10  # unless that needs more than so many times the runs asked for
@@ -57,7 +57,8 @@ def _measured(task: Task, scene: Scene) -> dict:
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
     each = {"estimate": full.estimates, "index": full.index, "distance": full.distance}
     row |= {kind: {name: value_of(name) for name in names} for kind, value_of in each.items()}
-    row |= {name: values[name] for name in ("not_valid", "grid_crossings", "energy", "effects", "bytes")}
+    kept = ("not_valid", "grid_crossings", "energy", "soundness", "life", "effects", "bytes")
+    row |= {name: values[name] for name in kept}
     row |= {"seconds": {"repeats": seconds, "min": least, "full": fastest, "compile": full.seconds.compile,
                         "setup": full.seconds.setup, "estimators": prices, "effects": effects}}
     rate = 1e-6 * timed.particles * timed.steps / least if least > 0 else None

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
 from solvers.samples import QUANTITIES
+from solvers.soundness import OK
 from solvers.study.fit import Slope, slope
-from solvers.study.row import OK
 
 TIME_INPUTS = ("dt", "cfl")
 

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from solvers.markdown import grid
+from solvers.soundness import BROKEN, OK
 from solvers.study.fit import pareto
-from solvers.study.row import FAILED, OK, REFUSED, UNSTABLE
+from solvers.study.row import FAILED, REFUSED
 from solvers.study.series import error_of, fits, measured, series, varying
 
 SHOWN = ("x", "v", "sigma")
@@ -43,7 +44,7 @@ def table_dict(problem: str, rows: Sequence[dict]) -> dict:
 
 def summary(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) -> str:
     """The study in Markdown: every row in short, the orders of convergence, the best for its time, what went wrong."""
-    counts = {status: sum(row["status"] == status for row in rows) for status in (OK, UNSTABLE, FAILED, REFUSED)}
+    counts = {status: sum(row["status"] == status for row in rows) for status in (OK, *BROKEN, FAILED, REFUSED)}
     parts = [f"# Sweep of the {problem}",
              f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
     names = list(dict.fromkeys(["method", "cells", *varying(rows)]))

@@ -7,8 +7,9 @@ from app.page.history import History
 from solvers.engine.messages import FrameReport
 from solvers.norms import summary
 from solvers.samples import QUANTITIES
+from solvers.soundness import OK, UNSTABLE
 from solvers.study.grid import task_of
-from solvers.study.row import BLANK, OK, SCHEMA, UNSTABLE
+from solvers.study.row import BLANK, SCHEMA
 
 
 class LiveRows:

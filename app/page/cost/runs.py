@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from solvers.scene import Scene
+from solvers.soundness import OK, UNSTABLE
 from solvers.study import summary as table
 from solvers.study.grid import Task
-from solvers.study.row import FAILED, OK, UNSTABLE
+from solvers.study.row import FAILED
 
 MOST_RUNS = 200  # then the oldest is forgotten
 LIVE, SWEEP = "live", "sweep"

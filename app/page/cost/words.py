@@ -9,8 +9,9 @@ from app.page.cost.runs import MOST_RUNS, NumberedRun
 from app.words import NOTHING, command_line, method_name, number, per_cell
 from solvers.problems import PROBLEMS
 from solvers.scene import Scene
+from solvers.soundness import UNSTABLE
 from solvers.study.grid import Task
-from solvers.study.row import FAILED, UNSTABLE
+from solvers.study.row import FAILED
 
 LONGEST_BUDGET = 60.0
 MOST_WATCHED = 40_000  # particles: the sliders reach no further, and browsers not much
