@@ -125,8 +125,8 @@ def test_amplitude_rules():
 
 @pytest.mark.parametrize(("amplitude", "growth"), [(0.12, 1.44), (0.13, 1.84)])
 def test_the_rings_own_motion_is_unstable(amplitude, growth):
-    """A kick of 1e-9 m grows in the mode with two waves around as Floquet's theory has it for the exact motion, which is
-    no matter of numerics: multipliers of linearised elastodynamics, to 5 %, once other modes have been outgrown."""
+    """A kick of 1e-9 m grows in the mode with two waves around as Floquet's theory has it for the exact motion, and not
+    for any scheme: multipliers of linearised elastodynamics, to 5 %, once other modes have been outgrown."""
     scene = RingScene(cells=24, amplitude=amplitude, cfl=0.3, periods=16, estimators=(), effects=())
     kicked, plain = RingSolver(scene), RingSolver(scene)
     X = plain._arrays.material_position
