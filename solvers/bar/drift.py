@@ -32,6 +32,6 @@ def drift(scene: BarScene) -> float:
 
 def predicted_life(scene: BarScene) -> float | None:
     """Periods until the drift has reached A w; None where something mends it, or where something else comes first."""
-    if scene.remedies or scene.linearity_preserving or scene.method == "mpm":
+    if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm":
         return None
     return scene.size_of("v") / drift(scene)
