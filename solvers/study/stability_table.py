@@ -61,10 +61,11 @@ def as_markdown(values: dict) -> str:
     scene = next(row["scene"] for row in values["rows"] if row["scene"])
     heads = ["method", "called for", "price of a step", *(f"A = {A:g}" for A in amplitudes), "error in period 1",
              "predicted life"]
-    text = [f"# Stability of the {PROBLEMS[values['problem']].scene.TITLE}",
+    kind = PROBLEMS[values["problem"]].scene
+    text = [f"# Stability of the {kind.TITLE}",
             f"Periods until the error of x exceeds A/10 or the run breaks, of {scene['periods']:g}; {NOTHING} means "
-            f"that it held to the end. {scene['cells']} cells, {scene['ppc']} particles per cell. In each column "
-            f"the lives at cfl {' / '.join(f'{cfl:g}' for cfl in steps)}, then the cfl that --dt auto takes. Price: "
+            f"that it held to the end. {scene['cells']} cells, {' x '.join([str(scene['ppc'])] * kind.DIMENSIONS)} "
+            f"particles per cell. In each column the lives at cfl {' / '.join(f'{cfl:g}' for cfl in steps)}, then the cfl that --dt auto takes. Price: "
             "seconds of a step over the plain method's. Error in period 1: of x, in amplitudes, at the smallest A and "
             "step. Predicted: periods until the drift of the velocity that no node sees reaches A w, by theory alone, "
             "at each A; other causes may come first.",
