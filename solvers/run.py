@@ -62,7 +62,7 @@ def _verdict(solver: Solver, series: dict[str, np.ndarray],
              not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
     """Status, reason and time of breakdown of a run that has ended."""
     finding = find(solver.scene, series, not_valid)
-    since = None if finding is None else float(series["time"][finding.sample])
+    since = None if finding is None else finding.time
     if not solver.sound:
         return UNSTABLE, solver.reason(), solver.time if since is None else since
-    return (OK, None, None) if finding is None or since is None else (LOST, solver.lost(finding, since), since)
+    return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)
