@@ -78,6 +78,7 @@ def on_page(sentence: str) -> str:
     labels = {remedy.name: f"\"{remedy.label}\"" for remedy in REMEDIES.values()}
     name = "|".join(map(re.escape, labels))
     sentence = re.sub(rf"({name}),({name})", r"\1 and \2", sentence)
+    sentence = re.sub(rf"({name}) (?={name})", r"\1, ", sentence)
     return re.sub(name, lambda found: labels[found[0]], sentence)
 
 

@@ -9,7 +9,7 @@ import viser
 
 from app import words
 from app.page.panels.estimators import EstimatorChoice
-from app.page.panels.head import LOGARITHMIC
+from app.page.panels.head import LOGARITHMIC, WIDE_LABEL
 from app.page.session import Session
 from app.problems.views import VIEWS
 from app.scale import ColourScale
@@ -167,8 +167,11 @@ class Controls:
     def _boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
         """A box for each of the names that the scene's field may hold, several at a time."""
         session, scene = self._session, self._session.scene
-        boxes = {name: self._gui.add_checkbox(kinds[name].label, name in getattr(scene, field),
-                                              hint=kinds[name].explanation) for name in scene.choices(field)}
+        boxes = {}
+        for name in scene.choices(field):
+            self._gui.add_html(WIDE_LABEL)
+            boxes[name] = self._gui.add_checkbox(kinds[name].label, name in getattr(scene, field),
+                                                 hint=kinds[name].explanation)
         for box in boxes.values():
             self._follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
 

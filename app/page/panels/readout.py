@@ -51,7 +51,8 @@ def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], p
             ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
-        rows.append(("energy", f"out of balance by {drift:+.2%}"))
+        size = f"{drift:+.2%}" if abs(drift) < 10 else f"{100 * drift:+.2g}%"
+        rows.append(("energy", f"out of balance by {size}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
     return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 
@@ -60,8 +61,9 @@ def _margin(series: dict[str, np.ndarray]) -> str:
     """The step over the bound of what the present configuration bears; beyond 1 it will not hold."""
     margin = float(series["margin"][-1]) if len(series.get("margin", ())) else math.nan
     if math.isnan(margin):  # before the first step nothing has a mass
-        return f"{NOTHING} of its bound"
-    return f"<span class='lab-over'>{margin:.2f} of its bound</span>" if margin > 1 else f"{margin:.2f} of its bound"
+        return NOTHING
+    text = f"{margin:.2f} of its bound" if margin < 100 else f"{margin:.2g} of its bound"
+    return f"<span class='lab-over'>{text}</span>" if margin > 1 else text
 
 
 def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> str:
@@ -139,4 +141,4 @@ def _ratio(series: dict[str, np.ndarray], name: str) -> str:
     values = series.get(name, np.zeros(0))
     if not len(values) or not np.isfinite(values[-1]):
         return NOTHING
-    return f"{values[-1]:.2f}" if values[-1] > 0.095 else f"{values[-1]:.1g}"
+    return f"{values[-1]:.2f}" if 0.095 < values[-1] < 1000 else f"{values[-1]:.1g}"
