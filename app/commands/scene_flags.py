@@ -36,7 +36,8 @@ class SceneFlags:
 
 def of_problem(command: type, scene: type[Scene], **kinds: Any) -> type:
     """A command for one problem: the flags of its scene, then the command's own; ``kinds`` replace types of flags."""
-    flags = [(field_key(f.name), described(scene, f, kinds.get(f.name)), field(default=f.default))
+    flags = [(field_key(f.name), described(scene, f, kinds.get(f.name)),
+              field(default=("none",) if f.default == () else f.default))
              for f in fields(scene) if f.name != "problem"]
     bases = (command, make_dataclass("Flags", flags, bases=(SceneFlags,), frozen=True, kw_only=True))
     return _made(command, scene, bases)
