@@ -16,7 +16,7 @@ from app.words import METHODS, power_text
 from solvers.soundness import BROKEN
 
 WIDTH, HEIGHT = 330, 216
-LEFT, RIGHT, TOP, BOTTOM = 40, 318, 10, 182
+LEFT, RIGHT, TOP, BOTTOM = 46, 318, 10, 182
 MOST_NUMBERS = 40  # dots that have their number beside them; of more it is in their title only
 ROOM = 0.15  # decades around the dots
 FEW = 1.7  # decades below which 2 and 5 have a tick as well

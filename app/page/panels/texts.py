@@ -16,14 +16,14 @@ LESSONS = PAGE.parents[1] / "lessons"
 
 
 def add_about(gui: viser.GuiApi) -> None:
-    """Fill the tab: the page, each estimator behind its name, and something to try."""
+    """Fill the tab: the page, each estimator behind its name, what to believe and something to try."""
     about = (PAGE / "about.html").read_text(encoding="utf-8")
     gui.add_html(about.format(problems="".join(view.about for view in VIEWS.values()),
                               divisions=", ".join(view.division for view in VIEWS.values())))
-    gui.add_html(_trust())
     for estimator in ESTIMATORS.values():
         with gui.add_folder(f"The estimator {estimator.title}", expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation}</div>")
+    gui.add_html(_trust())
     gui.add_html((PAGE / "try.html").read_text(encoding="utf-8"))
 
 
