@@ -116,34 +116,27 @@ class Session:
         """The one thing that the visitor should read now, if any."""
         with self._lock:
             waiting = self.report is None or self.report.number < self._number
-            if self._trouble:
-                return Notice("trouble", self._trouble)
-            if self._engine_lost and waiting:
-                return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
-                                      "and the scene begins again.")
-            if self._refusal:
-                return Notice("refused", f"{self._refusal}. The scene before it runs on.")
-            waited = monotonic() - self._asked_at
-            if waiting and waited > SLOW_ANSWER:
-                so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
-                return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
-                                      "is compiled the first time it is used; several estimators at once take longest.")
-            if self.report and self.report.reason and not waiting:
-                return Notice(self.report.status, f"{on_page(self.report.reason)}.")
-            return None if waiting else self._doubt()
+            urgent, history, valid = self._urgent(waiting), self.history, self.valid_estimators
+        # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
+        return urgent or (None if waiting else _doubt(history, valid))
 
-    def _doubt(self) -> Notice | None:
-        """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
-        series, scene = self.history.series, self.history.scene
-        if not len(series.get("error_x", ())):
-            return None
-        for estimator in self.valid_estimators:
-            index = series[f"{estimator}/index_x"][-1]
-            if index > BROKEN:
-                return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
-                                         "true error of x. Do not trust it here.")
-        warnings = scene.warnings()
-        return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None
+    def _urgent(self, waiting: bool) -> Notice | None:
+        """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
+        if self._trouble:
+            return Notice("trouble", self._trouble)
+        if self._engine_lost and waiting:
+            return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
+                                  "and the scene begins again.")
+        if self._refusal:
+            return Notice("refused", f"{self._refusal}. The scene before it runs on.")
+        waited = monotonic() - self._asked_at
+        if waiting and waited > SLOW_ANSWER:
+            so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
+            return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
+                                  "is compiled the first time it is used; several estimators at once take longest.")
+        if self.report and self.report.reason and not waiting:
+            return Notice(self.report.status, f"{on_page(self.report.reason)}.")
+        return None
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """From the engine's reader thread, as the two below."""
@@ -171,3 +164,17 @@ class Session:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed, self._restarts, self._single_steps,
                                       self._differences)
+
+
+def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
+    """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
+    series, scene = history.series, history.scene
+    if not len(series.get("error_x", ())):
+        return None
+    for estimator in valid:
+        index = series[f"{estimator}/index_x"][-1]
+        if index > BROKEN:
+            return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
+                                     "true error of x. Do not trust it here.")
+    warnings = scene.warnings()
+    return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None
