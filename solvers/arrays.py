@@ -58,6 +58,7 @@ class Watch(Members):
     """What watches a run, no part of the method: checks, samples, marks and estimates. P particles, E estimators."""
 
     sample_interval: Integer  # steps
+    look_interval: Integer  # steps between two looks for contradictions, a multiple of that
     farthest: Real  # how far a particle may be in a run that is sound, m
     last_crossing: Integers  # step of the particle's last cell change, -1 for never (P,)
     estimate: Quads  # estimated errors (E*P, 4): of the bar x, v, sigma, a; of the ring x and v, vectors
@@ -73,7 +74,8 @@ class Watch(Members):
 def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
     """The members of a :class:`Watch` at the start of a run of so many particles."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
-    return {"sample_interval": scene.sample_interval, "farthest": farthest,
+    return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
+            "farthest": farthest,
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
             "estimate_intervals": np.array(intervals or [NEVER], np.int32), "memory": allocate_memory(hooks, scene),

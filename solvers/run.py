@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -48,10 +49,12 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     last = solver.measure()  # also the last look for a run gone bad: the kernel's own look may be steps ago
     if solver.step % scene.sample_interval:
         rows.append(last)
+    else:
+        rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may not have been one with a look
     final = solver.snapshot()
     series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
     not_valid = solver.not_valid()
-    status, reason, broken_at = _verdict(solver, series, not_valid)
+    status, reason, broken_at = _verdict(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
                   series=series, final=final, bytes=solver.bytes, not_valid=not_valid, seconds=seconds,
@@ -59,9 +62,11 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
 
 
 def _verdict(solver: Solver, series: dict[str, np.ndarray],
-             not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
-    """Status, reason and time of breakdown of a run that has ended."""
+             not_valid: dict[str, str], error: np.ndarray | None) -> tuple[str, str | None, float | None]:
+    """Status, reason and time of breakdown of a run that has ended; ``error`` are the true ones at its end."""
     finding = find(solver.scene, series, not_valid)
+    if finding and finding.particle is None and error is not None:
+        finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
     since = None if finding is None else finding.time
     if not solver.sound:
         return UNSTABLE, solver.reason(), solver.time if since is None else since

@@ -26,6 +26,7 @@ MOST_PARTICLES = 1_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
 MOST_SAMPLES = 1_000_000
 DEFAULT_CFL = 0.05
+LOOKS_A_PERIOD = 20  # for contradictions; more find nothing sooner that matters
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LISTS = ("estimators", "effects", "remedies")
 AUTO = "auto"
@@ -206,6 +207,12 @@ class Scene(ABC):
         wanted = int(min(self.period / self.time_step, MOST_STEPS)) // self.SAMPLES_A_PERIOD
         wanted = max(wanted, math.ceil(self.steps / SAMPLES_A_RUN))
         return max(1, wanted // self.estimate_interval) * self.estimate_interval
+
+    @property
+    def look_interval(self) -> int:
+        """Steps between two looks for contradictions and at the margin of the step, at samples that are due."""
+        wanted = self.period / self.time_step / LOOKS_A_PERIOD
+        return self.sample_interval * max(1, int(wanted / self.sample_interval))
 
     @property
     def estimate_interval(self) -> int:

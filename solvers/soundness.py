@@ -9,7 +9,6 @@ unseen: "no contradiction found" is not "right".
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -95,8 +94,9 @@ def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, A:
     if not len(beyond):
         return None
     at = int(beyond[0])
-    time, size, place = float(series["time"][at]), float(values[at]) / A, series["place"][at]
-    return Finding(time, sentence.format(size=f"{size:.2g}"), size, None if math.isnan(place) else int(place))
+    time, size, places = float(series["time"][at]), float(values[at]) / A, series["place"][:at + 1]
+    known = places[np.isfinite(places)]
+    return Finding(time, sentence.format(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
 
 
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:

@@ -145,7 +145,7 @@ def test_margin_of_the_step_is_read(margin, shown):
 
 
 def readout_of(scene, margin):
-    session = SimpleNamespace(history=SimpleNamespace(series={"margin": np.array([margin])}), speed=1.0)
+    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0)
     return readout(session, report_of(scene), "x", "transport", None, WorstRegions())
 
 

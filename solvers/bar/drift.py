@@ -2,8 +2,8 @@
 
 A particle's velocity changes by the interpolated acceleration sum S_i a_i, which is a(x_p) + a_xx S2/2 with S2 = sum
 S_i (x_i - x_p)^2. S2 depends on the particle's place in its cell and so on the motion itself: its product with a_xx
-does not vanish over a period, and what it leaves adds up from period to period. The rate is known to about 6 %; how soon x
-fails after v has drifted by about A w is the cruder part.
+does not vanish over a period, and what it leaves adds up from period to period. The rate is known to about 6 %; that x
+fails when v has drifted by about A w is the cruder part: at large amplitude other things come first.
 """
 
 import numpy as np
@@ -32,6 +32,6 @@ def drift(scene: BarScene) -> float:
 
 def predicted_life(scene: BarScene) -> float | None:
     """Periods until the drift has reached A w; None where something mends it, or where something else comes first."""
-    if scene.remedies or scene.linearity_preserving or scene.method == "mpm":
+    if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm":
         return None
     return scene.size_of("v") / drift(scene)

@@ -49,7 +49,7 @@ def advance(start: ti.i32, steps: ti.i32, bar: BarState, on: ti.template()):
                 check(bar, step + 1)
             if (step + 1) % bar.sample_interval == 0:
                 row = (step + 1) // bar.sample_interval - start // bar.sample_interval - 1
-                sample(bar, row, step + 1, on)
+                sample(bar, row, step + 1, (step + 1) % bar.look_interval == 0, on)
 
 
 @ti.kernel
@@ -59,7 +59,7 @@ def measure(step: ti.i32, bar: BarState, on: ti.template()):
     for _ in range(1):
         if bar.verdict[0] == SOUND:
             check(bar, step)
-        sample(bar, 0, step, on)
+        sample(bar, 0, step, True, on)
 
 
 @ti.kernel

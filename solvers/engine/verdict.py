@@ -15,12 +15,16 @@ class Verdict:
     def __init__(self, solver: Solver):
         self._solver = solver
         self._findings: dict[str, Finding] = {}
+        self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
 
     def look(self, rows: np.ndarray, particles: int) -> None:
         """Judge new samples of so many particles. Once something is found that stays, nothing later can be first."""
         scene = self._solver.scene
         if not len(rows) or any(name not in scene.active_estimators for name in self._findings):
             return
+        rows = rows if self._looked is None else np.concatenate([self._looked, rows])
+        looked = np.flatnonzero(np.isfinite(rows[:, samples.column("place")]))
+        self._looked = rows[looked[-1:]] if len(looked) else None
         series = samples.read(rows, scene.active_estimators, particles, scene.time_step)
         self._findings = {**findings(scene, series), **self._findings}
 

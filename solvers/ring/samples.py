@@ -86,8 +86,8 @@ def node_acceleration_error(ring: ti.template(), before, on: ti.template()):
 
 
 @ti.func
-def sample(ring: ti.template(), row, step, on: ti.template()):
-    """Write one row of sums."""
+def sample(ring: ti.template(), row, step, looks, on: ti.template()):
+    """Write one row of sums; with ``looks`` also contradictions and the margin of the step, which may be rarer."""
     crossings, work = 0.0, 0.0
     for slab in range(ring.slabs):
         crossings += ring.totals[2 * slab]
@@ -99,10 +99,14 @@ def sample(ring: ti.template(), row, step, on: ti.template()):
         sample_truth(ring, row, step, on)
     if ti.static(len(on.estimators) > 0):
         sample_estimates(ring, row, step, on)
-    if ti.static(on.soundness):
-        soundness.look(ring, row)
-    if ti.static(on.margin):
-        margin.step_margin(ring, row, on)
+    for q in ti.static(range(column("apart"), column("margin") + 1)):
+        ring.samples[row, q] = ti.math.nan
+    if ti.static(on.soundness or on.margin):
+        if looks:
+            if ti.static(on.soundness):
+                soundness.look(ring, row)
+            if ti.static(on.margin):
+                margin.step_margin(ring, row, on)
     if ti.static(on.energy):
         sample_energy(ring, row)
 

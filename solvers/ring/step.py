@@ -53,7 +53,7 @@ def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
                 check(ring, step + 1)
             if (step + 1) % ring.sample_interval == 0:
                 line = (step + 1) // ring.sample_interval - start // ring.sample_interval - 1
-                sample(ring, line, step + 1, on)
+                sample(ring, line, step + 1, (step + 1) % ring.look_interval == 0, on)
 
 
 @ti.kernel
@@ -95,7 +95,7 @@ def inspect(step: ti.i32, line: ti.i32, ring: RingState, on: ti.template()):
         if ring.verdict[0] == SOUND:
             check(ring, step)
         if line >= 0:
-            sample(ring, line, step, on)
+            sample(ring, line, step, line == 0 or step % ring.look_interval == 0, on)
 
 
 @ti.kernel

@@ -46,7 +46,7 @@ def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], p
     state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE else " <b>paused</b>"
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
             ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
-            *([("step", _margin(series))] if scene.has("margin") else []),
+            *([("step", _margin(session.history.margin))] if scene.has("margin") else []),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
             ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
@@ -57,9 +57,8 @@ def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], p
     return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 
 
-def _margin(series: dict[str, np.ndarray]) -> str:
+def _margin(margin: float) -> str:
     """The step over the bound of what the present configuration bears; beyond 1 it will not hold."""
-    margin = float(series["margin"][-1]) if len(series.get("margin", ())) else math.nan
     if math.isnan(margin):  # before the first step nothing has a mass
         return NOTHING
     text = f"{margin:.2f} of its bound" if margin < 100 else f"{margin:.2g} of its bound"
