@@ -1,11 +1,13 @@
 """Words: names, units, symbols and number formats, once for the command line, the page and every picture."""
 
 import math
+import re
 from dataclasses import dataclass
 
 from solvers.problems import PROBLEMS
+from solvers.remedies import REMEDIES
 from solvers.rules import field_key
-from solvers.scene import Scene
+from solvers.scene import AUTO, Scene
 
 NOTHING = "–"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
@@ -68,15 +70,29 @@ def per_cell(problem: str, ppc: int) -> str:
     return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)
 
 
+def on_page(sentence: str) -> str:
+    """A sentence that names flags and remedies as one types them, with the words that stand beside the widgets."""
+    for typed, shown in ((f"--dt {AUTO} takes", "the box \"Auto step\" takes"),
+                         ("--velocity grid", CHOICES["velocity"]["grid"])):
+        sentence = sentence.replace(typed, shown)
+    labels = {remedy.name: f"\"{remedy.label}\"" for remedy in REMEDIES.values()}
+    name = "|".join(map(re.escape, labels))
+    sentence = re.sub(rf"({name}),({name})", r"\1 and \2", sentence)
+    sentence = re.sub(rf"({name}) (?={name})", r"\1, ", sentence)
+    return re.sub(name, lambda found: labels[found[0]], sentence)
+
+
 def command_line(scene: Scene) -> str:
     """The command that runs the scene, with what differs from the defaults."""
     words = [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells} --ppc {scene.ppc}",
-             f"--cfl {scene.courant_number:g}"]
+             f"--dt {AUTO}" if scene.dt == AUTO else f"--cfl {scene.courant_number:g}"]
     for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force"):
         if getattr(scene, field) != getattr(type(scene), field):
             words.append(f"--{field_key(field).replace('_', '-')} {getattr(scene, field)}")
     if scene.linearity_preserving:
         words.append("--linearity-preserving")
+    if scene.remedies:
+        words.append(f"--remedies {','.join(scene.remedies)}")
     return " ".join(words)
 
 

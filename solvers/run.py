@@ -67,7 +67,7 @@ def _verdict(solver: Solver, series: dict[str, np.ndarray],
     finding = find(solver.scene, series, not_valid)
     if finding and finding.particle is None and error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
-    since = None if finding is None else float(series["time"][finding.sample])
+    since = None if finding is None else finding.time
     if not solver.sound:
         return UNSTABLE, solver.reason(), solver.time if since is None else since
-    return (OK, None, None) if finding is None or since is None else (LOST, solver.lost(finding, since), since)
+    return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)

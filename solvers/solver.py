@@ -113,11 +113,11 @@ class Solver(ABC):
         return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
                 f"(X = {self._place(p)}) {what}; {self._advice()}")
 
-    def lost(self, finding: Finding, time: float) -> str:
+    def lost(self, finding: Finding) -> str:
         """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""
         where = "" if finding.particle is None else \
             f", most at particle {finding.particle} (X = {self._place(finding.particle)})"
-        return f"the run is lost from t = {time:.4g} s on: {finding.sentence}{where}; {self._advice()}"
+        return f"the run is lost from t = {finding.time:.4g} s on: {finding.sentence}{where}; {self._advice()}"
 
     def _place(self, particle: int) -> str:
         return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))

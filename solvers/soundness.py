@@ -52,29 +52,40 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
 
 @dataclass(frozen=True)
 class Finding:
-    """The first sample at which a run is found lost: its number, what was found, and in how many amplitudes."""
+    """The first sample at which a run is found lost: its time in s, what was found, and in how many amplitudes."""
 
-    sample: int
+    time: float
     sentence: str
     size: float
     particle: int | None = None  # where it is worst, if that was kept
 
 
 def find(scene: Scene, series: Mapping[str, np.ndarray], not_valid: Collection[str] = ()) -> Finding | None:
-    """The first finding in the samples of a run, or None.
+    """The first finding in the samples of a run, or None. ``not_valid`` are the estimators that do not hold here."""
+    return earliest(findings(scene, series), not_valid)
 
-    ``not_valid`` are the estimators that do not hold here. The truth, where it is on, and the valid estimators count
-    from an error of half the motion's amplitude on.
+
+def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Finding]:
+    """What each rule, the truth and each estimator that judges was first to find, keyed by their names.
+
+    The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
     A = scene.motion_amplitude
-    rules = [(series[name], rule.most * A, rule.sentence) for name, rule in CONTRADICTIONS.items() if name in series]
-    rules.append((series["error_x"], MOST_ERROR * A, "the particles have lost the solution (the true error of x is "
-                                                     "{size} of the amplitude)"))
-    rules += [(series[f"{name}/estimate_x"], MOST_ERROR * A,
-               f"the particles have lost the solution ({name} puts the error of x at {{size}} of the amplitude)")
-              for name in scene.active_estimators if name not in not_valid and registry.ESTIMATORS[name].judges]
-    findings = [found for values, most, sentence in rules if (found := _first(series, values, most, A, sentence))]
-    return min(findings, key=lambda found: found.sample, default=None)
+    rules = {name: (series[name], rule.most * A, rule.sentence) for name, rule in CONTRADICTIONS.items()}
+    rules["error_x"] = (series["error_x"], MOST_ERROR * A, "the particles have lost the solution (the true error of x "
+                                                           "is {size} of the amplitude)")
+    for name in scene.active_estimators:
+        if registry.ESTIMATORS[name].judges:
+            sentence = f"the particles have lost the solution ({name} puts the error of x at {{size}} of the amplitude)"
+            rules[name] = (series[f"{name}/estimate_x"], MOST_ERROR * A, sentence)
+    return {name: found for name, (values, most, sentence) in rules.items()
+            if (found := _first(series, values, most, A, sentence))}
+
+
+def earliest(found: Mapping[str, Finding], not_valid: Collection[str] = ()) -> Finding | None:
+    """The first of several findings, but for those of estimators that do not hold."""
+    return min((finding for name, finding in found.items() if name not in not_valid), key=lambda one: one.time,
+               default=None)
 
 
 def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, A: float,
@@ -83,9 +94,9 @@ def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, A:
     if not len(beyond):
         return None
     at = int(beyond[0])
-    size, places = float(values[at]) / A, series["place"][:at + 1]
+    time, size, places = float(series["time"][at]), float(values[at]) / A, series["place"][:at + 1]
     known = places[np.isfinite(places)]
-    return Finding(at, sentence.format(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
+    return Finding(time, sentence.format(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
 
 
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:

@@ -16,7 +16,7 @@ import pytest
 from app.page.cost import jobs as jobs_module
 from app.page.cost import words
 from app.page.cost.jobs import Jobs, JobStatus, search, small_sweep, timings
-from app.page.cost.live import LiveRows
+from app.page.cost.live import LiveRows, live_row
 from app.page.cost.picture import Axis, picture
 from app.page.cost.runs import LIVE, SWEEP, Runs, csv_bytes
 from app.page.history import History
@@ -24,6 +24,7 @@ from app.page.page import Page
 from app.page.panels.cost import CostTab
 from solvers.bar.scene import BarScene
 from solvers.engine.messages import FrameReport
+from solvers.engine.verdict import Verdict
 from solvers.ring.scene import RingScene
 from solvers.run import build
 from solvers.study.grid import task_of
@@ -40,12 +41,14 @@ def frames(scene, steps=100):
     """A live run's frames as the page hears them: report and history."""
     solver = build(scene)
     solver.compile()
-    history, fresh, rows = History(scene, scene.particles), True, solver.measure()
+    verdict, history, fresh, rows = Verdict(solver), History(scene, scene.particles), True, solver.measure()
     while True:
         history.add(rows)
+        verdict.look(rows, scene.particles)
+        status, reason, since = verdict.tell({})
         yield FrameReport(session=1, number=1, scene=scene, fresh=fresh, playing=True, particles=scene.particles,
                           step=solver.step, time=solver.time, rows=rows, rate=10.0, real_speed=None, arch=solver.arch,
-                          reason=None if solver.sound else solver.reason(), not_valid=solver.not_valid()), history
+                          reason=reason, status=status, since=since, not_valid=solver.not_valid()), history
         fresh, rows = False, solver.advance(steps) if solver.sound else rows[:0]
 
 
@@ -105,6 +108,27 @@ def test_live_run_that_goes_unstable_is_a_row():
     runs = Runs()
     runs.add(row, LIVE)
     assert runs.all()[0].drawable and "unstable" in words.sentence(runs.all()[0])
+
+
+def test_live_run_that_is_lost_is_a_row():
+    """It goes to the end of its scene, and is drawn and told like an unstable one under its own name."""
+    follower, bad = LiveRows(), replace(SCENE, cells=40, ppc=1)
+    row = next(row for report, history in frames(bad) if (row := follower.follow(report, history)))
+    assert row["status"] == "lost" and row["reason"].startswith("the run is lost") and row["steps"] == bad.steps
+    runs = Runs()
+    runs.add(row, LIVE)
+    runs.add(made_up(status="lost"), SWEEP)
+    assert runs.all()[0].drawable and "the run is lost from" in words.sentence(runs.all()[0])
+    drawing, listed = picture(runs.all()), words.table(runs.all())
+    assert "</svg> lost</span>" in drawing and listed.count(">lost</td>") == 2
+    runs.add(made_up("mpm", status="unstable"), SWEEP)
+    assert "unstable or lost" in picture(runs.all())
+
+
+def test_run_that_is_lost_after_its_scene_is_ok():
+    """The stage runs on for ever; what happens beyond the end does not count."""
+    scene = replace(SCENE, cells=40, ppc=1, periods=0.5)
+    assert live_row(*next(frame for frame in frames(scene) if frame[0].status == "lost"))["status"] == "ok"
 
 
 def test_live_run_without_truth_has_its_estimate():

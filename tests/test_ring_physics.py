@@ -111,9 +111,22 @@ def test_polar_layout_is_much_better_than_the_staircase(simulate):
     assert stairs.errors()["v"]["final"] > 3 * simulate(table_scene("cpdi", 48)).errors()["v"]["final"]
 
 
+def test_resonance_growth_and_expected_life():
+    """The factors computed for the exact motion, and the periods that CPDI lasts at A = 0.15 on 24, 48 and 96 cells."""
+    for A, growth in ((0.1, 1.0), (0.12, 1.44), (0.13, 1.84), (0.14, 2.20), (0.15, 2.57)):
+        assert RingScene(amplitude=A).growth == pytest.approx(growth, abs=5e-3)
+    large = RingScene(amplitude=0.15)
+    for first, periods in ((1.07e-3, 5.8), (1.64e-4, 7.8), (2.26e-5, 9.9)):
+        assert large.expected_life(first) == pytest.approx(periods, abs=0.05)
+    assert RingScene(amplitude=0.1).expected_life() == math.inf
+    assert "grows 2.57-fold a period or faster" in RingScene(amplitude=0.16).warnings()[0]
+
+
 def test_amplitude_rules():
-    """Inversion from 0.386 on is refused, wrinkling above 0.198 only told."""
-    assert RingScene(amplitude=0.19).warnings() == []
+    """Inversion from 0.386 on is refused, resonance from 0.115 and wrinkling above 0.198 only told."""
+    assert RingScene(amplitude=0.114).warnings() == []
+    assert "parametric resonance" in RingScene(amplitude=0.115).warnings()[0]
+    assert "wrinkles" not in RingScene(amplitude=0.19).warnings()[0]
     assert "wrinkles" in RingScene(amplitude=0.2).warnings()[0]
     for value in (0.386, 0.5, 0.0, -0.1, math.nan):
         with pytest.raises(SceneError, match="amplitude"):

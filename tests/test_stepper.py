@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from solvers import samples
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.bar.validity import RULES
@@ -17,6 +18,8 @@ from solvers.engine import frames as memory
 from solvers.engine import stepper
 from solvers.engine.messages import Wish
 from solvers.engine.stepper import FRAME_SECONDS, Stepper
+from solvers.engine.verdict import Verdict
+from solvers.run import run
 
 SCENE = BarScene(cells=20, periods=1)
 
@@ -74,6 +77,44 @@ def test_frames_keep_their_beat(clock):
                 times.append(clock.now)
     assert len(times) / 3.0 == pytest.approx(1 / FRAME_SECONDS, rel=0.03)
     assert np.diff(times).min() > 0.45 * FRAME_SECONDS
+
+
+def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
+    """Judged a frame at a time, it is lost from the same sample on, in the same words, and stays so."""
+    scene = replace(SCENE, cells=40, ppc=1)
+    result = run(scene)
+    with one_session(Wish(1, 1, scene, True, 0.5 * scene.period, 0, 0, "")) as session:
+        reports = []
+        while not reports or reports[-1].time < scene.end_time:
+            session.seen()
+            clock.now += 0.007
+            if session.behind:
+                session.turn()
+            if session.ready:
+                reports.append(session.frame())
+    statuses = [report.status for report in reports]
+    begun = statuses.index("lost")
+    assert statuses == ["ok"] * begun + ["lost"] * (len(statuses) - begun) and reports[-1].playing
+    assert (reports[-1].status, reports[-1].reason) == (result.status, result.reason)
+    assert reports[-1].since == reports[begun].since == result.broken_at <= reports[begun].time
+
+
+def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
+    """Found at first, dropped once the estimator is found not to hold, and no later one is missed for it."""
+    scene = replace(SCENE, estimators=("recovered",))
+    solver = SimpleNamespace(scene=scene, sound=True, lost=lambda found: found.sentence)
+    names = [*samples.BASE, *(f"recovered/{name}" for name in samples.EACH)]
+    row = np.full((2, len(names)), np.nan)
+    row[:, 0] = 10, 20
+    row[0, names.index("recovered/estimate_x")] = 4 * SCENE.amplitude**2
+    verdict = Verdict(solver)
+    verdict.look(row[:1], 4)
+    assert verdict.tell({})[0] == "lost" and "recovered" in verdict.tell({})[1]
+    assert verdict.tell({"recovered": "it rains"}) == ("ok", None, None)
+    row[1, names.index("apart")] = SCENE.amplitude
+    verdict.look(row[1:], 4)
+    assert verdict.tell({"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
+    assert verdict.tell({})[2] == pytest.approx(10 * SCENE.time_step)
 
 
 def test_frames_say_what_is_not_valid(monkeypatch):

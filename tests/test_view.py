@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from app import words
+from app.page.panels.readout import readout
 from app.page.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
 from app.page.worst import Worst, WorstRegions
 from app.problems.bar.view import BAR as BAR_VIEW
@@ -25,6 +27,7 @@ from solvers.estimators.registry import ESTIMATORS
 from solvers.problems import PROBLEMS
 from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
+from solvers.rules import SceneError
 
 BAR = BarScene(cells=10, ppc=2, estimators=("transport",))
 PLACES = (np.arange(20)[:, None] + 0.5) / 20
@@ -120,6 +123,30 @@ def test_scale_says_when_something_exceeds_it():
     (0.00212, "2.12 mm"), (999.9e-6, "1 mm"), (1.0, "1 m"), (3.4e5, "340 km"), (0.0, "0 m"), (2e-20, "2.00e-20 m")])
 def test_units_have_prefixes(value, text):
     assert with_unit(value, "m") == text
+
+
+def test_sentences_name_what_stands_beside_the_widgets():
+    """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
+    assert words.on_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
+    assert words.on_page("give --velocity grid") == "give grid velocity"
+    assert words.on_page("call for the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
+        "call for the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
+    with pytest.raises(SceneError) as refusal:
+        replace(BAR, remedies=("frozen-weights", "zero-drift"))
+    assert words.on_page(str(refusal.value)).startswith("remedies \"frozen weights\", \"zero drift\": ")
+
+
+@pytest.mark.parametrize(("margin", "shown"), [
+    (0.456, "<td>0.46 of its bound</td>"), (1.3, "<span class='lab-over'>1.30 of its bound</span>"),
+    (38255.0, "<span class='lab-over'>3.8e+04 of its bound</span>"), (np.nan, "<td>–</td>")])
+def test_margin_of_the_step_is_read(margin, shown):
+    assert f"<td>step</td>{shown}".replace("<td>step</td><span", "<td>step</td><td><span") in readout_of(BAR, margin)
+    assert "<td>step</td>" not in readout_of(replace(BAR, effects=("truth",)), margin)
+
+
+def readout_of(scene, margin):
+    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0)
+    return readout(session, report_of(scene), "x", "transport", None, WorstRegions())
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

@@ -1,5 +1,7 @@
 """The history of a live run: the sampled norms from its start until now, at a resolution that fits a plot."""
 
+import math
+
 import numpy as np
 
 from solvers import samples
@@ -18,6 +20,7 @@ class History:
         #: Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35) and the pointwise
         #: distance as ``transport/index_x`` and ``transport/distance_x``.
         self.series: dict[str, np.ndarray] = {}
+        self.margin = math.nan  # of the step, as last looked at: few samples do
         self._seen, self._stride = 0, 1
         self._sums: dict[str, float] = {}
 
@@ -34,6 +37,8 @@ class History:
                     with np.errstate(divide="ignore", invalid="ignore"):
                         new[f"{estimator}/{ratio}_{q}"] = np.where(
                             true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
+        looked = np.flatnonzero(np.isfinite(new["margin"]))
+        self.margin = float(new["margin"][looked[-1]]) if len(looked) else self.margin
         kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
         self._seen += len(rows)
         series = {name: np.concatenate([self.series.get(name, v[:0]), v[kept]]) for name, v in new.items()}

@@ -118,5 +118,6 @@ class Page:
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
             f"{escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")
+        self._controls.refresh()
         self._cost.refresh()
         self._camera.settle()

@@ -8,6 +8,7 @@ from time import monotonic
 
 from app.page.history import History
 from app.problems.views import VIEWS
+from app.words import on_page
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -17,14 +18,13 @@ from solvers.rules import SceneError
 from solvers.scene import Scene
 
 FIRST_SCENE = BarScene(periods=1)
-LOST = 0.5  # error of x over the amplitude from which on a run shows something else than the solution
 BROKEN = 30.0  # error index from which on an estimate is no estimate
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
 
 
 @dataclass(frozen=True)
 class Notice:
-    """A sentence for the visitor. ``kind`` is "refused", "unstable", "wait" or "trouble"."""
+    """A sentence for the visitor. ``kind`` is "refused", "unstable", "lost", "wait" or "trouble"."""
 
     kind: str
     sentence: str
@@ -49,7 +49,7 @@ class Session:
         self._on_frame = on_frame
         self._refusal: str | None = None
         self._trouble: str | None = None
-        self._lost = self._differences = False
+        self._engine_lost = self._differences = False
         self._restarts = self._single_steps = self._number = 0
         self._start(scene)
         self.history = History(scene, scene.particles)
@@ -67,7 +67,7 @@ class Session:
             try:
                 self.scene, self._refusal = PROBLEMS[self._wished["problem"]].scene(**self._wished), None
             except SceneError as refusal:
-                self._refusal = str(refusal)
+                self._refusal = on_page(str(refusal))
                 return
             self._ask()
 
@@ -116,37 +116,27 @@ class Session:
         """The one thing that the visitor should read now, if any."""
         with self._lock:
             waiting = self.report is None or self.report.number < self._number
-            if self._trouble:
-                return Notice("trouble", self._trouble)
-            if self._lost and waiting:
-                return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
-                                      "and the scene begins again.")
-            if self._refusal:
-                return Notice("refused", f"{self._refusal}. The scene before it runs on.")
-            waited = monotonic() - self._asked_at
-            if waiting and waited > SLOW_ANSWER:
-                so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
-                return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
-                                      "is compiled the first time it is used; several estimators at once take longest.")
-            if self.report and self.report.reason and not waiting:
-                return Notice("unstable", f"{self.report.reason}.")
-            return None if waiting else self._doubt()
+            urgent, history, valid = self._urgent(waiting), self.history, self.valid_estimators
+        # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
+        return urgent or (None if waiting else _doubt(history, valid))
 
-    def _doubt(self) -> Notice | None:
-        """A run can be sound in every number and still have nothing to do with the solution; so can an estimate."""
-        series, scene = self.history.series, self.history.scene
-        if not len(series.get("error_x", ())):
-            return None
-        lost = series["error_x"][-1] / scene.motion_amplitude
-        if lost > LOST:
-            return Notice("unstable", f"The particles have lost the solution: their error of x is {lost:.2g} times "
-                                      "the amplitude. More cells or a smaller amplitude keep it longer.")
-        for estimator in self.valid_estimators:
-            index = series[f"{estimator}/index_x"][-1]
-            if index > BROKEN:
-                return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
-                                         "true error of x. Do not trust it here.")
-        return Notice("refused", f"{scene.warnings()[0]}.") if scene.warnings() else None
+    def _urgent(self, waiting: bool) -> Notice | None:
+        """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
+        if self._trouble:
+            return Notice("trouble", self._trouble)
+        if self._engine_lost and waiting:
+            return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
+                                  "and the scene begins again.")
+        if self._refusal:
+            return Notice("refused", f"{self._refusal}. The scene before it runs on.")
+        waited = monotonic() - self._asked_at
+        if waiting and waited > SLOW_ANSWER:
+            so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
+            return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
+                                  "is compiled the first time it is used; several estimators at once take longest.")
+        if self.report and self.report.reason and not waiting:
+            return Notice(self.report.status, f"{on_page(self.report.reason)}.")
+        return None
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """From the engine's reader thread, as the two below."""
@@ -154,7 +144,7 @@ class Session:
             if report.fresh:
                 self.history = History(report.scene, report.particles)
             self.history.add(report.rows)
-            self.report, self._lost, self._trouble = report, False, None
+            self.report, self._engine_lost, self._trouble = report, False, None
         self._on_frame(report, arrays)
 
     def on_trouble(self, sentence: str) -> None:
@@ -163,7 +153,7 @@ class Session:
 
     def on_engine_lost(self) -> None:
         with self._lock:
-            self._lost = True
+            self._engine_lost = True
             self._number += 1  # the link asks again under the next number
 
     def _start(self, scene: Scene) -> None:
@@ -174,3 +164,17 @@ class Session:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed, self._restarts, self._single_steps,
                                       self._differences)
+
+
+def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
+    """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
+    series, scene = history.series, history.scene
+    if not len(series.get("error_x", ())):
+        return None
+    for estimator in valid:
+        index = series[f"{estimator}/index_x"][-1]
+        if index > BROKEN:
+            return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
+                                     "true error of x. Do not trust it here.")
+    warnings = scene.warnings()
+    return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

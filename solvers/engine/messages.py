@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solvers.scene import Scene
+from solvers.soundness import OK
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,9 @@ class FrameReport:
     ``fresh`` marks the first frame after a build, when what was collected before belongs to another run.
     ``rate`` is million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a
     second, None until it has been measured. ``not_valid`` has a sentence for each estimator that does not hold here,
-    known beforehand or found out by now; ``differences`` says that the frame holds estimate minus truth.
+    known beforehand or found out by now; ``differences`` says that the frame holds estimate minus truth. ``status`` is
+    "ok", "unstable" or "lost" (``solvers.soundness``), ``reason`` says why in a sentence, ``since`` from which time in
+    s on. An unstable run has stopped; a lost one goes on.
     """
 
     session: int
@@ -67,6 +70,8 @@ class FrameReport:
     arch: str
     not_valid: dict[str, str] = field(default_factory=dict)
     differences: bool = False
+    status: str = OK
+    since: float | None = None
 
 
 @dataclass(frozen=True)

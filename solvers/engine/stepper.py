@@ -8,6 +8,7 @@ import numpy as np
 
 from solvers.engine import frames
 from solvers.engine.messages import FrameReport, Wish
+from solvers.engine.verdict import Verdict
 from solvers.run import build
 from solvers.scene import MOST_STEPS
 
@@ -39,6 +40,7 @@ class Stepper:
     def _rebuild(self) -> None:
         self.solver = build(self.wish.scene)
         self.solver.compile()
+        self._verdict = Verdict(self.solver)
         self._rows = [self.solver.measure()]  # samples since the last frame
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
@@ -105,12 +107,15 @@ class Stepper:
         if now - wall > SPEED_WINDOW:
             self._window = (now, solver.time)
         particle_steps = self._kernel_steps * solver.scene.particles  # since the build
+        rows, not_valid = np.concatenate(self._rows), solver.not_valid()
+        self._verdict.look(rows, len(shot.position))
+        status, reason, since = self._verdict.tell(not_valid)
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, scene=solver.scene, fresh=self._fresh,
             playing=self._running, particles=len(shot.position), step=solver.step, time=solver.time,
-            rows=np.concatenate(self._rows), reason=None if solver.sound else solver.reason(),
+            rows=rows, reason=reason, status=status, since=since,
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
-            arch=solver.arch, not_valid=solver.not_valid(), differences=bool(shot.difference))
+            arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference))
         self._rows = [report.rows[:0]]
         self._fresh, self._frame_wanted, self._unseen = False, False, True
         # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is

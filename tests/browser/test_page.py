@@ -145,14 +145,63 @@ def test_reset_while_paused_empties_the_plots(page):
 
 
 def test_instability_is_said_and_survived(page):
-    """CFL 2 cannot be stable: the page says so, and a stable setting runs again."""
+    """CFL 2 cannot be stable: eight steps, and the page says so and what to do; that done, the bar runs again."""
     press(page, "CFL = ", "End")
-    page.locator(".lab-unstable").wait_for()
-    assert "unstable" in page.locator(".lab-unstable").inner_text()
-    press(page, "CFL = ", "Home")
+    page.locator(".lab-unstable").wait_for()  # it may be called lost for a moment before
+    said = page.locator(".lab-unstable").inner_text()
+    assert "went unstable at t = " in said and "the box \"Auto step\" takes" in said
+    assert "stopped" in readout(page) and page.locator(".lab-over").inner_text().endswith("of its bound")
+    page.get_by_label("Auto step").click()
     page.locator(".lab-unstable").wait_for(state="detached")
+    until(lambda: time(page) > 0.2, "a stable run")
+    assert 0.5 < number(page, r"step\s+(\S+) of its bound") < 1
+    assert page.locator(".lab-over").count() == 0
+
+
+def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
+    """The slider shows what it takes, also for another scene; who moves the slider has the say again."""
+    page.get_by_label("Auto step").click()
+    until(lambda: 0.4 < chosen(page, "CFL = ", "") < 0.7, "the step of the motion ahead")
+    before = chosen(page, "CFL = ", "")
+    row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
+    until(lambda: chosen(page, "CFL = ", "") != before, "another bound")
+    press(page, "CFL = ", "Home")
+    until(lambda: not page.get_by_label("Auto step").is_checked(), "the box unticked")
+    until(lambda: number(page, r"of (\S+) s") == pytest.approx(0.01 / 40 / 2, rel=1e-2), "a step of one's own")
+
+
+def test_lost_run_is_said_and_goes_on(page):
+    """With one particle per cell: since when, why, where and what to do; it moves on. The row "step" is an effect."""
+    row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
+    page.locator(".lab-lost").wait_for()
+    said = page.locator(".lab-lost").inner_text()
+    assert re.match(r"The run is lost from t = 0\.\d+ s on: .+, most at particle \d+ \(X = .+give two or more\.$", said)
     before = time(page)
-    until(lambda: time(page) > before, "a stable run")
+    until(lambda: time(page) > before, "the lost run going on")
+    assert "of its bound" in readout(page)
+    page.get_by_text("Effects: compute only").click()
+    page.get_by_label("step margin").click()
+    until(lambda: "of its bound" not in readout(page), "no margin")
+
+
+def test_remedies_run_and_what_does_not_go_together_is_refused(page):
+    """A remedy is compiled in and runs; frozen weights beside it are refused in words, alone they run."""
+    until(lambda: steps(page) > 20, "a run without")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused")
+    page.get_by_text("Method details").click()
+    page.get_by_label("null-space filter").click()
+    page.get_by_label("displacement-coupled F").click()
+    until(lambda: steps(page) == 0, "a new run with them")
+    click(page, "Play")
+    until(lambda: steps(page) > 20, "the remedies at work")
+    page.get_by_label("frozen weights").click()
+    page.locator(".lab-refused").wait_for()
+    assert "\"frozen weights\" stands alone" in page.locator(".lab-refused").inner_text()
+    page.get_by_label("null-space filter").click()
+    page.get_by_label("displacement-coupled F").click()
+    page.locator(".lab-refused").wait_for(state="detached")
+    until(lambda: steps(page) > 20, "frozen weights at work")
 
 
 def test_methods_effects_and_estimator(page):

@@ -67,13 +67,13 @@ def test_probe_reads_a_region(ring):
     until(lambda: "drag a rectangle" in readout(ring), "no region")
 
 
-def test_wrinkling_is_warned_of_and_inversion_refused(ring):
-    """Above 0.198 the page warns and runs on; from 0.386 it refuses; back below, both are gone."""
+def test_resonance_is_warned_of_and_inversion_refused(ring):
+    """From 0.115 on the page warns and runs on; from 0.386 it refuses; back below, both are gone."""
     press(ring, "A = ", "End")
     ring.locator(".lab-refused").wait_for()
     assert "0.386" in ring.locator(".lab-refused").inner_text()
     press(ring, "A = ", "ArrowLeft", 25)
-    until(lambda: "wrinkles" in ring.locator(".lab-refused").inner_text(), "the warning")
+    until(lambda: "parametric resonance" in ring.locator(".lab-refused").inner_text(), "the warning")
     press(ring, "A = ", "ArrowLeft", 120)
     ring.locator(".lab-refused").wait_for(state="detached")
 

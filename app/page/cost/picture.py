@@ -13,9 +13,10 @@ from app.colours import METHOD_COLOURS, METHOD_MARKS
 from app.page.cost.runs import LIVE, SWEEP, NumberedRun
 from app.page.cost.words import sentence
 from app.words import METHODS, power_text
+from solvers.soundness import BROKEN
 
 WIDTH, HEIGHT = 330, 216
-LEFT, RIGHT, TOP, BOTTOM = 40, 318, 10, 182
+LEFT, RIGHT, TOP, BOTTOM = 46, 318, 10, 182
 MOST_NUMBERS = 40  # dots that have their number beside them; of more it is in their title only
 ROOM = 0.15  # decades around the dots
 FEW = 1.7  # decades below which 2 and 5 have a tick as well
@@ -51,8 +52,8 @@ def picture(runs: Sequence[NumberedRun]) -> str:
     if not dots:
         return ""
     across = Axis((dot.seconds for dot in dots), LEFT, RIGHT)
-    # From unstable runs no scale is taken: their error may be anything.
-    up = Axis((dot.size for dot in dots if not dot.unstable), BOTTOM, TOP)
+    # From broken runs no scale is taken: their error may be anything.
+    up = Axis((dot.size for dot in dots if not dot.broken), BOTTOM, TOP)
     numbered = len(dots) <= MOST_NUMBERS
     inside = "".join([_frame(across, up), _lines(dots, across, up), *(_dot(dot, across, up, numbered) for dot in dots)])
     return (f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' width='100%' role='group' aria-label='error against seconds'>{inside}"
@@ -81,7 +82,7 @@ def _lines(dots: Sequence[NumberedRun], across: Axis, up: Axis) -> str:
     """Runs of sweeps that differ in their cells alone are joined."""
     groups: dict[str, list[NumberedRun]] = {}
     for dot in dots:
-        if dot.source == SWEEP and not dot.unstable:
+        if dot.source == SWEEP and not dot.broken:
             groups.setdefault(json.dumps({**dot.row["asked"], "cells": 0}, sort_keys=True), []).append(dot)
     drawn = []
     for group in groups.values():
@@ -93,9 +94,9 @@ def _lines(dots: Sequence[NumberedRun], across: Axis, up: Axis) -> str:
 
 def _dot(run: NumberedRun, across: Axis, up: Axis, numbered: bool) -> str:
     colour = METHOD_COLOURS[run.method]
-    x, y = across.at(run.seconds), TOP + 5 if run.unstable else up.at(run.size)
-    shape = CROSS if run.unstable else SHAPES[METHOD_MARKS[run.method]]
-    fill = "none" if run.unstable else "#fff" if run.source == LIVE else colour
+    x, y = across.at(run.seconds), TOP + 5 if run.broken else up.at(run.size)
+    shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
+    fill = "none" if run.broken else "#fff" if run.source == LIVE else colour
     words = html.escape(sentence(run), quote=True)
     number = f"<text x='5.5' y='-3.5' class='lab-number'>{run.number}</text>" if numbered else ""
     return (f"<g class='lab-dot' data-run='{run.number}' tabindex='0' role='button' aria-label='load {words}' "
@@ -110,8 +111,9 @@ def _legend(dots: Sequence[NumberedRun]) -> str:
                for code, method in METHODS.items() if code in present]
     if any(dot.source == LIVE for dot in dots):
         entries.append((SHAPES["o"], "#fff", "#6b7480", "as timed on the stage"))
-    if any(dot.unstable for dot in dots):
-        entries.append((CROSS, "none", "#6b7480", "unstable"))
+    if any(dot.broken for dot in dots):
+        found = {dot.status for dot in dots}
+        entries.append((CROSS, "none", "#6b7480", " or ".join(status for status in BROKEN if status in found)))
     return "<div class='lab-legend'>" + "".join(
         f"<span><svg width='12' height='12' viewBox='-6 -6 12 12'><path d='{shape}' fill='{fill}' stroke='{stroke}' "
         f"stroke-width='1.6'/></svg> {words}</span>" for shape, fill, stroke, words in entries) + "</div>"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from solvers.scene import Scene
-from solvers.soundness import OK, UNSTABLE
+from solvers.soundness import BROKEN, OK
 from solvers.study import summary as table
 from solvers.study.grid import Task
 from solvers.study.row import FAILED
@@ -58,13 +58,14 @@ class NumberedRun:
         return self.row["status"]
 
     @property
-    def unstable(self) -> bool:
-        return self.status == UNSTABLE
+    def broken(self) -> bool:
+        """Whether it went unstable or was lost: its error says nothing."""
+        return self.status in BROKEN
 
     @property
     def drawable(self) -> bool:
-        """Whether it can be a dot: an unstable run whose error is out of bounds goes to the edge."""
-        return self.seconds > 0 and (self.unstable or (self.status == OK and self.size > 0))
+        """Whether it can be a dot: a broken run, whose error is out of bounds, goes to the edge."""
+        return self.seconds > 0 and (self.broken or (self.status == OK and self.size > 0))
 
     def _relative(self, norms: dict) -> float | None:
         largest = (norms.get("x") or {}).get("max")

@@ -8,8 +8,9 @@ from app.page.cost.jobs import JobStatus
 from app.page.cost.runs import MOST_RUNS, NumberedRun
 from app.words import NOTHING, command_line, method_name, number, per_cell
 from solvers.problems import PROBLEMS
+from solvers.remedies import REMEDIES
 from solvers.scene import Scene
-from solvers.soundness import UNSTABLE
+from solvers.soundness import BROKEN
 from solvers.study.grid import Task
 from solvers.study.row import FAILED
 
@@ -36,15 +37,17 @@ def typed(name: str, text: str, most: float = math.inf) -> float:
 def setting(scene: Scene) -> str:
     """A scene in short."""
     preserving = "linearity-preserving " * scene.linearity_preserving
-    return (f"{preserving}{method_name(scene.method)}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} "
-            f"particles per cell, CFL {scene.courant_number:.3g}")
+    called = " and ".join(REMEDIES[name].label for name in scene.remedies)
+    remedies = f" with {called}" * bool(called)
+    return (f"{preserving}{method_name(scene.method)}{remedies}, {scene.cells} cells, "
+            f"{per_cell(scene.problem, scene.ppc)} particles per cell, CFL {scene.courant_number:.3g}")
 
 
 def sentence(run: NumberedRun) -> str:
     """A run in a sentence."""
     scene = run.scene
     text = f"run {run.number}: {setting(scene)}, A {scene.amplitude:.3g} m, E {scene.modulus:.3g} Pa; "
-    if run.status in (UNSTABLE, FAILED):
+    if run.status in (*BROKEN, FAILED):
         return f"{text}{run.status}: {run.row['reason']}."
     return f"{text}error of x {relative(run.error)}, estimated {relative(run.estimate)} of A in {seconds(run.seconds)}."
 
@@ -78,7 +81,7 @@ def _line(run: NumberedRun) -> str:
     scene, words = run.scene, html.escape(sentence(run), quote=True)
     method = method_name(scene.method) + "*" * scene.linearity_preserving
     cells = [method, scene.cells, scene.ppc, f"{scene.courant_number:.3g}"]
-    if run.status in (UNSTABLE, FAILED):
+    if run.status in (*BROKEN, FAILED):
         end = f"<td colspan=2 class='lab-bad'>{run.status}</td><td>{seconds(run.seconds)}</td>"
     else:
         end = f"<td>{relative(run.error)}</td><td>{relative(run.estimate)}</td><td>{seconds(run.seconds)}</td>"

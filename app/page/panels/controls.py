@@ -1,7 +1,7 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -9,14 +9,16 @@ import viser
 
 from app import words
 from app.page.panels.estimators import EstimatorChoice
-from app.page.panels.head import LOGARITHMIC
+from app.page.panels.head import LOGARITHMIC, WIDE_LABEL
 from app.page.session import Session
 from app.problems.views import VIEWS
 from app.scale import ColourScale
-from solvers.effects import EFFECTS
+from solvers.effects import EFFECTS, Effect
 from solvers.problems import PROBLEMS
+from solvers.remedies import REMEDIES, Remedy
 from solvers.rules import field_label
-from solvers.scene import Scene
+from solvers.scene import AUTO, Scene
+from solvers.step_bound import SAFE
 
 CFL = (0.01, 2.0)
 
@@ -64,11 +66,13 @@ class Controls:
             self._run()
             self._scene()
             self._view()
-            with self._gui.add_folder("Method details", expand_by_default=False):
+            with self._gui.add_folder("Method details and remedies", expand_by_default=False):
                 for field, hint in VIEWS[self._session.scene.problem].details.items():
                     self._field(field, hint)
+                self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
+                self._boxes("remedies", REMEDIES)
             with self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
-                self._effects()
+                self._boxes("effects", EFFECTS)
 
     def _run(self) -> None:
         gui, session = self._gui, self._session
@@ -89,8 +93,33 @@ class Controls:
                           view.amplitude_hint)
         self._logarithmic("E", "Pa", view.reach.modulus, scene.modulus, lambda v: session.set(modulus=v),
                           "Young's modulus: what is stiffer vibrates faster")
-        self._logarithmic("CFL", "", CFL, scene.courant_number, lambda v: session.set(cfl=v),
-                          "time step as a share of the time a wave takes through a cell")
+        self._step()
+
+    def _step(self) -> None:
+        """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
+        session, scene = self._session, self._session.scene
+
+        def by_hand(cfl: float) -> None:
+            auto.value = False  # type: ignore[misc]
+            session.set(cfl=cfl, dt=None)
+
+        def automatic(wanted: bool) -> None:
+            if wanted:
+                session.set(cfl=None, dt=AUTO)
+            else:  # the step stays as it was
+                by_hand(float(f"{session.scene.courant_number:.3g}"))
+
+        self._show_step = self._logarithmic("CFL", "", CFL, scene.courant_number, by_hand,
+                                            "time step as a share of the time a wave takes through a cell")
+        auto = self._gui.add_checkbox("Auto step", scene.dt == AUTO, hint=f"take {SAFE:g} of the longest step that the "
+                                      "motion ahead bears by linear theory; the slider above shows it")
+        self._follow(auto, automatic)
+
+    def refresh(self) -> None:
+        """Show the step that "auto" makes of the present scene: other settings change it."""
+        with self._loading, self._turn:
+            if self._session.scene.dt == AUTO:
+                self._show_step(self._session.scene.courant_number)
 
     def _cells(self) -> None:
         scene = self._session.scene
@@ -135,17 +164,23 @@ class Controls:
         self.domains = shown
         self._on_view()
 
-    def _effects(self) -> None:
-        boxes = {name: self._gui.add_checkbox(effect.label, name in self._session.scene.effects,
-                                              hint=effect.explanation) for name, effect in EFFECTS.items()}
+    def _boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
+        """A box for each of the names that the scene's field may hold, several at a time."""
+        session, scene = self._session, self._session.scene
+        boxes = {}
+        for name in scene.choices(field):
+            self._gui.add_html(WIDE_LABEL)
+            boxes[name] = self._gui.add_checkbox(kinds[name].label, name in getattr(scene, field),
+                                                 hint=kinds[name].explanation)
         for box in boxes.values():
-            self._follow(box, lambda _: self._session.set(effects=tuple(e for e, box in boxes.items() if box.value)))
+            self._follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
 
     def _follow(self, widget: Any, act: Callable[[Any], None]) -> None:
-        """Call ``act`` with the widget's value whenever it has changed, for one widget at a time."""
-        def changed(_: viser.GuiEvent) -> None:
-            with self._turn:
-                act(widget.value)
+        """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time."""
+        def changed(event: viser.GuiEvent) -> None:
+            if event.client is not None:  # else the page has shown something, and nobody wishes anything
+                with self._turn:
+                    act(widget.value)
 
         widget.on_update(changed)
 
@@ -159,8 +194,9 @@ class Controls:
         self._follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
 
     def _logarithmic(self, name: str, unit: str, reach: tuple[float, float], value: float,
-                     act: Callable[[float], None], hint: str) -> None:
-        """A slider whose steps are factors. Its value stands in its label, for its box would show a logarithm."""
+                     act: Callable[[float], None], hint: str) -> Callable[[float], None]:
+        """A slider whose steps are factors. Its value stands in its label, for its box would show a logarithm. Returns
+        what makes it show another value."""
         def label(v: float) -> str:
             return f"{name} {v:.3g} {unit}".rstrip() if len(name) > 3 else f"{name} = {v:.3g} {unit}".rstrip()
 
@@ -175,4 +211,9 @@ class Controls:
             slider.label = label(v)
             act(v)
 
+        def show(v: float) -> None:
+            slider.label = label(v)
+            slider.value = float(np.clip(np.log10(v), low, high))  # type: ignore[misc]
+
         self._follow(slider, changed)
+        return show

@@ -14,6 +14,8 @@ CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the 
 LOGARITHMIC = "<i class='lab-logarithmic'></i>"
 #: Put before each of the boxes that stand two in a row.
 HALF_WIDE = "<i class='lab-half'></i>"
+#: Put before a box whose label is longer than the others'.
+WIDE_LABEL = "<i class='lab-wide'></i>"
 
 _ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
          "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "

@@ -13,6 +13,7 @@ from app.words import NOTHING, QUANTITIES, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
 from solvers.norms import energy_drift
+from solvers.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
 LINE = 18  # pixels that a line of the readout is high
@@ -34,7 +35,7 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
     scene, silences = report.scene, _silences(report, series, quantity)
     wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
                   for silence in silences.values() if len(silence) > SHORT)
-    return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known)
+    return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known) + scene.has("margin")
 
 
 def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None) -> str:
@@ -42,16 +43,26 @@ def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], p
     real = NOTHING if speed is None else f"{speed:.3g}"
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
-    state = "" if report.playing else " <b>stopped</b>" if report.reason else " <b>paused</b>"
+    state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE else " <b>paused</b>"
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
             ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
+            *([("step", _margin(session.history.margin))] if scene.has("margin") else []),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
             ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
-        rows.append(("energy", f"out of balance by {drift:+.2%}"))
+        size = f"{drift:+.2%}" if abs(drift) < 10 else f"{100 * drift:+.2g}%"
+        rows.append(("energy", f"out of balance by {size}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
     return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+
+
+def _margin(margin: float) -> str:
+    """The step over the bound of what the present configuration bears; beyond 1 it will not hold."""
+    if math.isnan(margin):  # before the first step nothing has a mass
+        return NOTHING
+    text = f"{margin:.2f} of its bound" if margin < 100 else f"{margin:.2g} of its bound"
+    return f"<span class='lab-over'>{text}</span>" if margin > 1 else text
 
 
 def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> str:
@@ -129,4 +140,4 @@ def _ratio(series: dict[str, np.ndarray], name: str) -> str:
     values = series.get(name, np.zeros(0))
     if not len(values) or not np.isfinite(values[-1]):
         return NOTHING
-    return f"{values[-1]:.2f}" if values[-1] > 0.095 else f"{values[-1]:.1g}"
+    return f"{values[-1]:.2f}" if 0.095 < values[-1] < 1000 else f"{values[-1]:.1g}"

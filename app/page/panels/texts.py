@@ -6,20 +6,41 @@ import viser
 
 from app.problems.views import VIEWS
 from solvers.estimators.registry import ESTIMATORS
+from solvers.problems import PROBLEMS
+from solvers.remedies import REMEDIES
+from solvers.soundness import CONTRADICTIONS, MOST_ERROR
+from solvers.step_bound import SAFE
 
 PAGE = Path(__file__).resolve().parents[1]
 LESSONS = PAGE.parents[1] / "lessons"
 
 
 def add_about(gui: viser.GuiApi) -> None:
-    """Fill the tab: the page, each estimator behind its name, and something to try."""
+    """Fill the tab: the page, each estimator behind its name, what to believe and something to try."""
     about = (PAGE / "about.html").read_text(encoding="utf-8")
     gui.add_html(about.format(problems="".join(view.about for view in VIEWS.values()),
                               divisions=", ".join(view.division for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(f"The estimator {estimator.title}", expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation}</div>")
+    gui.add_html(_trust())
     gui.add_html((PAGE / "try.html").read_text(encoding="utf-8"))
+
+
+def _trust() -> str:
+    """What ok, unstable and lost mean, and the remedies, in the words of those who decide."""
+    rules = "".join(f"<li>{rule.sentence.format(size=f'more than {rule.most:g}')}</li>"
+                    for rule in CONTRADICTIONS.values())
+    remedies = "".join(f"<dt>{remedy.label}{_only(remedy.name)}</dt><dd>{remedy.explanation}.</dd>"
+                       for remedy in REMEDIES.values())
+    text = (PAGE / "trust.html").read_text(encoding="utf-8")
+    return text.format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE)
+
+
+def _only(remedy: str) -> str:
+    """For which problems a remedy is offered, where that is not all."""
+    titles = [problem.scene.TITLE for problem in PROBLEMS.values() if remedy in problem.scene.REMEDIES]
+    return "" if len(titles) == len(PROBLEMS) else f" ({', '.join(titles)} only)"
 
 
 def add_lessons(gui: viser.GuiApi) -> None:

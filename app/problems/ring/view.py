@@ -4,6 +4,7 @@ import numpy as np
 
 from app.problems.interface import ProblemView, Reach, Regions
 from solvers.ring.exact import INNER, OUTER
+from solvers.ring.scene import INVERSION, RESONANCE, WRINKLING
 
 ANGLES, THIRDS = 6, ("inner", "middle", "outer")  # regions of the quarter: 15 degrees each, from the x axis on
 
@@ -20,8 +21,8 @@ def regions(X: np.ndarray) -> Regions:
 RING = ProblemView(
     "ring", regions, f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the wall",
     picture=(13.5, 0.85), speed=0.2, reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-5, 0.1)),
-    amplitude_hint="largest displacement of the outer rim; above 0.198 m a real ring wrinkles, from 0.386 m on the "
-                   "exact one turns inside out",
+    amplitude_hint=f"largest displacement of the outer rim; from {RESONANCE} m on the motion itself is unstable, above "
+                   f"{WRINKLING} m a real ring wrinkles, from {INVERSION} m on the exact one turns inside out",
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
              "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"},
     domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "

@@ -1,0 +1,38 @@
+"""Whether a run that is still going can be believed: its samples judged as they come, each once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers import samples
+from solvers.solver import Solver
+from solvers.soundness import LOST, OK, UNSTABLE, Finding, earliest, findings
+
+
+class Verdict:
+    """What has been found so far in the samples of one run (``solvers.soundness``)."""
+
+    def __init__(self, solver: Solver):
+        self._solver = solver
+        self._findings: dict[str, Finding] = {}
+        self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
+
+    def look(self, rows: np.ndarray, particles: int) -> None:
+        """Judge new samples of so many particles. Once something is found that stays, nothing later can be first."""
+        scene = self._solver.scene
+        if not len(rows) or any(name not in scene.active_estimators for name in self._findings):
+            return
+        rows = rows if self._looked is None else np.concatenate([self._looked, rows])
+        looked = np.flatnonzero(np.isfinite(rows[:, samples.column("place")]))
+        self._looked = rows[looked[-1:]] if len(looked) else None
+        series = samples.read(rows, scene.active_estimators, particles, scene.time_step)
+        self._findings = {**findings(scene, series), **self._findings}
+
+    def tell(self, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
+        """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)
+        after it has found something: then that counts no longer."""
+        solver, finding = self._solver, earliest(self._findings, not_valid)
+        since = None if finding is None else finding.time
+        if not solver.sound:
+            return UNSTABLE, solver.reason(), solver.time if since is None else since
+        return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)
