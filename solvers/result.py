@@ -113,10 +113,13 @@ class Result:
 
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
-        the run was found lost or unstable ("sound"); None where it did not, or the truth is unknown."""
+        the run was found lost or unstable ("sound"), None where it did not or the truth is unknown; and the largest
+        error of x within the first period, in amplitudes ("first_period")."""
         beyond = np.flatnonzero(self.series["error_x"] > ACCURATE * self.scene.motion_amplitude)
         times = {"accurate": self.series["time"][beyond[0]] if len(beyond) else None, "sound": self.broken_at}
-        return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()}
+        first = self.series["error_x"][self.series["time"] <= 1.001 * self.scene.period].max()
+        return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()} \
+            | {"first_period": finite(first / self.scene.motion_amplitude)}
 
     def step(self) -> dict[str, float | None]:
         """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""

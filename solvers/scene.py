@@ -83,6 +83,7 @@ class Scene(ABC):
     DIMENSIONS: ClassVar[int] = 1
     STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
     GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
+    HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map
     FEWEST_CELLS: ClassVar[int] = 4
     REMEDIES: ClassVar[tuple[str, ...]] = ()
     DEFAULT_PERIODS: ClassVar[float] = 5.0

@@ -139,7 +139,7 @@ def test_particle_velocity_breaks_the_large_bar(simulate):
     result = simulate(replace(table_scene("large", 40), velocity="particle"))
     amplitude = result.scene.amplitude
     assert worst(simulate(table_scene("large", 40)))["x"] < 0.02 * amplitude
-    assert result.status == "unstable" or worst(result)["x"] > amplitude
+    assert result.status in ("unstable", "lost")
 
 
 def test_corner_velocity_is_as_good_as_the_grids(simulate):

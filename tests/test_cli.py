@@ -25,8 +25,8 @@ RunBar = commands()["run", "bar"]
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = ["--cells", "8", "--ppc", "2", "--periods", "0.2"]
 KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate", "index", "distance",
-        "grid_crossings", "energy", "effects", "bytes", "seconds", "rate", "arch", "threads", "plan",
-        "not_valid"}
+        "soundness", "step", "life", "grid_crossings", "energy", "effects", "bytes", "seconds", "rate", "arch",
+        "threads", "plan", "not_valid"}
 
 
 def command(*arguments: str, **options) -> subprocess.CompletedProcess:
@@ -55,7 +55,7 @@ def test_json_has_exactly_the_contracts_keys(printed):
 
 def test_json_scene_has_every_flag_with_its_default(printed):
     flags = {"method", "cells", "ppc", "amplitude", "modulus", "density", "dt", "cfl", "t_end", "periods",
-             "body_force", "linearity_preserving", "velocity", "estimator", "effects", "arch", "threads",
+             "body_force", "linearity_preserving", "velocity", "estimator", "effects", "remedies", "arch", "threads",
              "sample_every"}
     assert set(printed["scene"]) == flags | {"problem"}
     assert None not in printed["scene"].values()
@@ -249,7 +249,8 @@ def test_unstable_run_exits_3_and_still_prints_its_json():
     done = command("run", "bar", *QUICK, "--periods", "5", "--cfl", "1.5", "--json", "-")
     values = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert done.returncode == 3 and values["status"] == "unstable"
-    assert done.stderr.count("\n") == 1 and values["reason"] in done.stderr
+    warning, reason = done.stderr.splitlines()
+    assert "above the" in warning and "--dt auto" in warning and values["reason"] in reason
 
 
 def test_files_are_whole_and_alone(tmp_path):

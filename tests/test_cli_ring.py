@@ -40,7 +40,7 @@ def printed() -> dict:
 def test_json_has_exactly_the_contracts_keys(printed):
     assert set(printed) == {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate",
                             "index", "distance", "grid_crossings", "energy", "effects", "bytes", "seconds", "rate",
-                            "arch", "threads", "plan", "not_valid"}
+                            "arch", "threads", "plan", "not_valid", "soundness", "step", "life"}
     assert (printed["schema"], printed["status"], printed["plan"]) == ("mpm-lab/run/1", "ok", "serial")
     assert set(printed["seconds"]) == {"setup", "compile", "run", "estimate", "estimators"}
 
@@ -139,7 +139,8 @@ def test_unstable_run_exits_3_and_still_prints_its_json():
     done = ring("--cells", "12", "--cfl", "1.2", "--json", "-")
     values = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert done.returncode == 3 and values["status"] == "unstable"
-    assert done.stderr.count("\n") == 1 and values["reason"] in done.stderr
+    warning, reason = done.stderr.splitlines()
+    assert "above the" in warning and "--dt auto" in warning and values["reason"] in reason
 
 
 def test_picture_and_json_are_whole(tmp_path):

@@ -32,7 +32,7 @@ def map_to_nodes(time: ti.f64, ring: RingState, on: ti.template()):
 def map_back(ring: RingState, value: quads, by_x: quads, by_y: quads, on: ti.template()):
     ti.loop_config(serialize=True)
     for p in range(ring.particles):
-        value[p], by_x[p], by_y[p] = phases.gather(ring, p, on)
+        value[p], by_x[p], by_y[p] = phases.gather(ring, p, ring.node_motion, on)
 
 
 def stirred(scene: RingScene) -> RingSolver:

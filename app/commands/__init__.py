@@ -13,6 +13,7 @@ from app.commands.flags import Switch
 from app.commands.run import Run
 from app.commands.scene_flags import of_problem, with_flags
 from app.commands.serve import Serve
+from app.commands.stability import Stability, map_flags
 from app.commands.sweep import Sweep
 from app.commands.tables import Tables
 from solvers.problems import PROBLEMS
@@ -30,4 +31,5 @@ def commands() -> dict[tuple[str, ...], type]:
     found |= {("sweep", name): of_problem(Sweep, scene, linearity_preserving=Switch) for name, scene in scenes.items()}
     found |= {("tables",): Tables}
     found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}
+    found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
     return found | {("bench",): Bench}

@@ -36,7 +36,8 @@ class SceneFlags:
 
 def of_problem(command: type, scene: type[Scene], **kinds: Any) -> type:
     """A command for one problem: the flags of its scene, then the command's own; ``kinds`` replace types of flags."""
-    flags = [(field_key(f.name), described(scene, f, kinds.get(f.name)), field(default=_default(f)))
+    flags = [(field_key(f.name), described(scene, f, kinds.get(f.name)),
+              field(default=("none",) if f.default == () else f.default))
              for f in fields(scene) if f.name != "problem"]
     bases = (command, make_dataclass("Flags", flags, bases=(SceneFlags,), frozen=True, kw_only=True))
     return _made(command, scene, bases)
@@ -67,11 +68,6 @@ def _kind(scene: type[Scene], f: Field) -> Any:
     if choices:
         return Annotated[Any, one_of(choices)]
     return bool if f.type == "bool" else NumberFlag if "int" in str(f.type) else RealFlag
-
-
-def _default(f: Field) -> Any:
-    """A field's default as a flag's: no names are said by the word for it, for a flag without words is a mistake."""
-    return ("none",) if f.name in SPECIAL and not f.default else f.default
 
 
 def _made(command: type[Any], scene: type[Scene], bases: tuple[type, ...]) -> type:

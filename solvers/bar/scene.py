@@ -38,6 +38,7 @@ class BarScene(Scene):
     REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN)
     STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT
     GENTLE_AMPLITUDE = 1e-3
+    HARD_AMPLITUDES = (0.025, 0.05, 0.1, 0.14)
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:

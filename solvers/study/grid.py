@@ -20,8 +20,8 @@ class Task:
     """One combination to be measured, in plain values, so that it can travel anywhere as JSON.
 
     ``inputs`` maps the names of flags (``ppc``, ``body_force``, ...) to values; what is absent or None takes the
-    scene's default. ``repeats`` is how often the bare run is timed; ``price_effects`` asks for the time with each
-    effect alone as well.
+    scene's default. ``repeats`` is how often the bare run is timed, 0 for not at all; ``price_effects`` asks for
+    the time with each effect alone as well.
     """
 
     problem: str

@@ -44,9 +44,10 @@ def measure(task: Task) -> dict:
 def _measured(task: Task, scene: Scene) -> dict:
     from solvers.run import run  # here: a row can be read, kept and drawn without Taichi
 
-    seconds, timed = time_bare(scene, task.repeats)
-    results = [run(scene) for _ in range(task.repeats)]
-    full, values, least = results[0], results[0].to_dict(), min(seconds)
+    results = [run(scene, prices=task.repeats > 0) for _ in range(max(1, task.repeats))]
+    full, values = results[0], results[0].to_dict()
+    seconds, timed = time_bare(scene, task.repeats) if task.repeats else ([full.seconds.run], full)
+    least = min(seconds)
     effects = price_effects(scene, task.repeats) if task.price_effects else {}
     names = [name for name in scene.active_estimators if name not in full.not_valid]
     fastest = min(result.seconds.run for result in results)

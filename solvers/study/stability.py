@@ -1,0 +1,113 @@
+"""The stability map: how many periods a method survives, with and without remedies, over amplitude and time step.
+
+A treatment is what a scene calls for against breakdown: remedies, linearity preservation, domains whose corners move
+with the grid. A row of the map is a row of a study (``solvers.study.row``) whose run is long and computes nothing but
+the truth and the contradictions.
+"""
+
+import statistics
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from solvers.problems import PROBLEMS
+from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.rules import SceneError
+from solvers.scene import Scene
+from solvers.soundness import BROKEN
+from solvers.study.grid import Task
+
+EFFECTS = ["truth", "soundness", "margin"]
+LOOKS = 20  # a period
+PRICE_TURNS = 7
+PRICE_CFL = 0.1
+
+#: What a treatment changes in a scene, by the name that the map gives it.
+TREATMENTS: dict[str, dict[str, Any]] = {
+    "plain": {},
+    "filter": {"remedies": [FILTER]},
+    "coupled": {"remedies": [COUPLED]},
+    "filter+coupled": {"remedies": [FILTER, COUPLED]},
+    "lp": {"linearity_preserving": True},
+    "lp+zero-drift": {"linearity_preserving": True, "remedies": [CENTRED]},
+    "all-three": {"linearity_preserving": True, "remedies": [FILTER, COUPLED]},
+    "tiled": {"velocity": "corners"},
+    "tiled+filter": {"velocity": "corners", "remedies": [FILTER]},
+    "frozen": {"remedies": [FROZEN]},
+}
+
+
+def offered(scene: type[Scene]) -> tuple[str, ...]:
+    """The treatments that a problem has for one of its methods at least."""
+    return tuple(name for name in TREATMENTS
+                 if any(_scene(scene, {"method": method}, name) for method in scene.choices("method")))
+
+
+def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Iterable[str], version: str) -> list[Task]:
+    """A task for every combination that the problem has; what a method is not offered with is left out."""
+    kind = PROBLEMS[problem].scene
+    tasks: dict[str, Task] = {}
+    for treatment in treatments:
+        for given in inputs:
+            if scene := _scene(kind, given, treatment):
+                every = max(1, round(scene.period / scene.time_step / LOOKS))
+                task = Task(problem, {**given, **TREATMENTS[treatment], "estimator": [], "effects": EFFECTS,
+                                      "sample_every": every}, repeats=0, version=version)
+                tasks.setdefault(task.key, task)
+    return list(tasks.values())
+
+
+def _scene(kind: type[Scene], inputs: Mapping[str, Any], treatment: str) -> Scene | None:
+    changes = {name: tuple(value) if isinstance(value, list) else value
+               for name, value in TREATMENTS[treatment].items()}
+    try:
+        return kind(**{**inputs, **changes})
+    except SceneError as error:
+        if error.field in changes or error.field in ("velocity", "linearity_preserving", "remedies"):
+            return None
+        raise
+
+
+def treatment_of(row: Mapping) -> str:
+    """The name of the treatment that a row had."""
+    scene = row["scene"]
+    had = {"remedies": sorted(scene["remedies"]), "linearity_preserving": scene["linearity_preserving"],
+           "velocity": scene["velocity"]}
+    plain = {"remedies": [], "linearity_preserving": False, "velocity": "grid"}
+    for name, changes in TREATMENTS.items():
+        wanted = {**plain, **changes}
+        if had == {**wanted, "remedies": sorted(wanted["remedies"])}:
+            return name
+    return "other"
+
+
+def scene_of(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
+    """A gentle scene with the row's method, grid and a treatment, to time a step with: it runs whatever the row did."""
+    scene = row["scene"]
+    gentle = {"method": scene["method"], "cells": scene["cells"], "ppc": scene["ppc"], "cfl": PRICE_CFL,
+              "amplitude": kind.GENTLE_AMPLITUDE}
+    found = _scene(kind, gentle, treatment)
+    assert found is not None, f"{treatment} is in the map and yet not offered"
+    return found
+
+
+def survived(row: Mapping) -> float:
+    """Periods until the error of x exceeded a tenth of the amplitude, or until the run was lost; all of them where it
+    held to its end."""
+    ends = [row["life"][name] for name in ("accurate", "sound") if row["life"][name] is not None]
+    return min(ends, default=row["scene"]["periods"])
+
+
+def held(row: Mapping) -> bool:
+    """Whether the run was accurate to its end."""
+    return row["status"] not in BROKEN and row["life"]["accurate"] is None
+
+
+def prices(scenes: Mapping[str, Scene]) -> dict[str, float]:
+    """Seconds of a step of each scene over those of the first, bare, taken in turns on this machine."""
+    from solvers.run import build
+    from solvers.timing import Stretch, take_turns
+
+    bare = [replace(scene, effects=(), estimators=(), sample_every=None) for scene in scenes.values()]
+    turns = take_turns([Stretch(build(scene)) for scene in bare], PRICE_TURNS)
+    return {name: statistics.median(turn / turns[:, 0]) for name, turn in zip(scenes, turns.T, strict=True)}

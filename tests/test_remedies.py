@@ -1,0 +1,103 @@
+"""Remedies: what they cure, what they must leave alone, and what does not go together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers.bar.scene import BarScene
+from solvers.ring.scene import RingScene
+from solvers.rules import SceneError
+from solvers.run import run
+
+BOTH = ("null-space-filter", "coupled-deformation")
+FROZEN = ("frozen-weights",)
+HARD = BarScene(cfl=0.3, amplitude=0.1, periods=50, estimators=(), effects=("truth", "soundness"), sample_every=13)
+METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
+RING = RingScene(method="ugimp", cfl=0.3, periods=20, estimators=(), effects=("truth", "soundness"), sample_every=7)
+
+
+def worst(result):
+    """Largest error of x in amplitudes."""
+    return np.nanmax(result.series["error_x"]) / result.scene.motion_amplitude
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("cure", [{"remedies": BOTH, "linearity_preserving": True}, {"remedies": FROZEN}], ids=str)
+def test_every_method_lives_with_a_cure(method, cure, simulate):
+    """50 periods at A = 0.1 with an error of x below A/10; without, all four are lost (0.3 to 40 periods)."""
+    cured = simulate(replace(HARD, method=method, **cure))
+    assert cured.status == "ok" and worst(cured) < 0.1
+    assert worst(simulate(replace(HARD, method=method))) > 0.1
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_500_periods_at_small_amplitude(method, simulate):
+    """A = 0.025 with all three: uGIMP and cpGIMP fail at 445 and 409 periods without, hat functions at 0.4."""
+    cured = simulate(replace(HARD, method=method, amplitude=0.025, periods=500, remedies=BOTH,
+                             linearity_preserving=True))
+    assert cured.status == "ok" and worst(cured) < 0.1
+
+
+def test_zero_drift_keeps_the_whole_bar_in_place(simulate):
+    """Linearity preservation makes forces that do not cancel; without the mean velocity the bar stays."""
+    plain = simulate(replace(HARD, linearity_preserving=True))
+    held = simulate(replace(HARD, linearity_preserving=True, remedies=("zero-drift",)))
+    assert plain.series["adrift"].max() > 1e-3 > 1e-12 > held.series["adrift"].max()
+    assert worst(held) < worst(plain)
+
+
+def test_the_filter_leaves_momentum_and_what_nodes_see(simulate):
+    """What it takes out has no momentum: the mean velocity stays at rounding."""
+    result = run(replace(HARD, remedies=("null-space-filter",), periods=2))
+    assert abs(result.final.velocity.mean()) < 1e-13 * result.scene.size_of("v")
+
+
+def test_in_short_runs_remedies_do_no_harm(simulate):
+    """Error of x over the first period, the default bar: at most that of the plain run."""
+    scene = BarScene(periods=1, estimators=(), effects=("truth",))
+    plain = worst(simulate(scene))
+    for remedies in (BOTH, FROZEN):
+        assert worst(simulate(replace(scene, remedies=remedies))) <= 1.05 * plain
+
+
+@pytest.mark.parametrize("method", ["ugimp", "cpgimp"])
+def test_the_rings_boxes_live_with_filter_and_coupling(method, simulate):
+    """20 periods at A = 0.1; plain uGIMP fails at 14.6."""
+    result = simulate(replace(RING, method=method, remedies=BOTH))
+    assert result.status == "ok" and worst(result) < 0.1
+    if method == "ugimp":
+        assert worst(simulate(RING)) > 0.1
+
+
+@pytest.mark.parametrize("method", ["ugimp", "cpgimp", "cpdi", "mpm"])
+def test_frozen_weights_hold_the_ring(method, simulate):
+    """Hat functions too, which nothing else helps; and no particle crosses a cell."""
+    scene = replace(RING, method=method, remedies=FROZEN, periods=10, effects=("truth", "soundness", "crossings"))
+    result = simulate(scene)
+    assert result.status == "ok" and worst(result) < 0.1
+    assert result.to_dict()["grid_crossings"] == 0
+
+
+def test_plans_agree_with_remedies():
+    """Serial and slabs add in another order: equal to what rounding grows to in 60 steps."""
+    scene = replace(RING, periods=1, remedies=BOTH, effects=())
+    one, other = (run(replace(scene, plan=plan, threads=threads)).final.position
+                  for plan, threads in (("serial", 1), ("parallel", 2)))
+    assert abs(one - other).max() < 1e-11
+
+
+@pytest.mark.parametrize(("kind", "inputs", "word"), [
+    (BarScene, {"remedies": ("frozen-weights", "zero-drift")}, "stands alone"),
+    (BarScene, {"remedies": FROZEN, "linearity_preserving": True}, "frozen-weights"),
+    (BarScene, {"remedies": FROZEN, "body_force": "node"}, "frozen-weights"),
+    (BarScene, {"remedies": FROZEN, "method": "cpgimp", "velocity": "corners"}, "frozen-weights"),
+    (RingScene, {"remedies": ("coupled-deformation",)}, "CPDI"),
+    (RingScene, {"remedies": ("zero-drift",)}, "is not known"),
+    (RingScene, {"remedies": ("frozen-weights", "null-space-filter")}, "stands alone")])
+def test_what_does_not_go_together_is_refused(kind, inputs, word):
+    with pytest.raises(SceneError) as caught:
+        kind(**inputs)
+    assert word in str(caught.value)

@@ -1,0 +1,121 @@
+"""Nothing broken is called ok: contradictions against numpy, strict bounds of the error, and what a verdict says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers.bar.scene import BarScene
+from solvers.ring.scene import RingScene
+from solvers.run import run
+
+LOOKS = ("truth", "soundness")
+ONE_EACH = BarScene(ppc=1, estimators=(), effects=LOOKS)
+
+
+def columns(series, *names):
+    return [series[name] for name in names]
+
+
+@pytest.mark.parametrize("scene", [
+    ONE_EACH, replace(ONE_EACH, ppc=4, method="mpm", amplitude=0.1, cfl=0.3, periods=2),
+    replace(ONE_EACH, ppc=4, velocity="particle", amplitude=0.05, cfl=0.3, periods=3),
+    RingScene(method="ugimp", ppc=1, cells=24, amplitude=0.1, periods=4, cfl=0.3, estimators=(), effects=LOOKS),
+    RingScene(method="ugimp", cells=12, amplitude=1e-9, cfl=1.2, estimators=(), effects=())], ids=str)
+def test_what_is_broken_is_not_ok(scene, simulate):
+    """Settings that ended "ok" with errors of several amplitudes; the ring's last one with a million of them."""
+    result = simulate(scene)
+    assert result.status in ("lost", "unstable")
+    assert f"t = {result.broken_at:.4g} s" in result.reason or result.status == "unstable"
+    assert "X = " in result.reason and ";" in result.reason
+
+
+@pytest.mark.parametrize(("changes", "cause"), [
+    ({}, "one particle per cell is the cause"), ({"ppc": 4, "velocity": "particle", "amplitude": 0.05, "cfl": 0.3},
+                                                 "--velocity grid"),
+    ({"ppc": 4, "cfl": 1.5, "amplitude": 0.1}, "--dt auto"),
+    ({"ppc": 4, "amplitude": 0.1, "cfl": 0.3, "periods": 30}, "null-space-filter,coupled-deformation")])
+def test_the_reason_names_the_cause_and_what_to_change(changes, cause, simulate):
+    result = simulate(replace(ONE_EACH, **changes))
+    assert result.status != "ok" and cause in result.reason
+
+
+def test_a_sound_run_has_no_contradiction(simulate):
+    """The default runs: every kind of evidence stays below a twentieth of what would condemn."""
+    for scene in (BarScene(periods=2, estimators=()), RingScene(estimators=(), cfl=0.3)):
+        result = simulate(scene)
+        assert (result.status, result.reason, result.broken_at) == ("ok", None, None)
+        shown = {name: share for name, share in result.to_dict()["soundness"].items() if share is not None}
+        assert shown and max(shown.values()) < 0.02
+
+
+def test_the_bars_contradictions_are_what_they_say(simulate):
+    """The kernel's sums against numpy on the particles: equal to rounding."""
+    scene = replace(ONE_EACH, ppc=3, method="mpm", periods=0.73, amplitude=0.05)
+    result = simulate(scene)
+    shot, P = result.final, scene.particles
+    u, F, dX = shot.position - shot.material_position, shot.deformation_gradient, 1 / P
+    miss = np.roll(u, -1) - u - dX * (0.5 * (F + np.roll(F, -1)) - 1)
+    gap = u[0] + np.concatenate([[0.0], np.cumsum(miss)[:-1]])
+    apart, adrift, torn, place = (values[-1] for values in columns(result.series, "apart", "adrift", "torn", "place"))
+    assert apart == pytest.approx(np.sqrt(np.mean(miss**2)), rel=1e-12)
+    assert adrift == pytest.approx(abs(u.mean()), abs=1e-15)
+    assert torn == pytest.approx(gap.std(), rel=1e-9)
+    assert place == np.argmax(abs(miss))
+
+
+@pytest.mark.parametrize("layout", ["polar", "cartesian"])
+def test_the_rings_contradictions_are_what_they_say(layout, simulate):
+    """Pairs of lattice neighbours found again by their distance; the scatter around material circles by radius."""
+    scene = RingScene(method="ugimp", cells=12, layout=layout, periods=0.6, cfl=0.3, estimators=(), effects=LOOKS)
+    result = simulate(scene)
+    shot, X = result.final, result.final.material_position
+    R, angle = np.hypot(*X.T), np.arctan2(X[:, 1], X[:, 0])
+    u = shot.position - X
+    if layout == "polar":
+        lattice = np.round(np.stack([angle / np.min(angle), (R - 0.4) / np.min(R - 0.4)], axis=1)).astype(int) // 2
+    else:
+        lattice = np.round(X / (0.1 / 2) - 0.5).astype(int)
+    number = {tuple(place): p for p, place in enumerate(lattice)}
+    misses = []
+    for p, (i, j) in enumerate(lattice):
+        for q in (number.get((i + 1, j)), number.get((i, j + 1))):
+            if q is not None:
+                F = 0.5 * (shot.deformation_gradient[p] + shot.deformation_gradient[q])
+                misses.append(shot.position[q] - shot.position[p] - F @ (X[q] - X[p]))
+    radial = (u * X).sum(axis=1) / R
+    hoop = (u[:, 1] * X[:, 0] - u[:, 0] * X[:, 1]) / R
+    scatter = sum(((radial[R.round(12) == r] - radial[R.round(12) == r].mean()) ** 2).sum() for r in set(R.round(12)))
+    apart, shape = (values[-1] for values in columns(result.series, "apart", "out_of_shape"))
+    assert apart == pytest.approx(np.sqrt(np.mean(np.sum(np.square(misses), axis=1))), rel=1e-10)
+    assert shape == pytest.approx(np.sqrt((np.sum(hoop**2) + scatter) / len(X)), rel=1e-8)
+
+
+def test_adrift_and_out_of_shape_are_lower_bounds_of_the_error(simulate):
+    """Strict: the exact motion neither drifts nor differs around a circle. Of broken runs and sound ones alike."""
+    bar = simulate(replace(ONE_EACH, linearity_preserving=True, ppc=4, amplitude=0.1, cfl=0.3, periods=45))
+    assert (bar.series["adrift"] <= bar.series["error_x"] * (1 + 1e-9) + 1e-15).all()
+    ring = simulate(RingScene(method="mpm", cells=12, periods=2, cfl=0.3, estimators=(), effects=LOOKS))
+    assert (ring.series["out_of_shape"] <= ring.series["error_x"] * (1 + 1e-9) + 1e-12).all()
+
+
+@pytest.mark.parametrize("effects", [("truth",), ("soundness",), ("estimate",)])
+def test_each_kind_of_evidence_is_enough(effects, simulate):
+    """The truth, the contradictions or a valid estimator alone; with nothing that looks, nothing is found."""
+    scene = replace(ONE_EACH, effects=effects, estimators=("companion",))
+    assert simulate(scene).status == "lost"
+    assert simulate(replace(scene, effects=())).status == "ok"
+
+
+def test_an_estimator_that_is_often_off_in_size_does_not_condemn(simulate):
+    """transport's size may be off several times over: it is shown, but no run is lost by it."""
+    scene = replace(ONE_EACH, effects=("estimate",), estimators=("transport",))
+    assert simulate(scene).status == "ok"
+
+
+def test_sums_that_overflow_end_as_unstable():
+    """Once an OverflowError: numbers beyond all floats on the way to the check."""
+    result = run(BarScene(method="mpm", cells=80, ppc=8, amplitude=0.05, cfl=5.0))
+    assert result.status == "unstable" and result.reason
