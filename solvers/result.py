@@ -111,6 +111,7 @@ class Result:
         total = self.series["kinetic"] + self.series["strain"]
         return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
 
+    @UNBOUNDED
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
         the run was found lost or unstable ("sound"), None where it did not or the truth is unknown; and the largest

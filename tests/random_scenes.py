@@ -1,8 +1,8 @@
 """Scenes drawn at random over all their inputs, cheap enough to run hundreds of them.
 
 What is compiled takes seconds, so switches come from a short list, each with the problem it belongs to, and numbers are
-drawn freely within it. ``MPM_LAB_RANDOM_SCENES=10000`` asks for so many scenes with fresh seeds; switches are then drawn
-at random too, a new set for every hundred scenes.
+drawn freely within it. ``MPM_LAB_RANDOM_SCENES=10000`` asks for so many scenes with fresh seeds; switches are then
+drawn at random too, a new set for every hundred scenes.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import math
 import os
 import random
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any
 
 from hypothesis import strategies as st
 
-from solvers.effects import EFFECTS
 from solvers.problems import PROBLEMS
 from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.rules import SceneError
@@ -48,8 +48,8 @@ SETS: tuple[Inputs, ...] = (
      "plan": "parallel", "threads": 2},
 )
 #: What no input may be, or none of most kinds.
-ODD = (math.nan, math.inf, -math.inf, -1, 0, -0.0, 5e-324, 1e308, 10**400, 2**31, True, None, "", "auto", "10", "\n", "Ω",
-       (), ("",), ("auto", "auto"), [1], {}, b"x", 1j)
+ODD = (math.nan, math.inf, -math.inf, -1, 0, -0.0, 5e-324, 1e308, 10**400, 2**31, True, None, "", "auto", "10", "\n",
+       "Ω", (), ("",), ("auto", "auto"), [1], {}, b"x", 1j)
 
 
 def sets() -> tuple[Inputs, ...]:
@@ -119,6 +119,6 @@ def _step(scene: Scene) -> st.SearchStrategy[Inputs]:
 @st.composite
 def odd_inputs(draw: st.DrawFn, problem: str) -> Inputs:
     """Inputs of which some are what no input may be."""
-    names = [name for name in PROBLEMS[problem].scene.__dataclass_fields__]
+    names = [field.name for field in fields(PROBLEMS[problem].scene)]
     return {name: draw(st.sampled_from(ODD)) for name in draw(st.lists(st.sampled_from(names), min_size=1, max_size=3,
                                                                        unique=True))}

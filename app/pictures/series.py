@@ -15,7 +15,6 @@ INDEX_COLOUR = "#333333"  # of one estimator; several have their shades, for the
 FEW_SAMPLES = 10  # fewer are marked one by one: a line through one point shows nothing
 HIGHEST_INDEX = 10.0  # a run that blows up must not squeeze the 1 out of sight
 MOST_DECADES = 8  # nor its errors everything that came before
-MOST, LEAST = 1e150, 1e-150  # that an axis can be made of: matplotlib takes its powers and products
 
 
 def draw_norm(axes: Axes, result: Result, quantity: str) -> None:

@@ -33,7 +33,7 @@ def slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
         return None
     order, intercept = np.polyfit(np.log(h), np.log(error), 1)
     pairs = itertools.pairwise(zip(h, error, strict=True))
-    orders = tuple(float(np.log(f / e) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
+    orders = tuple(float((np.log(f) - np.log(e)) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
     factor = float(np.exp(intercept))
     return Slope(float(order), factor, len(h), orders) if 0 < factor < np.inf else None
 
