@@ -9,7 +9,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-
 UNBOUNDED = np.errstate(over="ignore", invalid="ignore")  # around arithmetic with what a run gone bad left
 
 
