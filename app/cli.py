@@ -1,5 +1,6 @@
 """The entry of the command line ``mpm-lab``, light enough that Ctrl-C is one line even while the rest loads."""
 
+import os
 import sys
 
 INTERRUPTED = 130
@@ -7,9 +8,23 @@ INTERRUPTED = 130
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line (default: what the process was given) and return its exit status."""
+    _fill_closed_streams()
     try:
         from app.commands.dispatch import dispatch
         return dispatch(sys.argv[1:] if arguments is None else list(arguments))
     except KeyboardInterrupt:
         print("mpm-lab: interrupted", file=sys.stderr, flush=True)
         return INTERRUPTED
+
+
+def _fill_closed_streams() -> None:
+    """A stream that is closed (``>&-``) is one that nobody reads. Left so, the next file to be opened would take its
+    number, and get what is printed."""
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(number, True)  # the processes that this one starts need it too
+    os.close(number)
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:
+            stream = open(descriptor, "w", closefd=False)
+            setattr(sys, name, stream)
+            setattr(sys, f"__{name}__", stream)  # libraries take another one for that of a graphical shell

@@ -16,6 +16,7 @@ Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plo
 DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture
 MOST_DOTS = 20_000  # more particles cannot be told apart in a picture
 MOST_CELL_LINES = 400
+LEAST, MOST = 1e-100, 1e100  # of what axes are asked to show: they take powers and products of it
 NO_ERROR = 1.0  # end of the scale where every error is zero
 SCALE_OVER_TRUTH = 10  # an estimate that has lost its way must not blank the truth
 
@@ -43,7 +44,7 @@ def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Norma
     top = max((largest(sizes) for sizes in estimates), default=0.0)
     if truth is not None and largest(truth) > 0:
         top = min(max(top, largest(truth)), SCALE_OVER_TRUTH * largest(truth))
-    return Normalize(0.0, top or NO_ERROR)
+    return Normalize(0.0, min(top, MOST) or NO_ERROR)
 
 
 def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, aspect: float,
@@ -57,13 +58,18 @@ def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], l
 
 def positive(values: np.ndarray) -> np.ndarray:
     """What a logarithmic axis can show; the rest leaves a gap."""
-    return np.where(np.isfinite(values) & (values > 0), values, np.nan)
+    return np.where((values > LEAST) & (values < MOST), values, np.nan)
 
 
 def robust_size(values: np.ndarray) -> float:
     """Size that all but a few runaway particles keep to."""
-    finite = np.abs(values[np.isfinite(values)])
-    return float(np.percentile(finite, 98)) if len(finite) else 0.0
+    shown = np.abs(values[np.abs(values) < MOST])  # not what is not a number either
+    return float(np.percentile(shown, 98)) if len(shown) else 0.0
+
+
+def drawable(values: np.ndarray) -> np.ndarray:
+    """What a linear axis can be asked to draw, on it or beside it; the rest leaves a gap."""
+    return np.where(np.abs(values) < MOST, values, np.nan)
 
 
 def say(axes: Axes, sentence: str) -> None:

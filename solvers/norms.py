@@ -1,6 +1,7 @@
 """Norms of errors over a run: summaries, the paper's error index, the pointwise distance, and the drift of the energy.
 
-All take series over the sampled times of a run (``solvers.samples``), mostly RMS norms over particles.
+All take series over the sampled times of a run (``solvers.samples``), mostly RMS norms over particles. A run that went
+bad leaves numbers up to the largest there are, and beyond: what they add up to may be no number, which is None.
 """
 
 import math
@@ -8,7 +9,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+UNBOUNDED = np.errstate(over="ignore", invalid="ignore")  # around arithmetic with what a run gone bad left
 
+
+@UNBOUNDED
 def summary(series: np.ndarray) -> dict[str, float | None]:
     """Final, largest and mean value over the sampled times after the start; None where there is none. The largest and
     the mean pass over what a run that went bad left unrepresentable."""
@@ -16,9 +20,10 @@ def summary(series: np.ndarray) -> dict[str, float | None]:
     known = values[np.isfinite(values)]
     if not len(known):
         return {"final": None, "max": None, "mean": None}
-    return {"final": finite(values[-1]), "max": float(known.max()), "mean": float(known.mean())}
+    return {"final": finite(values[-1]), "max": float(known.max()), "mean": finite(known.mean())}
 
 
+@UNBOUNDED
 def error_index(estimated: np.ndarray, true: np.ndarray) -> float | None:
     """The paper's eq 35: the sum over time of estimated norms over that of true norms. 1 is perfect."""
     total = float(np.sum(true))
@@ -31,6 +36,7 @@ def distance(difference: np.ndarray, true: np.ndarray) -> float | None:
     return error_index(difference, true)
 
 
+@UNBOUNDED
 def energy_drift(series: Mapping[str, np.ndarray]) -> float | None:
     """(E - W - E0)/E0 at the end, E kinetic plus strain energy, W the body force's work; None where it is unknown."""
     total = series["kinetic"] + series["strain"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solvers.effects import EFFECTS
-from solvers.norms import distance, energy_drift, error_index, finite, summary
+from solvers.norms import UNBOUNDED, distance, energy_drift, error_index, finite, summary
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 from solvers.soundness import evidence
@@ -103,6 +103,7 @@ class Result:
         """How far the estimate is from the truth particle by particle, over the size of the truth."""
         return {q: distance(self.series[f"{estimator}/difference_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
 
+    @UNBOUNDED
     def energy(self) -> dict | None:
         """Kinetic plus strain energy, and the drift (E - W - E0)/E0 with the body force's work W."""
         if not self.scene.has("energy"):
@@ -110,6 +111,7 @@ class Result:
         total = self.series["kinetic"] + self.series["strain"]
         return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
 
+    @UNBOUNDED
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
         the run was found lost or unstable ("sound"), None where it did not or the truth is unknown; and the largest
@@ -134,7 +136,7 @@ class Result:
             "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
-            "grid_crossings": None if math.isnan(crossings) else int(crossings), "energy": self.energy(),
+            "grid_crossings": int(crossings) if math.isfinite(crossings) else None, "energy": self.energy(),
             "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.estimators import registry
+from solvers.norms import UNBOUNDED
 
 if TYPE_CHECKING:
     from solvers.scene import Scene
@@ -99,6 +100,7 @@ def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, A:
     return Finding(time, sentence.format(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
 
 
+@UNBOUNDED
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:
     """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
     for; for the JSON object."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from solvers.bar.scene import BarScene
 from solvers.effects import EFFECTS
+from solvers.fingerprint import fingerprint
 from solvers.samples import QUANTITIES
 from solvers.study.grid import Task
 
@@ -26,7 +27,8 @@ def made_up(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: fl
            "not_valid": {}, "grid_crossings": 0, "energy": None, "effects": [], "bytes": 1,
            "seconds": {"repeats": [seconds], "min": seconds, "full": 1.5 * seconds, "compile": 0.1, "setup": 0.0,
                        "estimators": {name: 0.2 * seconds for name in each}, "effects": {}},
-           "rate": 50.0, "arch": "x64", "threads": 1, "plan": "serial", "host": "here", "version": "1"}
+           "rate": 50.0, "arch": "x64", "threads": 1, "plan": "serial", "host": "here", "version": "1",
+           "life": {"accurate": None, "sound": None, "first_period": None}, "solvers": fingerprint()}
     return {**row, **changed}
 
 

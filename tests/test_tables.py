@@ -234,7 +234,7 @@ def test_a_changed_setup_or_solver_is_not_a_finished_row(tmp_path, counted, unwr
     monkeypatch.setitem(CUT, "2", plan.table_2(ONE, cells=(12,), methods=("cpdi",), end=0.01))
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
     assert len(counted) == 4
-    monkeypatch.setattr(rows, "_fingerprint", lambda: "another")
+    monkeypatch.setattr(rows, "fingerprint", lambda: "another")
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
     assert len(counted) == 6
 

@@ -112,7 +112,7 @@ class Target:
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
         self.text, self.is_stdout = text, may_be_stdout and text == "-"
         # where it really lies, so that a link stays one; a device has no better name than its own
-        self.path = "" if self.is_stdout else text if _is_device(text) else os.path.realpath(text)
+        self.path = "" if self.is_stdout or "\0" in text else text if _is_device(text) else os.path.realpath(text)
         self._beside = Path(os.path.dirname(self.path), f".mpm-lab-{flag}-{os.getpid()}.part")
         if not text.strip():
             raise BadInput(flag, text, f"give a file{' or - for standard output' if may_be_stdout else ''}")
@@ -120,8 +120,9 @@ class Target:
             raise BadInput(flag, text, f"give a file that ends in {ending}")
         try:
             self._try()
-        except OSError as error:
-            raise BadInput(flag, text, f"cannot be written: {(error.strerror or str(error)).lower()}; "
+        except (OSError, ValueError) as error:  # a character that no name can have is the latter
+            why = getattr(error, "strerror", None) or str(error)
+            raise BadInput(flag, text, f"cannot be written: {why.lower()}; "
                            "give a file in a directory that exists and may be written to") from None
 
     def write(self, content: bytes) -> None:

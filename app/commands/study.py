@@ -100,6 +100,9 @@ class Study:
             return
         there = sum(store.finished(task.key) for task in tasks)
         say(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
+        if old := sum(store.outdated(task.key) for task in tasks):
+            say(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
+                f"{'are' if old > 1 else 'is'} measured again")
         warnings = [f"warning: {w}" for t in tasks if t.key not in refusals for w in t.scene().warnings()]
         for sentence in dict.fromkeys([*(f"refused: {error}" for error in refusals.values()), *warnings]):
             say(sentence)

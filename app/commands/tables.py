@@ -14,7 +14,7 @@ from app.commands.tables_text import markdown
 from solvers.problems import PROBLEMS
 from solvers.tables import plan
 from solvers.tables.document import Results, document
-from solvers.tables.rows import read_row, run_row, write_row
+from solvers.tables.rows import NotThisRow, read_row, run_row, write_row
 
 OK, UNSTABLE = 0, 3
 KINDS = ("md", "json", "png")
@@ -71,7 +71,7 @@ def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Targ
 def _run_rows(tables: Iterable[plan.Table], folder: Path, quiet: bool) -> dict[str, Results]:
     """The results of every row by its name: kept ones first, then the others, each kept as soon as it is there."""
     rows = {row.name: row for table in tables for row in table.rows}
-    results = {name: kept for name, row in rows.items() if (kept := read_row(folder, row))}
+    results = {name: kept for name, row in rows.items() if (kept := _kept(folder, row, quiet))}
     missing = [row for name, row in rows.items() if name not in results]
     if results and not quiet:
         say(f"{len(results)} of {len(rows)} rows are there already")
@@ -86,6 +86,16 @@ def _run_rows(tables: Iterable[plan.Table], folder: Path, quiet: bool) -> dict[s
             write_row(folder, row, results[row.name])
             done += row.work
     return results
+
+
+def _kept(folder: Path, row: plan.Row, quiet: bool) -> Results | None:
+    """What is kept of a row; None, and a sentence that says why, where that is not what this row would be."""
+    try:
+        return read_row(folder, row)
+    except NotThisRow as error:
+        if not quiet:
+            say(f"{folder.name}/{row.name}.json {error}: it is made again")
+        return None
 
 
 def _write(table: dict, targets: Mapping[str, Target]) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solvers.norms import UNBOUNDED
+
 STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability
 
 
@@ -22,15 +24,18 @@ class Slope:
         return self.factor * np.asarray(h) ** self.order
 
 
+@UNBOUNDED
 def slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
-    """Least squares through the points with a positive error; None with fewer than two different h."""
+    """Least squares through the points with a positive error; None with fewer than two different h, and
+    where the line is too steep for numbers."""
     h, error = _usable(spacings, errors)
     if len(np.unique(h)) < 2:
         return None
     order, intercept = np.polyfit(np.log(h), np.log(error), 1)
     pairs = itertools.pairwise(zip(h, error, strict=True))
-    orders = tuple(float(np.log(f / e) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
-    return Slope(float(order), float(np.exp(intercept)), len(h), orders)
+    orders = tuple(float((np.log(f) - np.log(e)) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
+    factor = float(np.exp(intercept))
+    return Slope(float(order), factor, len(h), orders) if 0 < factor < np.inf else None
 
 
 def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
@@ -71,6 +76,7 @@ class Balance:
         return self.space > self.factor * self.most**self.power
 
 
+@UNBOUNDED
 def balance(steps: Sequence[float], errors: Sequence[float]) -> Balance | None:
     """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
 

@@ -5,7 +5,8 @@ Keys of a row::
     schema, key, problem, asked (the inputs as given), scene (all inputs, defaults filled in; null if refused), h,
     status ("ok", "unstable", "lost", "failed", "refused"), reason, t, steps, particles, particle_steps,
     error, estimate, index, distance, not_valid (the last four keyed by estimator), grid_crossings, energy, effects,
-    soundness, life, bytes, seconds, rate, arch, threads, plan, host, version
+    soundness, life, bytes, seconds, rate, arch, threads, plan, host, version,
+    solvers (the fingerprint of the source that measured it)
 
 ``seconds`` holds ``repeats`` (the bare method, run after run), ``min`` of them, ``full`` (the shortest of the runs that
 gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``full``) and ``effects`` (each alone).
@@ -16,6 +17,7 @@ import statistics
 from dataclasses import replace
 
 from solvers.effects import EFFECTS
+from solvers.fingerprint import fingerprint
 from solvers.result import Result
 from solvers.rules import SceneError
 from solvers.scene import Scene
@@ -104,4 +106,5 @@ def failed(task: Task, reason: str) -> dict:
 
 
 def _identity(task: Task) -> dict:
-    return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK}
+    return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
+            "solvers": fingerprint()}

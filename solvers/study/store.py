@@ -6,7 +6,10 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
+from solvers.fingerprint import fingerprint
+from solvers.forms import parsed
 from solvers.study.row import FAILED
+from solvers.study.row_form import fault
 
 NAME = "rows.jsonl"
 
@@ -41,8 +44,13 @@ class Store:
         self.rows[row["key"]] = row
 
     def finished(self, key: str) -> bool:
-        """Whether there is nothing left to do for a key; what failed may be tried again."""
-        return key in self.rows and self.rows[key]["status"] != FAILED
+        """Whether there is nothing left to do for a key; what failed may be tried again, and what other source measured
+        is measured anew."""
+        return key in self.rows and self.rows[key]["status"] != FAILED and not self.outdated(key)
+
+    def outdated(self, key: str) -> bool:
+        """Whether the row of a key is there and was measured by other source than this."""
+        return key in self.rows and self.rows[key].get("solvers") != fingerprint()
 
     def close(self) -> None:
         self._file.close()
@@ -50,19 +58,36 @@ class Store:
     def _load(self, problem: str) -> None:
         """Read what is there. A last line that a kill cut short is taken off; its row will be measured again."""
         content = self._path.read_bytes()
-        whole = content.rfind(b"\n") + 1
-        if whole < len(content):
-            self._file.truncate(whole)
-        for number, line in enumerate(content[:whole].splitlines(), 1):
-            try:
-                row = json.loads(line)
-                self.rows[row["key"]] = row
-                other = row["problem"]
-            except (ValueError, KeyError, TypeError):
-                raise StoreError(f"holds a {NAME} whose line {number} is not a row; "
-                                 "take that line out or give another directory") from None
-            if other != problem:
-                raise StoreError(f"holds rows of the {other}; give another directory for the {problem}")
+        *lines, rest = content.split(b"\n")
+        for number, line in enumerate(lines, 1):
+            self._take(number, line, problem)
+        if rest and _is_row(rest):  # whole, but for the end of its line
+            self._take(len(lines) + 1, rest, problem)
+            self._file.write(b"\n")
+            self._file.flush()
+        elif rest:
+            self._file.truncate(len(content) - len(rest))
+
+    def _take(self, number: int, line: bytes, problem: str) -> None:
+        """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
+        try:
+            row = parsed(line)
+            wrong = fault(row)
+        except ValueError:
+            wrong = "it is not JSON"
+        if wrong:
+            raise StoreError(f"holds a {NAME} whose line {number} is not a whole row ({wrong}); take that line out, "
+                             "and it is measured again, or give another directory")
+        if row["problem"] != problem:
+            raise StoreError(f"holds rows of the {row['problem']}; give another directory for the {problem}")
+        self.rows[row["key"]] = row
+
+
+def _is_row(line: bytes) -> bool:
+    try:
+        return fault(parsed(line)) is None
+    except ValueError:
+        return False
 
 
 def _prepare(directory: Path, resume: bool) -> None:

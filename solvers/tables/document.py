@@ -5,6 +5,7 @@ Everything that is printed or drawn of a table is made from this object and noth
 
 from collections.abc import Mapping
 
+from solvers.norms import finite
 from solvers.samples import QUANTITIES
 from solvers.tables.plan import Row, Table
 
@@ -77,4 +78,4 @@ def _of(run: dict, kind: str, name: str, quantity: str) -> float | None:
 
 
 def _ratio(above: float | None, below: float | None) -> float | None:
-    return above / below if above is not None and below else None
+    return finite(above / below) if above is not None and below else None

@@ -4,17 +4,22 @@ A row counts as finished only if the very same runs were made by the very same p
 a fingerprint of the solvers' source. Anything else, a half-written or foreign file included, is made again.
 """
 
-import functools
-import hashlib
 import json
 from collections.abc import Callable
 from pathlib import Path
 
-import solvers
+from solvers.fingerprint import fingerprint
+from solvers.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch, parsed
+from solvers.samples import QUANTITIES
+from solvers.scene import Scene
 from solvers.tables.document import Results
 from solvers.tables.plan import Row
 
 SCHEMA = "mpm-lab/tables-row/1"
+
+
+class NotThisRow(Exception):
+    """The file of a row holds something else; the message says what it is, after the file's name."""
 
 
 def run_row(row: Row, show: Callable[[float], None]) -> Results:
@@ -33,13 +38,32 @@ def run_row(row: Row, show: Callable[[float], None]) -> Results:
 
 
 def read_row(folder: Path, row: Row) -> Results | None:
-    """The results of a finished row, or None."""
+    """The results of a finished row, None where nothing is kept of it; :class:`NotThisRow` where something else is."""
     try:
-        kept = json.loads((folder / f"{row.name}.json").read_text(encoding="utf-8"))
-        results = kept.pop("results")
-        return results if kept == _made_from(row) and results.keys() == row.scenes.keys() else None
-    except (OSError, ValueError, AttributeError, KeyError, TypeError):  # missing, or not what this program writes
+        kept = parsed((folder / f"{row.name}.json").read_bytes())
+    except FileNotFoundError:
         return None
+    except (OSError, ValueError):
+        raise NotThisRow("cannot be read") from None
+    if wrong := mismatch(kept, {"results": dict}):
+        raise NotThisRow(f"is not a whole row ({wrong})")
+    results = kept.pop("results")
+    if kept != _made_from(row):
+        raise NotThisRow("was made by another version of the solvers or for another table")
+    wrong = mismatch(results, {name: _form(scene) for name, scene in row.scenes.items()}, "results")
+    if wrong or {name: results[name]["scene"] for name in row.scenes} != kept["scenes"]:
+        raise NotThisRow(f"is not a whole row ({wrong or 'its results are of other scenes'})")
+    return results
+
+
+def _form(scene: Scene) -> dict:
+    """What the results of a scene must have for a table."""
+    of_one = dict.fromkeys(QUANTITIES, NUMBER_OR_NONE)
+    norms = dict.fromkeys((*QUANTITIES, scene.EXTRA_ERROR), dict.fromkeys(("final", "max", "mean"), NUMBER_OR_NONE))
+    several = dict.fromkeys(scene.estimators, of_one) if len(scene.estimators) > 1 else of_one
+    return {"scene": dict, "status": str, "reason": (str, type(None)), "t": NUMBER, "particles": int, "error": norms,
+            "index": several, "distance": several, "grid_crossings": (int, type(None)), "not_valid": Each(str),
+            "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": Each(NUMBER)}}
 
 
 def write_row(folder: Path, row: Row, results: Results) -> None:
@@ -53,14 +77,5 @@ def write_row(folder: Path, row: Row, results: Results) -> None:
 def _made_from(row: Row) -> dict:
     """What must be equal for a stored row to be this row, as it reads in JSON."""
     scenes = {name: scene.to_dict() for name, scene in row.scenes.items()}
-    return json.loads(json.dumps({"schema": SCHEMA, "solvers": _fingerprint(), "scenes": scenes}))
+    return json.loads(json.dumps({"schema": SCHEMA, "solvers": fingerprint(), "scenes": scenes}))
 
-
-@functools.cache
-def _fingerprint() -> str:
-    """Of the source of everything that is computed: a changed solver makes its rows again."""
-    root = Path(solvers.__file__).parent
-    digest = hashlib.sha256()
-    for path in sorted(root.rglob("*.py")):
-        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, colour_bar, robust_size, say, shared_scale, styled, thinned
+from app.figures import MOST_CELL_LINES, colour_bar, drawable, robust_size, say, shared_scale, styled, thinned
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
 from solvers.result import Result
@@ -27,7 +27,7 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     curve = exact.displacement(scene, fine, final.time)
     axes.plot(fine, curve, color=TRUTH, linewidth=1.2, label="exact", zorder=4)
     few = thinned(len(final.position))
-    moved = (final.position - final.material_position)[few]
+    moved = drawable((final.position - final.material_position)[few])
     size = float(np.clip(5000 / len(few), 3.0, 30.0))
     axes.scatter(final.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
     axes.set_title(f"displacement at t = {final.time:.4g} s", fontsize=10)

@@ -9,7 +9,17 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, colour_bar, positive, robust_size, say, shared_scale, styled, thinned
+from app.figures import (
+    MOST_CELL_LINES,
+    colour_bar,
+    drawable,
+    positive,
+    robust_size,
+    say,
+    shared_scale,
+    styled,
+    thinned,
+)
 from solvers.result import Result
 from solvers.ring import exact
 from solvers.ring.scene import RingScene
@@ -33,7 +43,7 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
     final = result.final
     few = thinned(len(final.position))
     few = few[np.isfinite(final.position[few]).all(axis=1)]  # an unstable run leaves NaN
-    x, y = final.position[few].T
+    x, y = drawable(final.position[few]).T
     truth = None if final.error is None else final.error[few, 0]
     estimates = {name: final.estimate[name][few, 0] for name, _ in styled(result)}
     scale = shared_scale(truth, list(estimates.values()))
@@ -109,7 +119,7 @@ def _frame(axes: Axes, result: Result) -> None:
     """Cell lines, the exact surfaces and the plane of mirroring; equal scales, so that a circle is one."""
     scene, final = cast(RingScene, result.scene), result.final
     outer = exact.OUTER + abs(float(exact.displacement(scene, np.array([[exact.OUTER, 0.0]]), final.time)[0, 0]))
-    reach = float(np.clip(robust_size(np.linalg.norm(final.position, axis=1)), outer, 2 * outer)) * 1.06
+    reach = float(np.clip(robust_size(np.hypot(*drawable(final.position).T)), outer, 2 * outer)) * 1.06
     if scene.cells <= MOST_CELL_LINES:
         lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing
         lines = lines[np.abs(lines) <= reach]

@@ -1,0 +1,124 @@
+"""Scenes drawn at random over all their inputs, cheap enough to run hundreds of them.
+
+What is compiled takes seconds, so switches come from a short list, each with the problem it belongs to, and numbers are
+drawn freely within it. ``MPM_LAB_RANDOM_SCENES=10000`` asks for so many scenes with fresh seeds; switches are then
+drawn at random too, a new set for every hundred scenes.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from hypothesis import strategies as st
+
+from solvers.problems import PROBLEMS
+from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.rules import SceneError
+from solvers.scene import Scene
+
+#: Scenes asked for, with fresh seeds; None for those of every run of the tests, always the same.
+ASKED = int(os.environ["MPM_LAB_RANDOM_SCENES"]) if "MPM_LAB_RANDOM_SCENES" in os.environ else None
+SCENES = 300  # unless told otherwise
+SCENES_A_SET = 100  # of switches that were drawn at random
+MOST_WORK = 2e5  # of a scene: particles and nodes times steps
+MOST_STEPS = 5000  # of a scene: a step costs something however few particles there are
+MOST_PARALLEL_STEPS = 100  # each is a launch of its own
+MOST_SAMPLES = 200
+
+Inputs = dict[str, Any]
+#: Switches that between them have every method, force, velocity, effect, estimator and remedy.
+SETS: tuple[Inputs, ...] = (
+    {"problem": "bar"},
+    {"problem": "bar", "method": "mpm", "estimators": (), "effects": ("truth",)},
+    {"problem": "bar", "linearity_preserving": True, "remedies": (FILTER, COUPLED, CENTRED), "body_force": "node",
+     "estimators": ("recovered",)},
+    {"problem": "bar", "method": "bspline", "body_force": "none", "velocity": "particle", "estimators": ("companion",)},
+    {"problem": "bar", "method": "cpgimp", "velocity": "corners", "estimators": ("two-grid",)},
+    {"problem": "bar", "method": "mpm", "remedies": (FROZEN,), "body_force": "two-tone"},
+    {"problem": "ring"},
+    {"problem": "ring", "method": "mpm", "estimators": (), "velocity": "particle", "effects": ("truth", "margin")},
+    {"problem": "ring", "method": "ugimp", "remedies": (FILTER, COUPLED), "estimators": (), "body_force": "none",
+     "effects": ("soundness", "energy", "crossings")},
+    {"problem": "ring", "method": "cpgimp", "remedies": (FROZEN,), "estimators": (), "effects": ("truth",),
+     "plan": "parallel", "threads": 2},
+)
+#: What no input may be, or none of most kinds.
+ODD = (math.nan, math.inf, -math.inf, -1, 0, -0.0, 5e-324, 1e308, 10**400, 2**31, True, None, "", "auto", "10", "\n",
+       "Ω", (), ("",), ("auto", "auto"), [1], {}, b"x", 1j)
+
+
+def sets() -> tuple[Inputs, ...]:
+    """The switches to try: the short list, and as many more as the scenes asked for need."""
+    extra = 0 if ASKED is None else ASKED // SCENES_A_SET
+    return SETS + tuple(_drawn_set(random.SystemRandom()) for _ in range(extra))
+
+
+def scenes_a_set() -> int:
+    return math.ceil((ASKED or SCENES) / len(sets()))
+
+
+def _drawn_set(chance: random.Random) -> Inputs:
+    """Switches that go together, whatever the numbers."""
+    problem = chance.choice(list(PROBLEMS))
+    kind = PROBLEMS[problem].scene
+    while True:
+        drawn: Inputs = {name: chance.choice(kind.choices(name)) for name in ("method", "body_force", "velocity")}
+        drawn |= {name: tuple(word for word in kind.choices(name) if chance.random() < share)
+                  for name, share in (("estimators", 0.3), ("effects", 0.8), ("remedies", 0.3))}
+        drawn |= {"problem": problem, "linearity_preserving": chance.random() < 0.3}
+        try:
+            kind(**drawn)
+        except SceneError:
+            continue
+        return drawn
+
+
+def logarithmic(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(math.log(low), math.log(high)).map(math.exp)
+
+
+def whole_logarithmic(low: int, high: int) -> st.SearchStrategy[int]:
+    return logarithmic(low, high).map(round)
+
+
+@st.composite
+def inputs(draw: st.DrawFn, switches: Mapping[str, Any]) -> Inputs:
+    """The inputs of a valid scene with these switches, within ``MOST_WORK``."""
+    kind = PROBLEMS[switches["problem"]].scene
+    bar = switches["problem"] == "bar"
+    drawn = {**switches, "cells": draw(whole_logarithmic(kind.FEWEST_CELLS, 300 if bar else 48)),
+             "ppc": draw(whole_logarithmic(1, 16 if bar else 5)),
+             "amplitude": draw(logarithmic(1e-11, 0.159 if bar else 0.385)),
+             "modulus": draw(logarithmic(2e-6, 0.9e12)), "density": draw(logarithmic(2e-6, 0.9e12))}
+    if not bar:
+        drawn["layout"] = draw(st.sampled_from(kind.choices("layout")))
+    probe = kind(**drawn, periods=1e-9, **draw(_step(kind(**drawn))))  # says how long a step is
+    most = MOST_PARALLEL_STEPS if switches.get("plan") == "parallel" else MOST_STEPS
+    work = probe.particles + probe.cells**probe.DIMENSIONS
+    steps = max(1.0, draw(logarithmic(1e-3, 1.0)) * min(MOST_WORK / work, most))
+    end = steps * probe.time_step
+    drawn |= {"dt": probe.dt, "cfl": probe.cfl}
+    drawn |= draw(st.sampled_from([{"t_end": end}, {"periods": end / probe.period}]))
+    if draw(st.booleans()):
+        drawn["sample_every"] = draw(whole_logarithmic(max(1, int(steps / MOST_SAMPLES)), max(2, int(2 * steps))))
+    return drawn
+
+
+def _step(scene: Scene) -> st.SearchStrategy[Inputs]:
+    """The step in each of the ways to say it; most are as long as a careful user's, some far too long."""
+    numbers = st.one_of(logarithmic(1e-3, 0.7), logarithmic(1e-2, 9.9))
+    return st.one_of(st.just({"dt": "auto"}), numbers.map(lambda cfl: {"cfl": cfl}),
+                     numbers.map(lambda cfl: {"dt": cfl * scene.spacing / scene.wave_speed}))
+
+
+@st.composite
+def odd_inputs(draw: st.DrawFn, problem: str) -> Inputs:
+    """Inputs of which some are what no input may be."""
+    names = [field.name for field in fields(PROBLEMS[problem].scene)]
+    return {name: draw(st.sampled_from(ODD)) for name in draw(st.lists(st.sampled_from(names), min_size=1, max_size=3,
+                                                                       unique=True))}

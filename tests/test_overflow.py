@@ -1,0 +1,62 @@
+"""What a run gone bad leaves: numbers up to the largest there are, and beyond. It is a result like any other."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.cli import main
+from app.commands.run_text import run_table
+from app.pictures.run import png_bytes, run_figure
+from solvers.bar.scene import BarScene
+from solvers.ring.scene import RingScene
+from solvers.study import fit
+
+LEFT = {"huge": [1e308], "tiny": [5e-324], "anything": [1e308, np.inf, np.nan, 1e-300, 0.0, 1e155]}
+
+
+def spoilt(values: np.ndarray, left: list[float], signed: bool = False) -> np.ndarray:
+    """The second half of the values as a run gone bad may leave them; of both signs where they may be negative."""
+    changed = np.array(values, dtype=float)
+    half = np.resize(left, changed.size - changed.size // 2)
+    changed.flat[changed.size // 2:] = half * np.resize([1.0, -1.0], half.shape) if signed else half
+    return changed
+
+
+@pytest.mark.parametrize("left", LEFT)
+@pytest.mark.parametrize("scene", [BarScene(cells=8, ppc=2, periods=0.2), RingScene(cells=8, periods=0.1)],
+                         ids=lambda scene: scene.problem)
+def test_object_table_and_picture_survive_what_a_run_leaves(scene, left, simulate):
+    result, numbers = simulate(scene), LEFT[left]
+    series = {name: values if name in ("time", "place") else spoilt(values, numbers)
+              for name, values in result.series.items()}
+    final = result.final
+    final = replace(final, position=spoilt(final.position, numbers, True), error=spoilt(final.error, numbers),
+                    velocity=spoilt(final.velocity, numbers, True),
+                    deformation_gradient=spoilt(final.deformation_gradient, numbers, True),
+                    estimate={name: spoilt(values, numbers) for name, values in final.estimate.items()})
+    gone = replace(result, series=series, final=final, status="unstable", reason="gone", broken_at=0.1)
+    values = gone.to_dict()
+    json.dumps(values, allow_nan=False)
+    assert run_table(values)
+    assert png_bytes(run_figure(gone))
+
+
+def test_a_run_far_beyond_any_stable_step_is_unstable(tmp_path, capsys):
+    flags = ["--method", "mpm", "--cells", "80", "--ppc", "8", "--amplitude", "0.05", "--cfl", "5"]
+    assert main(["run", "bar", *flags, "--json", str(tmp_path / "a.json"), "--plot", str(tmp_path / "a.png")]) == 3
+    values = json.loads((tmp_path / "a.json").read_text())
+    assert values["status"] == "unstable" and values["grid_crossings"] is None
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert "mpm-lab: the run went unstable at t =" in capsys.readouterr().err
+
+
+def test_fits_of_errors_at_the_ends_of_numbers_are_fits_or_nothing():
+    h = [0.1, 0.09, 0.08]
+    for errors in ([1e308, 1e-300, 1e308], [1e-308, 1e-300, 1e300], [5e-324, 1e-300, 1.0], [1e308] * 3):
+        slope, balance = fit.slope(h, errors), fit.balance(h, errors)
+        assert slope is None or np.isfinite([slope.order, slope.factor, *slope.pairwise]).all()
+        assert balance is None or np.isfinite([balance.space, balance.factor]).all()
