@@ -70,6 +70,9 @@ class RingScene(Scene):
             sentences.append(
                 f"amplitude {self.amplitude:g}: above {WRINKLING} the surface of a real ring wrinkles; what the "
                 "particles do then is physics, not error, and the exact solution no longer describes it")
+        if "recovered" in self.active_estimators and validity.uneven(self):
+            sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
+                             "particles that are one per cell or move with their own velocity")
         return sentences
 
     def _check_amplitude(self) -> None:
