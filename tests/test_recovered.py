@@ -189,7 +189,7 @@ def test_long_runs_stay_in_place(simulate):
 def test_one_particle_per_cell_on_the_ring(simulate):
     """An error grid as narrow as the particles' spacing made x 8 to 44 times too large. Now measured: 1.00 to 1.05 for
     x and v; sigma and a, which the fit's own noise would fill, are not said."""
-    result = simulate(replace(RING, cells=48, ppc=1, dt=None, cfl=0.2, periods=2.0))
+    result = simulate(replace(RING, cells=36, ppc=1, dt=None, cfl=0.2, periods=2.0))
     index = result.index("recovered")
     assert 0.9 < index["x"] < 1.1 and 0.9 < index["v"] < 1.1 and not result.not_valid
     assert index["sigma"] is None and index["a"] is None and "sigma" in result.scene.warnings()[0]
@@ -205,18 +205,19 @@ def test_any_number_of_particles_per_cell(ppc, velocity, simulate):
 
 @pytest.mark.parametrize("cells", [20, 80])
 def test_a_force_that_starts_at_full_size(cells):
-    """The bar at rest in the middle of a swing of its force: q'' + 4 w^2 q = 3 w^2 A cos wt, q' = A w at first, so that
-    u = sin 2 pi X A (cos wt - cos 2 wt + sin 2 wt/2). Started without b(0) the estimate is off by as much as the error
-    itself, and more so on finer grids."""
+    """The undeformed bar about a quarter swing f of its force: q'' + 4 w^2 q = 3 w^2 A sin(wt + f), q' = A w at first,
+    so that u = q sin 2 pi X with q = A (sin(wt + f) - sin f cos 2 wt + (1 - cos f) sin 2 wt/2). Begun without b(0)
+    the estimate was off by .4 to 1.5 of the error, and by more on finer grids."""
     scene = replace(BAR, cells=cells, amplitude=2.5e-3, dt=None, t_end=None)
     solver, w = BarSolver(scene), scene.angular_frequency
-    solver.step = begun = round(0.5 * np.pi / (w * scene.time_step))
-    assert begun % solver.estimate_intervals[0] == 0
+    every = solver.estimate_intervals[0]
+    solver.step = begun = round(0.5 * np.pi / (w * scene.time_step) / every) * every
+    f = begun * w * scene.time_step
     sizes = []
     for _ in range(20):
         solver.advance(scene.steps // 100)
         seen, t = solver.snapshot(), solver.time - begun * scene.time_step
-        q = np.cos(w * t) - np.cos(2 * w * t) + 0.5 * np.sin(2 * w * t)
+        q = np.sin(w * t + f) - np.sin(f) * np.cos(2 * w * t) + 0.5 * (1 - np.cos(f)) * np.sin(2 * w * t)
         u = scene.amplitude * q * np.sin(2 * np.pi * seen.material_position)
         estimate, truth = seen.estimate["recovered"][:, 0], seen.position - seen.material_position - u
         sizes.append([np.linalg.norm(f) for f in (estimate, truth, estimate - truth)])
@@ -230,7 +231,7 @@ def test_a_force_that_starts_at_full_size_on_the_ring():
     for cells in (24, 72):
         scene = replace(RING, cells=cells, amplitude=0.05, dt=None, cfl=0.05 * cells / 24)
         solver = RingSolver(scene)
-        solver.step = 200  # a quarter of a period
+        solver.step = 195  # about a quarter of a period
         assert solver.step % solver.estimate_intervals[0] == 0
         solver.advance(160)
         a, seen = solver._arrays, solver.snapshot()

@@ -36,8 +36,16 @@ def two_grid(scene: Scene) -> str | None:
 
 
 def transport(scene: Scene) -> str | None:
-    """Its defects are those of weights that follow the particles."""
-    return FROZEN_REASON if scene.frozen else None
+    """Its defects are those of weights that follow the particles; of B-splines they are next to nothing.
+
+    Measured with B-splines at 40 and 160 cells: indices .000-.006 for A = 2.5e-4, .005-.46 for .025, .08-.75 for .05.
+    """
+    if scene.frozen:
+        return FROZEN_REASON
+    if scene.method == "bspline":
+        return ("the terms that transport carries all but vanish for B-splines, so that it reads next to zero; take "
+                "recovered or companion")
+    return None
 
 
 RULES: dict[str, Callable[[Scene], str | None]] = {"transport": transport, "two-grid": two_grid}
