@@ -12,6 +12,7 @@ NEW, BEGUN, MOVED = 0, 1, 2  # the reference as allocated, with its acceleration
 FIT_CELLS = {"particle": 6}  # that a fit goes over; particles moved with their own velocity stand less evenly
 OTHER_FIT_CELLS = 4
 NARROWEST_FIT = 7  # particles: with five a cubic follows each of them
+MOST_GROWTH = 2.0  # amplitudes of the motion
 MOST_STEPS = 50  # of the run between two of the estimator's
 
 
@@ -101,17 +102,21 @@ def fit_cells(scene):
     return (fit_width(scene) - 1) / scene.ppc
 
 
-def doubt(memory, most_rough):
-    """Why not to trust what was reported: the reference is too rough, in sums over the whole run.
+def doubt(memory, most_rough, growth):
+    """Why not to trust what was reported: the reference is too rough, in sums over the whole run, or has run away.
 
     The measure is the size of the fourth differences of U, nodes as steps, over that of the error. The exact solution's
     are small where the cells resolve it; where they are not, the fits miss a part of it, and that counts as error. They
     are large, too, where the reference swings from node to node, which is how it follows uneven particles and how it
     goes unstable: then what is estimated is the reference's own error. A run that goes bad leaves them small.
+    ``growth`` is the largest U now, over the amplitude of the motion, which it should never exceed.
     """
     numbers = memory["recovered_numbers"]
     if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):
         return "not valid here: the recovered deformation turned inside out; take shorter steps or a smaller amplitude"
+    if not growth < MOST_GROWTH:
+        return (f"not valid here: recovered's own reference has grown to {growth:.2g} amplitudes, because its equation "
+                "of motion is unstable here; take more particles per cell or a smaller amplitude")
     if numbers[ROUGH] > most_rough**2 * numbers[SIZE]:
         return (f"not valid here: recovered's own reference is too rough (its fourth differences are "
                 f"{np.sqrt(numbers[ROUGH] / numbers[SIZE]):.2g} times the error found, and may be {most_rough:.2g}); "

@@ -234,7 +234,9 @@ def allocate(scene):
 
 def verdict(scene, memory):
     """Why not to trust it; what a fit misses grows like the fourth power of the cells that it goes over."""
-    return recovery.doubt(memory, MOST_ROUGH * (recovery.OTHER_FIT_CELLS / recovery.fit_cells(scene)) ** 4)
+    U = memory["recovered_nodes"].reshape(-1, scene.cells, 4)[MOTION, :, 0]
+    return recovery.doubt(memory, MOST_ROUGH * (recovery.OTHER_FIT_CELLS / recovery.fit_cells(scene)) ** 4,
+                          np.abs(U).max() / scene.motion_amplitude)
 
 
 HOOKS = EstimatorHooks(

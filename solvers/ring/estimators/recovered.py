@@ -255,7 +255,7 @@ def allocate(scene):
     # The initial velocity is radial.
     v0 = scene.amplitude * scene.angular_frequency * exact.shape(exact.INNER + radius.particles() / radius.per_point)[0]
     fields = op.PARTICLE_BLOCKS * angle.points * radius.points + 2 * angle.points * radius.nodes
-    nodes = np.zeros((7, angle.nodes * radius.nodes, 4))
+    nodes = np.zeros((op.NODE_BLOCKS, angle.nodes * radius.nodes, 4))
     nodes[op.MOTION, :, 2:] = (direction[:, None] * radial[2](v0)[:, 0, 0, None]).reshape(-1, 2)
     nodes[op.DIRECTION, :angle.nodes, :2] = direction
     return {"recovered_numbers": recovery.numbers(scene, interval(scene)), "recovered_index": index,
@@ -264,7 +264,8 @@ def allocate(scene):
 
 
 def verdict(scene, memory):
-    return recovery.doubt(memory, MOST_ROUGH)
+    U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
+    return recovery.doubt(memory, MOST_ROUGH, np.abs(U).max() / scene.motion_amplitude)
 
 
 def across_planes(rows):

@@ -17,6 +17,7 @@ RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = 4, 5, 6, 7
 #: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
 #: along the radius; unsmoothed; M b along the radius, with unit direction; M e_R along the angle.
 MOTION, RATE, GATHERED, HALF_SMOOTHED, ERRORS, FORCE, DIRECTION = 0, 1, 2, 3, 4, 5, 6
+NODE_BLOCKS = 7
 #: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and its slope.
 FIELD, FITTED, FITTED_SLOPE = 0, 1, 2
 PARTICLE_BLOCKS = 3
