@@ -27,6 +27,8 @@ MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
 MOST_SAMPLES = 1_000_000
 DEFAULT_CFL = 0.05
 LOOKS_A_PERIOD = 20  # for contradictions; more find nothing sooner that matters
+STEPS_A_SAMPLE = 10  # at least, for a sample with its estimates costs several steps; but
+LEAST_SAMPLES_A_PERIOD = 20  # however long the steps
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LISTS = ("estimators", "effects", "remedies")
 AUTO = "auto"
@@ -204,7 +206,8 @@ class Scene(ABC):
         """Steps between two samples of the norms."""
         if self.sample_every is not None:
             return self.sample_every
-        wanted = int(min(self.period / self.time_step, MOST_STEPS)) // self.SAMPLES_A_PERIOD
+        a_period = int(min(self.period / self.time_step, MOST_STEPS))
+        wanted = max(a_period // self.SAMPLES_A_PERIOD, min(STEPS_A_SAMPLE, a_period // LEAST_SAMPLES_A_PERIOD))
         wanted = max(wanted, math.ceil(self.steps / SAMPLES_A_RUN))
         return max(1, wanted // self.estimate_interval) * self.estimate_interval
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -100,6 +101,17 @@ class Solver(ABC):
             self.step = step
 
         return put_back
+
+    def without_estimators(self) -> Solver:
+        """Another solver, of the same scene without estimators, in the present state."""
+        other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
+        own, theirs = self._arrays.members(), other._arrays.members()
+        watching = {"estimate", "estimate_intervals", "samples", *self._arrays.memory}
+        for name in own.keys() - watching:
+            if isinstance(own[name], np.ndarray) and own[name].shape == theirs[name].shape:
+                theirs[name][...] = own[name]
+        other.step = self.step
+        return other
 
     def leave_out(self, estimator: str) -> None:
         """Run no more of an active estimator, for timings; putting a bookmarked state back brings it back."""

@@ -14,7 +14,7 @@ import numpy as np
 from solvers.solver import Solver
 
 SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
-SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.004, 0.04, 9  # within a run that somebody waits for
+SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.006, 0.06, 9  # within a run that somebody waits for
 PROCESSORS = ("x64", "arm64")  # as Taichi calls them; others work while this thread waits
 
 
@@ -23,10 +23,11 @@ class Stretch:
 
     They are whole rounds of samples and of estimators, so that each stretch has its fair part of both; of estimators
     alone where samples are so rare that a round of them takes more than ``longest`` seconds. A solver that has not
-    begun is warmed up first. ``put_back`` puts the state back, to the bit.
+    begun is warmed up first. ``steps`` are given where they must be another stretch's. ``put_back`` puts the state
+    back, to the bit.
     """
 
-    def __init__(self, solver: Solver, seconds: float = SECONDS, longest: float = math.inf):
+    def __init__(self, solver: Solver, seconds: float = SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
         alone = solver.plan == "serial" and solver.arch in PROCESSORS
         # The processor's own time where one thread does it all, so that what else runs on the machine is not counted.
@@ -37,6 +38,9 @@ class Stretch:
         if not solver.step:
             solver.advance(sampled)
         self.put_back = solver.bookmark()
+        if steps:
+            self.steps = steps
+            return
         self.steps = min(whole, solver.longest_advance)
         if not self.time() * sampled > longest:
             self.steps = sampled
@@ -66,14 +70,25 @@ def rate(solver: Solver, turns: int = 5, seconds: float = SECONDS) -> float:
 
 
 def estimator_shares(solver: Solver) -> dict[str, float]:
-    """The share of the running time that each active estimator takes, measured here and now; none if the run goes bad.
-    The same steps are taken several times from the present state, with every estimator and with each one left out in
-    turn, samples included. The state is put back, to the bit."""
+    """The share of the whole running time that each active estimator takes, measured here and now; none if the run goes
+    bad.
+
+    The same steps are taken several times, from the present state: with the estimators; by a second solver that has
+    none, since an estimator that only rests stays in compiled code and makes that slower; and, of several, with each
+    one resting in turn. What all cost together comes from the first two, and is divided as the resting ones saved.
+    Samples are included. The state is put back, to the bit.
+    """
     names = solver.scene.active_estimators
     if not names or not solver.sound:
         return {}
     stretch = Stretch(solver, SHARE_SECONDS, LONGEST_SHARE_SECONDS)
-    seconds = np.array([[stretch.time(without) for without in (*names, None)] for _ in range(SHARE_TURNS)])
+    bare = Stretch(solver.without_estimators(), steps=stretch.steps)
+    resting = names if len(names) > 1 else ()
+    turns = [[stretch.time(), bare.time(), *map(stretch.time, resting)] for _ in range(SHARE_TURNS)]
     stretch.put_back()
-    shares = 1 - np.median(seconds[:, :-1] / seconds[:, -1:], axis=0)
-    return {name: max(0.0, float(share)) for name, share in zip(names, shares, strict=True) if math.isfinite(share)}
+    seconds = np.array(turns)
+    saved = 1 - np.median(seconds[:, 1:] / seconds[:, :1], axis=0)
+    if not np.isfinite(saved).all():
+        return {}
+    total, parts = max(0.0, float(saved[0])), np.maximum(saved[1:], 1e-3) if resting else np.ones(1)
+    return {name: total * float(part) for name, part in zip(names, parts / parts.sum(), strict=True)}

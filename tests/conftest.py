@@ -33,10 +33,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @functools.cache
 def _simulate(scene: Scene) -> Result:
-    return run(scene)
+    return run(scene, prices=False)
 
 
 @pytest.fixture
 def simulate():
-    """``simulate(scene)`` is ``run(scene)``, run once for all tests that ask for the same scene."""
+    """``simulate(scene)`` is ``run(scene)``, run once for all tests that ask for the same scene, prices aside."""
     return _simulate

@@ -19,7 +19,7 @@ from solvers.ring.estimators import companion_mesh as companion_ring_mesh
 from solvers.ring.material import SECOND_FREQUENCY as RING_FREQUENCY
 from solvers.ring.material import SECOND_SIZE as RING_SIZE
 from solvers.ring.scene import RingScene
-from solvers.run import build
+from solvers.run import build, run
 from solvers.samples import QUANTITIES
 
 ONLY = ("companion",)
@@ -308,8 +308,8 @@ def test_it_says_where_it_is_not_valid(simulate):
         assert "failed" in solver.not_valid()["companion"]
 
 
-def test_its_price(simulate):
+def test_its_price():
     """Below a third of a run on rows of both problems (measured: 3 to 8 per cent, and timing on a busy machine)."""
     for scene in (replace(BAR, cells=80, **LARGE), replace(RING, cells=48, method="ugimp")):
-        seconds = simulate(scene).seconds
+        seconds = run(scene).seconds
         assert seconds.estimators["companion"] < 0.3 * seconds.run

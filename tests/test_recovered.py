@@ -12,6 +12,7 @@ from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.estimators.lattice_lines import Line
 from solvers.estimators.memory import memory_parts
+from solvers.estimators.recovery import TAU
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
 from tests.reference import NUMBERS
@@ -185,6 +186,75 @@ def test_long_runs_stay_in_place(simulate):
         assert all(0.5 < index[q] < 2 for q in ("x", "v", "sigma"))
 
 
+def test_one_particle_per_cell_on_the_ring(simulate):
+    """An error grid as narrow as the particles' spacing made x 8 to 44 times too large. Now measured: 1.00 to 1.05 for
+    x and v; sigma and a, which the fit's own noise would fill, are not said."""
+    result = simulate(replace(RING, cells=36, ppc=1, dt=None, cfl=0.2, periods=2.0))
+    index = result.index("recovered")
+    assert 0.9 < index["x"] < 1.1 and 0.9 < index["v"] < 1.1 and not result.not_valid
+    assert index["sigma"] is None and index["a"] is None and "sigma" in result.scene.warnings()[0]
+
+
+@pytest.mark.parametrize(("ppc", "velocity"), [(1, "grid"), (5, "grid"), (7, "grid"), (5, "particle")])
+def test_any_number_of_particles_per_cell(ppc, velocity, simulate):
+    """A fit over four cells, or six where particles stand unevenly, however many that takes; measured .99-1.05."""
+    scene = replace(BAR, cells=40, ppc=ppc, velocity=velocity, amplitude=2.5e-3, dt=None, t_end=None, periods=2)
+    index = simulate(scene).index("recovered")
+    assert all(0.9 < index[q] < 1.1 for q in ("x", "v", "sigma"))
+
+
+@pytest.mark.parametrize("cells", [20, 80])
+def test_a_force_that_starts_at_full_size(cells):
+    """The undeformed bar about a quarter swing f of its force: q'' + 4 w^2 q = 3 w^2 A sin(wt + f), q' = A w at first,
+    so that u = q sin 2 pi X with q = A (sin(wt + f) - sin f cos 2 wt + (1 - cos f) sin 2 wt/2). Begun without b(0)
+    the estimate was off by .4 to 1.5 of the error, and by more on finer grids."""
+    scene = replace(BAR, cells=cells, amplitude=2.5e-3, dt=None, t_end=None)
+    solver, w = BarSolver(scene), scene.angular_frequency
+    every = solver.estimate_intervals[0]
+    solver.step = begun = round(0.5 * np.pi / (w * scene.time_step) / every) * every
+    f = begun * w * scene.time_step
+    sizes = []
+    for _ in range(20):
+        solver.advance(scene.steps // 100)
+        seen, t = solver.snapshot(), solver.time - begun * scene.time_step
+        q = np.sin(w * t + f) - np.sin(f) * np.cos(2 * w * t) + 0.5 * (1 - np.cos(f)) * np.sin(2 * w * t)
+        u = scene.amplitude * q * np.sin(2 * np.pi * seen.material_position)
+        estimate, truth = seen.estimate["recovered"][:, 0], seen.position - seen.material_position - u
+        sizes.append([np.linalg.norm(f) for f in (estimate, truth, estimate - truth)])
+    estimated, true, apart = np.sum(sizes, axis=0)
+    assert 0.9 < estimated / true < 1.1 and apart < 0.2 * true
+
+
+def test_a_force_that_starts_at_full_size_on_the_ring():
+    """Against a ring of three times as many cells, whose error is a ninth: within a fifth."""
+    motions = []
+    for cells, shorter in ((24, 1), (72, 6)):  # steps a sixth: a force at first makes their error of first order
+        solver = RingSolver(replace(RING, cells=cells, amplitude=0.05, dt=None, cfl=0.05 * cells / 24 / shorter))
+        solver.step = 208 * shorter  # about a quarter of a period
+        assert shorter > 1 or solver.step % solver.estimate_intervals[0] == 0
+        solver.advance(160 * shorter)
+        a, seen = solver._arrays, solver.snapshot()
+        R = np.linalg.norm(a.material_position, axis=1)
+        u = np.sum((a.motion[:, :2] - a.material_position) * a.direction, axis=1)
+        motions.append((R, u, seen.estimate["recovered"][:, 0]))
+    (R, u, estimate), (R_fine, u_fine, _) = motions
+    truth = u - np.polyval(np.polyfit(R_fine - 0.5, u_fine, 7), R - 0.5)
+    assert np.linalg.norm(estimate) == pytest.approx(np.linalg.norm(truth), rel=0.2)
+
+
+REMEDIED = [
+    replace(BAR, cells=40, amplitude=0.025, linearity_preserving=False, dt=None, t_end=None, periods=2, remedies=r)
+    for r in (("frozen-weights",), ("null-space-filter", "coupled-deformation"))]
+
+
+@pytest.mark.parametrize("scene", REMEDIED, ids=lambda s: s.remedies[0])
+def test_remedies_change_nothing_for_it(scene, simulate):
+    """It looks at where particles are, and at no weights but the step's own. Measured: x .98-1.02, v .96-1.06 on 20
+    bars of all methods."""
+    result = simulate(scene)
+    assert all(0.9 < result.index("recovered")[q] < 1.1 for q in ("x", "v", "sigma")) and not result.not_valid
+
+
 # ---- reports ------------------------------------------------------------------------------------------------------
 
 
@@ -223,3 +293,14 @@ def test_it_tells_where_it_does_not_hold():
     assert solver.not_valid() == {}
     memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_nodes"][0] = np.nan
     assert solver.not_valid()["recovered"].startswith("not valid here: ")
+
+
+def test_a_rough_reference_is_told(simulate):
+    """Where fits do not resolve the solution, and where the reference goes unstable: with fifty times its damping."""
+    coarse = simulate(replace(BAR, cells=12, ppc=1, amplitude=1e-4, dt=None, t_end=None, periods=1))
+    assert coarse.not_valid["recovered"].startswith("not valid here: ")
+    for kind, scene in ((BarSolver, BAR), (RingSolver, RING)):
+        solver = kind(replace(scene, dt=None, cfl=0.2, t_end=None))
+        memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_numbers"][TAU] *= 50
+        solver.advance(400)  # it grows until its numbers end, or is seen before
+        assert solver.not_valid()["recovered"].startswith("not valid here: ")

@@ -159,6 +159,12 @@ def test_samples_follow_the_period_unless_told():
     assert BarScene(sample_every=7).sample_interval == 7
 
 
+@pytest.mark.parametrize(("cells", "cfl", "steps"), [(40, 0.05, 10), (40, 0.3, 10), (20, 0.3, 6), (20, 1.5, 1)])
+def test_samples_of_long_steps_are_rare_but_twenty_a_period(cells, cfl, steps):
+    """A sample with estimates costs several steps: every tenth is enough, unless a period has fewer than 200."""
+    assert BarScene(cells=cells, cfl=cfl).sample_interval == steps
+
+
 def test_effects_that_need_others():
     """The acceleration error needs the truth; without the effect ``estimate`` no estimator runs."""
     assert not BarScene(effects=("acceleration",)).has("acceleration")

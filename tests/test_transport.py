@@ -13,6 +13,8 @@ from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
 from solvers.bar.state import HOOKS
 from solvers.estimators.memory import memory_parts
+from solvers.ring.scene import RingScene
+from solvers.run import run
 from tests.reference import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]
@@ -74,7 +76,7 @@ def test_samples_hold_the_particles_estimates(simulate):
 
 
 @pytest.mark.parametrize("linear", [False, True], ids=["plain", "linear"])
-@pytest.mark.parametrize("method", ["mpm", "ugimp", "cpgimp", "bspline"])
+@pytest.mark.parametrize("method", ["mpm", "ugimp", "cpgimp"])
 def test_a_rigid_motion_has_no_error(method, linear):
     """v = const is exact for every method, so the estimate stays at rounding, through cells and the seam."""
     solver = BarSolver(BarScene(method=method, linearity_preserving=linear, body_force="none", cells=12,
@@ -117,7 +119,29 @@ def test_switched_off_it_reports_nulls_and_allocates_nothing(off, simulate):
         assert len(arrays[name]) == 1, name
 
 
-def test_its_cost_is_reported(simulate):
-    """A part of the run's time, found by running with and without; it cannot be more than the run."""
-    seconds = simulate(replace(TABLE_SCENE, cells=160)).seconds
+def test_its_cost_is_reported():
+    """A part of the run's time, against steps of a solver that has no estimator; it cannot be more than the run.
+
+    The turns alone are a per cent or more of it (measured: 0.02 to 0.1), which turns that alternate tell from nothing.
+    """
+    seconds = run(replace(TABLE_SCENE, cells=160)).seconds
     assert 0 < seconds.estimate < seconds.run
+
+
+@pytest.mark.parametrize("scene", [BarScene(remedies=("frozen-weights",)), RingScene(remedies=("frozen-weights",)),
+                                   BarScene(method="bspline")], ids=["bar", "ring", "B-splines"])
+def test_where_it_is_refused(scene):
+    """Weights that stay where they were, and mappings whose defects are next to nothing."""
+    assert scene.not_valid["transport"].startswith("not valid here: ") and "transport" not in scene.active_estimators
+
+
+def test_it_says_where_its_terms_vanish_or_outgrow_the_motion():
+    """From its errors at the nodes; nothing is said before the first of its steps."""
+    solver = BarSolver(replace(TABLE_SCENE, cells=20))
+    assert solver.not_valid() == {}
+    solver.advance(200)
+    assert solver.not_valid() == {}
+    nodes = memory_parts(HOOKS, solver._arrays.memory)["transport_errors"]
+    for size, word in ((0.0, "vanish"), (1e12, "outgrown"), (math.nan, "outgrown")):
+        nodes[:, 1] = size
+        assert word in solver.not_valid()["transport"]

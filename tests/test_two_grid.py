@@ -101,7 +101,8 @@ def test_inactive_it_holds_nothing(scene):
     ({"cells": 40, "body_force": "two-tone", "amplitude": 0.025}, "too few"),
     ({"body_force": "node", "amplitude": 0.025}, "both grids"),
     ({"method": "mpm", "amplitude": 0.025}, "hat functions"),
-    ({"linearity_preserving": False, "amplitude": 0.025}, "linearity preservation")])
+    ({"linearity_preserving": False, "amplitude": 0.025}, "linearity preservation"),
+    ({"remedies": ("null-space-filter",)}, "remedies")])
 def test_where_the_bar_is_refused(changes, word):
     reason = replace(BAR, **changes).not_valid[NAME]
     assert reason.startswith("not valid here: ") and word in reason
@@ -111,7 +112,7 @@ def test_where_the_bar_is_refused(changes, word):
 @pytest.mark.parametrize("changes, word", [
     ({"cells": 11}, "too few"), ({"method": "ugimp"}, "tile"), ({"layout": "cartesian"}, "staircase"),
     ({"cells": 12, "amplitude": 0.25}, "grid of the second run"), ({"cells": 36, "body_force": "two-tone"}, "too few"),
-    ({"cells": 24, "body_force": "none"}, "too few")])
+    ({"cells": 24, "body_force": "none"}, "too few"), ({"remedies": ("frozen-weights",)}, "remedies")])
 def test_where_the_ring_is_refused(changes, word):
     reason = replace(RING, **changes).not_valid[NAME]
     assert reason.startswith("not valid here: ") and word in reason and not RING.not_valid

@@ -4,9 +4,22 @@ import numpy as np
 import taichi as ti
 
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
-H, TAU = 0, 1  # entries of the estimators' numbers: the reference's time step, the damping's time
-WIDEST_FIT = 17  # particles
+#: Places in the estimators' numbers: the reference's time step, the damping's time, how far the reference has come, and
+#: over all turns the sums of squares of the reference's fourth differences and of the error, in m^2.
+H, TAU, TURNS, ROUGH, SIZE = range(5)
+FOURTH = (1, -4, 6, -4, 1)  # the fourth difference of five values
+NEW, BEGUN, MOVED = 0, 1, 2  # the reference as allocated, with its acceleration at the start, past its first step
+FIT_CELLS = {"particle": 6}  # that a fit goes over; particles moved with their own velocity stand less evenly
+OTHER_FIT_CELLS = 4
+NARROWEST_FIT = 7  # particles: with five a cubic follows each of them
+MOST_GROWTH = 2.0  # amplitudes of the motion
 MOST_STEPS = 50  # of the run between two of the estimator's
+
+
+@ti.func
+def with_start(reference, a, interval):
+    """A reference as allocated, with the mean rate w = v, that begins with the acceleration ``a``: w = v + H/2 a."""
+    return ti.Vector([reference[0], reference[1] + 0.5 * interval * a, a, a])
 
 
 @ti.func
@@ -41,13 +54,13 @@ def steps_between(scene, length):
 
 
 def numbers(scene, steps):
-    """H and tau in seconds."""
-    return np.array([steps * scene.time_step, DAMPING * scene.spacing / scene.wave_speed])
+    """The estimators' numbers at the start."""
+    return np.array([steps * scene.time_step, DAMPING * scene.spacing / scene.wave_speed, NEW, 0.0, 0.0])
 
 
 def fit_width(scene):
     """Particles along a line that a fit goes over: four cells, which the method's own kinks are shorter than."""
-    return min(4 * scene.ppc + 1, WIDEST_FIT)
+    return max(NARROWEST_FIT, FIT_CELLS.get(scene.velocity, OTHER_FIT_CELLS) * scene.ppc + 1)
 
 
 @ti.func
@@ -84,8 +97,28 @@ def pack_tables(tables, counts=()):
     return np.concatenate([np.array([*header, *counts]), *firsts]).astype(np.int32), np.concatenate(weights)
 
 
-def not_finite(scene, memory):
-    """The reference broke down: a waves' step too long for a very compressed state, or a run gone bad."""
-    if np.isfinite(memory["recovered_nodes"]).all():
-        return None
-    return "not valid here: the recovered deformation turned inside out; take shorter steps or a smaller amplitude"
+def fit_cells(scene):
+    """Cells that a fit goes over."""
+    return (fit_width(scene) - 1) / scene.ppc
+
+
+def doubt(memory, most_rough, growth):
+    """Why not to trust what was reported: the reference is too rough, in sums over the whole run, or has run away.
+
+    The measure is the size of the fourth differences of U, nodes as steps, over that of the error. The exact solution's
+    are small where the cells resolve it; where they are not, the fits miss a part of it, and that counts as error. They
+    are large, too, where the reference swings from node to node, which is how it follows uneven particles and how it
+    goes unstable: then what is estimated is the reference's own error. A run that goes bad leaves them small.
+    ``growth`` is the largest U now, over the amplitude of the motion, which it should never exceed.
+    """
+    numbers = memory["recovered_numbers"]
+    if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):
+        return "not valid here: the recovered deformation turned inside out; take shorter steps or a smaller amplitude"
+    if not growth < MOST_GROWTH:
+        return (f"not valid here: recovered's own reference has grown to {growth:.2g} amplitudes, because its equation "
+                "of motion is unstable here; take more particles per cell or a smaller amplitude")
+    if numbers[ROUGH] > most_rough**2 * numbers[SIZE]:
+        return (f"not valid here: recovered's own reference is too rough (its fourth differences are "
+                f"{np.sqrt(numbers[ROUGH] / numbers[SIZE]):.2g} times the error found, and may be {most_rough:.2g}); "
+                "take more cells, or two or more particles per cell that move with the grid")
+    return None

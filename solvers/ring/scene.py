@@ -74,6 +74,9 @@ class RingScene(Scene):
         sentences = super().warnings()
         if self.amplitude >= RESONANCE and self.solution_known:
             sentences.append(self._resonance())
+        if "recovered" in self.active_estimators and validity.uneven(self):
+            sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
+                             "particles that are one per cell or move with their own velocity")
         return sentences
 
     @property

@@ -12,6 +12,7 @@ import taichi as ti
 
 from solvers.bar import nodes
 from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.transport import doubt
 from solvers.kinds import quads, real, reals
 
 
@@ -128,6 +129,11 @@ def allocate(scene):
             "transport_spread": np.zeros(N), "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
 
 
+def verdict(scene, memory):
+    a = memory["transport_errors"][:, 1]
+    return doubt(np.abs(a).max(), memory["transport_nodes"].any(), scene.size_of("a"))
+
+
 HOOKS = EstimatorHooks(
     memory={
         "transport_dt": real,  # H = k dt
@@ -136,4 +142,4 @@ HOOKS = EstimatorHooks(
         "transport_slope": reals,  # d(sigma)/dx as the step saw it
         "transport_errors": quads,  # nodal errors of v and a, and v_xx
     },
-    allocate=allocate, interval=lambda scene: scene.estimate_interval, in_step=in_step)
+    allocate=allocate, interval=lambda scene: scene.estimate_interval, in_step=in_step, verdict=verdict)

@@ -7,7 +7,7 @@ come for x and y, because a symmetry plane mirrors them differently: (value x, v
 
 import taichi as ti
 
-from solvers.estimators.recovery import row_of
+from solvers.estimators.recovery import FOURTH, ROUGH, SIZE, row_of
 from solvers.ring.material import radial_force_at
 
 # Tables. Along the radius their weights are (value, slope, value over R, nothing).
@@ -17,6 +17,7 @@ RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = 4, 5, 6, 7
 #: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
 #: along the radius; unsmoothed; M b along the radius, with unit direction; M e_R along the angle.
 MOTION, RATE, GATHERED, HALF_SMOOTHED, ERRORS, FORCE, DIRECTION = 0, 1, 2, 3, 4, 5, 6
+NODE_BLOCKS = 7
 #: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and its slope.
 FIELD, FITTED, FITTED_SLOPE = 0, 1, 2
 PARTICLE_BLOCKS = 3
@@ -26,7 +27,7 @@ STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for repor
 #: Which of a weight's four numbers two vectors (x, y, x, y) are taken times.
 VALUE, SLOPE, SLOPE_AND_OVER_R = (0, 0, 0, 0), (1, 1, 1, 1), (1, 1, 2, 2)  # along the radius
 ANGULAR_VALUES, ANGULAR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
-COUNT, ACROSS = 24, 25  # after the tables' headers: nodes of the error grid, and those on a radius
+COUNT, ACROSS, UNEVEN = 24, 25, 26  # after the tables' headers: nodes of the error grid, those on a radius; a flag
 
 
 @ti.func
@@ -198,3 +199,30 @@ def angular_fit(ring: ti.template(), i, j):
         around += slopes_of(w) * fitted
         p += K
     return value, along, around
+
+
+@ti.func
+def remember_sizes(ring: ti.template(), nodes: ti.template()):
+    """Add this turn's fourth differences of U along both lines, and e, to the sums that the verdict looks at."""
+    B, rough, size = across(ring), 0.0, 0.0
+    A = node_count(ring) // B
+    for a in range(A):
+        for b in range(B):
+            around, along = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+            for k in ti.static(range(5)):
+                i, j = a + k - 2, ti.min(ti.max(b + k - 2, 0), B - 1)
+                x, y = 1.0, 1.0  # signs beyond a plane
+                if i < 0:
+                    i, y = -1 - i, -1.0
+                if i >= A:
+                    i, x = 2 * A - 1 - i, -1.0
+                U, V = nodes[node_at(ring, MOTION, i * B + b)], nodes[node_at(ring, MOTION, a * B + j)]
+                around += ti.static(FOURTH[k]) * ti.Vector([x * U[0], y * U[1]])
+                along += ti.static(FOURTH[k]) * ti.Vector([V[0], V[1]])
+            rough += around.dot(around)
+            if b > 1 and b < B - 2:  # nothing lies beyond the free ends
+                rough += along.dot(along)
+            e = nodes[node_at(ring, GATHERED, a * B + b)]
+            size += e[0] * e[0] + e[1] * e[1]
+    ring.recovered_numbers[ROUGH] += rough / node_count(ring)
+    ring.recovered_numbers[SIZE] += size / node_count(ring)

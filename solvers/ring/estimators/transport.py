@@ -17,11 +17,14 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.interface import EstimatorHooks
+from solvers.estimators.transport import doubt
 from solvers.kinds import pairs, quads, real
 from solvers.ring import cpdi, gimp
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
 from solvers.ring.phases import fold, mirror
+
+MOST_INTERVAL = 10  # steps of the run between two of the estimator's
 
 
 @ti.func
@@ -145,10 +148,20 @@ def report(ring: ti.template(), base, step, on: ti.template()):
         ring.estimate_stress[base + p] = ti.Vector([ti.math.nan] * 4)
 
 
+def interval(scene):
+    """As often as somebody looks, or every tenth step: nothing is fed back that would need shorter steps."""
+    return max(scene.estimate_interval, min(MOST_INTERVAL, scene.sample_interval))
+
+
+def verdict(scene, memory):
+    a = memory["transport_error"].reshape(-1, 2)
+    return doubt(np.abs(a).max(), memory["transport_moments"].any(), scene.size_of("a"))
+
+
 def allocate(scene):
     """Nodal arrays."""
     nodes = (scene.cells + 1) ** 2
-    return {"transport_dt": scene.estimate_interval * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
+    return {"transport_dt": interval(scene) * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
             "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 2))}
 
 
@@ -159,4 +172,4 @@ HOOKS = EstimatorHooks(
         "transport_moments": quads,  # sums of D_x, D_y, D_x r_x, D_y r_y
         "transport_error": pairs,  # nodal error of a
     },
-    allocate=allocate, interval=lambda scene: scene.estimate_interval, in_step=in_step, report=report)
+    allocate=allocate, interval=interval, in_step=in_step, report=report, verdict=verdict)
