@@ -5,10 +5,10 @@ from __future__ import annotations
 import functools
 import os
 import signal
-from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadScopeScheduling
 
 from solvers.result import Result
 from solvers.run import run
@@ -23,12 +23,18 @@ settings.register_profile("always the same", settings.get_profile("lab"), derand
 settings.load_profile("always the same" if os.environ.get("CI") else "lab")  # a change must not fail by chance
 
 
-@pytest.hookimpl(tryfirst=True)  # before the groups are read
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests of a file share what it prepares, so one process runs them; two browsers at once would only wait."""
-    browser = Path(__file__).parent / "browser"
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group("browser" if browser in item.path.parents else item.path.stem))
+class FileByFile(LoadScopeScheduling):
+    """Tests of a file share what it prepares, so one process runs them; and all in the browser are one file's, for two
+    browsers at once would only wait for each other."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        path = nodeid.partition("::")[0]
+        return "browser" if "/browser/" in path else path
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> FileByFile:
+    """Who runs what where there are several processes."""
+    return FileByFile(config, log)
 
 
 @functools.cache
