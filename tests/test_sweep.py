@@ -94,7 +94,7 @@ def test_a_row_holds_the_run_and_what_it_cost():
         assert set(found[part]) == {"transport"} and found[part]["transport"]["x"] is not None
     seconds = found["seconds"]
     assert len(seconds["repeats"]) >= 2 and seconds["min"] == min(seconds["repeats"]) > 0
-    assert set(seconds["effects"]) == {"truth", "crossings", "energy", "acceleration"}
+    assert set(seconds["effects"]) == {"truth", "crossings", "energy", "acceleration", "soundness", "margin"}
     assert found["rate"] == pytest.approx(1e-6 * found["particle_steps"] / seconds["min"])
     json.dumps(found, allow_nan=False)
 

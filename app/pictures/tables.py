@@ -1,12 +1,12 @@
 """The picture of a table, from its JSON object: errors against h, and the index of each estimator against the cells."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE, TRUTH
 from app.figures import Look, line_style
@@ -106,8 +106,7 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     rows = next(iter(series.values()))
     axes.plot(*_points((row["h"], row["paper"][key]) for row in rows), **PAPER)
     spacings = sorted({row["h"] for row in rows})
-    axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings])
-    axes.set_xticks([], minor=True)
+    _ticks(axes, {h: f"{h:.4g}" for h in spacings})
     quantity = (QUANTITIES | EXTRA_NORMS)[key]
     axes.set(xlim=(spacings[0] / 1.25, spacings[-1] * 1.45), xlabel="cell size h (m)",
              ylabel=f"error of {quantity.symbol} ({quantity.unit})")
@@ -143,8 +142,7 @@ def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
             axes.plot(*points, color=ESTIMATE, linestyle=line_style(name), marker=ESTIMATORS[name].symbol,
                       markersize=5.5, markerfacecolor="white" if k % 2 else ESTIMATE, linewidth=1.3, label=name)
         axes.plot(*_points((row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows), **PAPER)
-        axes.set_xticks(cells, [str(n) for n in cells])
-        axes.set_xticks([], minor=True)
+        _ticks(axes, {n: str(n) for n in cells})
         axes.grid(alpha=0.3)
         if silent:
             axes.text(0.03, 0.04, f"no index: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
@@ -157,6 +155,13 @@ def _number(axes: Axes) -> None:
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 60 else (1,)))
     axes.yaxis.set_major_formatter(lambda value, _: short(value))
     axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _ticks(axes: Axes, labels: Mapping[float, str]) -> None:
+    """Ticks of the horizontal axis where there are rows and nowhere else; ``set_xticks`` would move its limits first."""
+    axes.xaxis.set_major_locator(FixedLocator(list(labels)))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FixedFormatter(list(labels.values())))
 
 
 def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
