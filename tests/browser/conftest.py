@@ -22,12 +22,6 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
-# The stage is drawn for every frame that the browser shows, by the processors that also simulate: ten a second will do.
-TEN_FRAMES_A_SECOND = """
-    const soon = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 80);
-    window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
-"""
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 
 
@@ -69,7 +63,6 @@ def visit(chromium, address):
     errors = []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.add_init_script(TEN_FRAMES_A_SECOND)
     page.goto(f"{address}/?fixedDpr=1")
     until(page.get_by_text("periods").first.is_visible, "the first numbers")
     yield page
