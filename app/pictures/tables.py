@@ -158,7 +158,7 @@ def _number(axes: Axes) -> None:
 
 
 def _ticks(axes: Axes, labels: Mapping[float, str]) -> None:
-    """Ticks of the horizontal axis where there are rows and nowhere else; ``set_xticks`` would move its limits first."""
+    """Ticks of the horizontal axis where there are rows and nowhere else; ``set_xticks`` moves its limits."""
     axes.xaxis.set_major_locator(FixedLocator(list(labels)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FixedFormatter(list(labels.values())))
