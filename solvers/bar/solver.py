@@ -74,7 +74,7 @@ class BarSolver(Solver):
         """The remedies that the scene has not yet called for; measured in ``assets/stability.md``."""
         scene = self.scene
         if scene.method == "mpm" and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
-            return "hat functions are not cured here: take another method, or 3 or more particles a cell and A < 0.14"
+            return f"hat functions hold here only with the remedy {FROZEN}; or take another method"
         if scene.linearity_preserving and CENTRED not in scene.remedies:
             return f"call for the remedy {CENTRED}, or for {FROZEN} without linearity preservation"
         if not scene.remedies:
