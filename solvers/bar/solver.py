@@ -73,7 +73,7 @@ class BarSolver(Solver):
     def _other_advice(self) -> str:
         """The remedies that the scene has not yet called for; measured in ``assets/stability.md``."""
         scene = self.scene
-        if scene.method == "mpm" and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
+        if scene.method == "mpm" and not scene.frozen and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
             return f"hat functions hold here only with the remedy {FROZEN}; or take another method"
         if scene.linearity_preserving and CENTRED not in scene.remedies:
             return f"call for the remedy {CENTRED}, or for {FROZEN} without linearity preservation"
