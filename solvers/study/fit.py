@@ -8,6 +8,7 @@ import numpy as np
 
 from solvers.norms import UNBOUNDED
 
+WIDEST = 1e12  # errors of one study over each other: beyond, none of them says anything about the others
 STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability
 
 
@@ -81,22 +82,23 @@ def balance(steps: Sequence[float], errors: Sequence[float]) -> Balance | None:
     """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
 
     Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
-    the brink of stability, it is not looked at. None with fewer than three different steps.
+    the brink of stability, it is not looked at. None with fewer than three different steps, or errors too far apart.
     """
     dt, error = _usable(steps, errors)
     steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
     sound = int(np.argmax(steep)) + 1 if steep.any() else len(dt)
     dt, error = dt[:sound], error[:sound]
-    if len(np.unique(dt)) < 3:
+    if len(np.unique(dt)) < 3 or not error.max() / error.min() < WIDEST:
         return None
     return min((_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
 
 
 def _split(dt: np.ndarray, error: np.ndarray, power: int) -> Balance:
-    columns = np.stack([np.ones_like(dt), dt**power], axis=1) / error[:, None]
+    unit = float(error.max())
+    columns = np.stack([np.ones_like(dt), dt**power], axis=1) / (error / unit)[:, None]
     space, factor = _not_negative(columns)
     misfit = float(np.sqrt(np.mean((columns @ (space, factor) - 1) ** 2)))
-    return Balance(space, factor, power, float(dt[0]), float(dt[-1]), misfit)
+    return Balance(space * unit, factor * unit, power, float(dt[0]), float(dt[-1]), misfit)
 
 
 def _not_negative(columns: np.ndarray) -> tuple[float, float]:
