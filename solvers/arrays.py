@@ -14,7 +14,7 @@ import taichi as ti
 
 from solvers.estimators.interface import NEVER, EstimatorHooks
 from solvers.estimators.memory import allocate_memory
-from solvers.kinds import Integer, Integers, Matrix, Quads, Real
+from solvers.kinds import Integer, Integers, Matrix, Quads, Real, Reals
 from solvers.samples import ROWS, column_count
 from solvers.scene import Scene
 from solvers.switches import Switches
@@ -63,6 +63,7 @@ class Watch(Members):
     last_crossing: Integers  # step of the particle's last cell change, -1 for never (P,)
     estimate: Quads  # estimated errors (E*P, 4): of the bar x, v, sigma, a; of the ring x and v, vectors
     estimate_intervals: Integers  # steps between two steps of each estimator (E,)
+    step_margin: Reals  # dt over its bound when it was last looked at (1,)
     samples: Matrix  # one row a sample (ROWS, columns)
     verdict: Integers  # 0 or the kind of failure, its step, its particle (3,)
     memory: dict  # what the estimators keep, numbers and arrays by name (see ``solvers.estimators.interface``)
@@ -75,6 +76,7 @@ def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: di
     """The members of a :class:`Watch` at the start of a run of so many particles."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
+            "step_margin": np.full(1, np.nan),
             "farthest": farthest,
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),

@@ -13,7 +13,8 @@ QUANTITIES = ("x", "v", "sigma", "a")
 #: is the particle where they are worst, ``margin`` is dt over its bound; what is switched off stays NaN.
 BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
         "kinetic", "strain", "work", "crossings", "apart", "adrift", "out_of_shape", "torn", "place", "margin")
-LOOKS = slice(BASE.index("apart"), BASE.index("margin") + 1)  # the columns that only some samples have
+MARGIN = BASE.index("margin")  # which the host fills in, once for every stretch of steps
+LOOKS = slice(BASE.index("apart"), MARGIN + 1)  # the columns that only some samples have
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.
 EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
 

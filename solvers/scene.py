@@ -29,6 +29,7 @@ DEFAULT_CFL = 0.05
 LOOKS_A_PERIOD = 20  # for contradictions; more find nothing sooner that matters
 STEPS_A_SAMPLE = 10  # at least, for a sample with its estimates costs several steps; but
 LEAST_SAMPLES_A_PERIOD = 20  # however long the steps
+MOST_MARGINS = 200  # looks at the margin of the step in a run, about
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LISTS = ("estimators", "effects", "remedies")
 AUTO = "auto"
@@ -213,9 +214,14 @@ class Scene(ABC):
 
     @property
     def look_interval(self) -> int:
-        """Steps between two looks for contradictions and at the margin of the step, at samples that are due."""
+        """Steps between two looks for contradictions, at samples that are due."""
         wanted = self.period / self.time_step / LOOKS_A_PERIOD
         return self.sample_interval * max(1, int(wanted / self.sample_interval))
+
+    @property
+    def margin_interval(self) -> int:
+        """Steps between two looks at the margin of the step: each costs a launch, so that long runs have fewer."""
+        return self.look_interval * max(1, self.steps // (MOST_MARGINS * self.look_interval))
 
     @property
     def estimate_interval(self) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 from solvers.estimators.interface import NEVER, EstimatorHooks
 from solvers.estimators.memory import memory_parts
 from solvers.result import Snapshot
-from solvers.samples import ROWS
+from solvers.samples import MARGIN, ROWS
 from solvers.scene import Scene
 from solvers.step_bound import SAFE
 
@@ -65,18 +65,37 @@ class Solver(ABC):
         self._run(0)
 
     def advance(self, steps: int) -> np.ndarray:
-        """Take ``steps`` steps and return the rows of samples (``solvers.samples``) taken on the way. A run that goes
-        bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell."""
+        """Take ``steps`` steps and return the rows of samples (``solvers.samples``) taken on the way.
+
+        A run that goes bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell. With the margin of
+        the step asked for, stretches end where it is looked at, so that a run is the same however its steps are taken.
+        """
+        interval, end, rows = self.scene.margin_interval, self.step + steps, []
+        while True:
+            stop = min(end, (self.step // interval + 1) * interval) if self.scene.has("margin") else end
+            rows.append(self._stretch(stop - self.step))
+            if self.step >= end or not self.sound:
+                return np.concatenate(rows) if len(rows) > 1 else rows[0]
+
+    def _stretch(self, steps: int) -> np.ndarray:
+        """Take steps in one launch or as many as the plan needs."""
         interval, before = self.scene.sample_interval, self.step
         self._run(steps)
         self.step = self.step + steps if self.sound else int(self._arrays.verdict[1])
-        rows = self.step // interval - before // interval
-        return self._arrays.samples[:max(0, rows)].copy()
+        rows = self._arrays.samples[:max(0, self.step // interval - before // interval)].copy()
+        return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
 
     def measure(self) -> np.ndarray:
         """Check the state and sample it now: one row."""
         self._measure()
-        return self._arrays.samples[:1].copy()
+        return self._with_margin(self._arrays.samples[:1].copy())
+
+    def _with_margin(self, rows: np.ndarray) -> np.ndarray:
+        """The rows of samples, the last with the margin of the step, if that is asked for."""
+        if len(rows) and self.scene.has("margin"):
+            self._find_margin()
+            rows[-1, MARGIN] = self._arrays.step_margin[0]
+        return rows
 
     def not_valid(self) -> dict[str, str]:
         """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
@@ -153,6 +172,10 @@ class Solver(ABC):
     @abstractmethod
     def _run(self, steps: int) -> None:
         """Launch the kernels for ``steps`` steps from ``self.step``."""
+
+    @abstractmethod
+    def _find_margin(self) -> None:
+        """Launch the kernel that finds the margin of the step."""
 
     @abstractmethod
     def _measure(self) -> None:

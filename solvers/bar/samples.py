@@ -34,7 +34,7 @@ def logarithmic_stress_error(bar: ti.template(), p, sin_t):
 
 @ti.func
 def sample(bar: ti.template(), row, step, looks, on: ti.template()):
-    """Write one row of sums; with ``looks`` also contradictions and the margin of the step, which may be rarer."""
+    """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
     out = ti.static(bar.samples)
     out[row, ti.static(column("step"))] = step
     out[row, ti.static(column("work"))] = bar.totals[1]
@@ -68,12 +68,9 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
                 out[row, at + 4] = missed[q]
     for q in ti.static(range(column("apart"), column("margin") + 1)):
         out[row, q] = ti.math.nan
-    if ti.static(on.soundness or on.margin):
+    if ti.static(on.soundness):
         if looks:
-            if ti.static(on.soundness):
-                soundness.look(bar, row)
-            if ti.static(on.margin):
-                soundness.step_margin(bar, row)
+            soundness.look(bar, row)
     if ti.static(on.energy):
         kinetic, strain = 0.0, 0.0
         for p in range(bar.particles):

@@ -8,7 +8,7 @@ from solvers import runtime
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
 from solvers.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
-from solvers.bar.step import advance, freeze, measure, report
+from solvers.bar.step import advance, find_margin, freeze, measure, report
 from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.result import Snapshot
 from solvers.solver import Solver
@@ -63,6 +63,9 @@ class BarSolver(Solver):
 
     def _run(self, steps: int) -> None:
         advance(self.step, steps, self._pack, self._switches)
+
+    def _find_margin(self) -> None:
+        find_margin(self._pack, self._switches)
 
     def _measure(self) -> None:
         measure(self.step, self._pack, self._switches)

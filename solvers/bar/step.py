@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.bar import remedies
+from solvers.bar import margin, remedies
 from solvers.bar.phases import find_weights, nodes_to_particles, update_grid
 from solvers.bar.samples import sample
 from solvers.bar.state import HOOKS, BarState
@@ -76,3 +76,11 @@ def freeze(bar: BarState, on: ti.template()):
     ti.loop_config(serialize=True)
     for _ in range(1):
         find_weights(bar, on)
+
+
+@ti.kernel
+def find_margin(bar: BarState, on: ti.template()):
+    """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long and called seldom."""
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        margin.step_margin(bar)

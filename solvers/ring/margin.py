@@ -4,30 +4,35 @@ import taichi as ti
 
 from solvers.ring import cpdi, gimp
 from solvers.ring.layout import GHOSTS
-from solvers.samples import column
 
 
 @ti.func
-def step_margin(ring: ti.template(), row, on: ti.template()):
-    """Write dt over the bound. A node's record: grad S of the present particle, |grad S|/sqrt(m), Gershgorin's sum."""
+def step_margin(ring: ti.template(), on: ti.template()):
+    """Write dt over the bound; NaN before the first step.
+
+    A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum.
+    """
     for node in range(ring.nodes):
         ring.node_bound[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(ring.particles):
         total = 0.0
         if ti.static(on.method == "cpdi"):
+            # Loops that are not unrolled: this runs seldom, and would take longer to compile.
             g, places, cells = cpdi.corner_gradients(ring, p, on), ring.weights[p], ring.corner_nodes[p]
-            for c in ti.static(range(4)):
-                N = cpdi.hats(places, c)
-                a, b = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)
-                for k in ti.static(range(4)):
-                    node = cells[c] + (k // 2) * ring.row + k % 2
-                    ring.node_bound[node] = ring.node_bound[node] + b * N[k] * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
-            for c in ti.static(range(4)):
-                for k in ti.static(range(4)):
-                    total += take_gradient(ring, cells[c] + (k // 2) * ring.row + k % 2)
-            for c in ti.static(range(4)):
-                for k in ti.static(range(4)):
-                    add_circle(ring, cells[c] + (k // 2) * ring.row + k % 2, tangent(ring, p, on) * total)
+            for corner in range(16):
+                c, k = corner // 4, corner % 4
+                x, y = places[c], places[c + 4]
+                N = (x if k % 2 == 1 else 1 - x) * (y if k // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
+                node = cells[c] + (k // 2) * ring.row + k % 2
+                record, a = ring.node_bound[node], 2 * (c % 2)
+                ring.node_bound[node] = record + N * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+            for corner in range(16):
+                k = corner % 4
+                total += take_gradient(ring, cells[corner // 4] + (k // 2) * ring.row + k % 2)
+            stiffness = tangent(ring, p, on) * total
+            for corner in range(16):
+                k = corner % 4
+                add_circle(ring, cells[corner // 4] + (k // 2) * ring.row + k % 2, stiffness)
         else:
             S, dS, R, dR = gimp.stencils_of(ring, p)
             first = ring.first_node[p]
@@ -36,17 +41,15 @@ def step_margin(ring: ti.template(), row, on: ti.template()):
                     node = first + j * ring.row + i
                     circle = ring.node_bound[node][3]
                     ring.node_bound[node] = ti.Vector([dS[i] * R[j], S[i] * dR[j], 0.0, circle])
-            for j in ti.static(range(3)):
-                for i in ti.static(range(3)):
-                    total += take_gradient(ring, first + j * ring.row + i)
-            for j in ti.static(range(3)):
-                for i in ti.static(range(3)):
-                    add_circle(ring, first + j * ring.row + i, tangent(ring, p, on) * total)
+            for place in range(9):
+                total += take_gradient(ring, first + (place // 3) * ring.row + place % 3)
+            stiffness = tangent(ring, p, on) * total
+            for place in range(9):
+                add_circle(ring, first + (place // 3) * ring.row + place % 3, stiffness)
     largest = 0.0
     for node in range(ring.nodes):
         largest = ti.max(largest, ring.node_bound[node][3])
-    if largest > 0:
-        ring.samples[row, ti.static(column("margin"))] = 0.5 * ring.dt * ti.sqrt(largest)
+    ring.step_margin[0] = 0.5 * ring.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
 
 
 @ti.func

@@ -8,7 +8,7 @@ time. ``error_extra`` is the paper's "Err A": the error of the acceleration at t
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.ring import margin, soundness
+from solvers.ring import soundness
 from solvers.ring.exact import C1, C2, C3, INNER
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
@@ -87,7 +87,7 @@ def node_acceleration_error(ring: ti.template(), before, on: ti.template()):
 
 @ti.func
 def sample(ring: ti.template(), row, step, looks, on: ti.template()):
-    """Write one row of sums; with ``looks`` also contradictions and the margin of the step, which may be rarer."""
+    """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
     crossings, work = 0.0, 0.0
     for slab in range(ring.slabs):
         crossings += ring.totals[2 * slab]
@@ -101,12 +101,9 @@ def sample(ring: ti.template(), row, step, looks, on: ti.template()):
         sample_estimates(ring, row, step, on)
     for q in ti.static(range(column("apart"), column("margin") + 1)):
         ring.samples[row, q] = ti.math.nan
-    if ti.static(on.soundness or on.margin):
+    if ti.static(on.soundness):
         if looks:
-            if ti.static(on.soundness):
-                soundness.look(ring, row)
-            if ti.static(on.margin):
-                margin.step_margin(ring, row, on)
+            soundness.look(ring, row)
     if ti.static(on.energy):
         sample_energy(ring, row)
 

@@ -9,7 +9,7 @@ from solvers.ring.body import FARTHEST_MOVE
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
 from solvers.ring.scene import RESONANCE, RingScene
 from solvers.ring.state import HOOKS, RingState, WatchedRing, allocate, farthest
-from solvers.ring.step import CHECK_EVERY, advance, freeze, inspect, report, step_in_slabs
+from solvers.ring.step import CHECK_EVERY, advance, find_margin, freeze, inspect, report, step_in_slabs
 from solvers.solver import SOUND, Solver
 from solvers.switches import switches
 
@@ -69,6 +69,9 @@ class RingSolver(Solver):
                 row += sampled
             if self._arrays.verdict[0] != SOUND:
                 break
+
+    def _find_margin(self) -> None:
+        find_margin(self._pack, self._switches)
 
     def _measure(self) -> None:
         inspect(self.step, 0, self._pack, self._switches)

@@ -6,7 +6,7 @@
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.ring import phases, remedies
+from solvers.ring import margin, phases, remedies
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.samples import sample
@@ -112,3 +112,11 @@ def freeze(ring: RingState, on: ti.template()):
     ti.loop_config(serialize=True)
     for _ in range(1):
         phases.find_weights(ring, 0, ring.particles, on)
+
+
+@ti.kernel
+def find_margin(ring: RingState, on: ti.template()):
+    """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long and called seldom."""
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        margin.step_margin(ring, on)
