@@ -309,7 +309,8 @@ def test_it_says_where_it_is_not_valid(simulate):
 
 
 def test_its_price():
-    """Below a third of a run on rows of both problems (measured: 3 to 8 per cent, and timing on a busy machine)."""
+    """Below a third of a run on rows of both problems (measured: 3 to 8 per cent); the least of three, for a share
+    found within a few tenths of a second is off where other work takes a processor in one part of a turn only."""
     for scene in (replace(BAR, cells=80, **LARGE), replace(RING, cells=48, method="ugimp")):
-        seconds = run(scene).seconds
-        assert seconds.estimators["companion"] < 0.3 * seconds.run
+        found = [run(scene).seconds for _ in range(3)]
+        assert min(seconds.estimators["companion"] / seconds.run for seconds in found) < 0.3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 
 from tests.browser.driving import click, engine_processes, readout, row, shown, time, until
-from tests.processes import children, held
+from tests.processes import PATIENCE, children, held
 
 
 def job_processes(parent):
@@ -41,7 +41,8 @@ def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
     before = time(page)
     click(page, "Small sweep")
     until(page.get_by_role("button", name="Find the cheapest run").is_disabled, "no second job")
-    until(lambda: dots(page) >= 4, "dots of the sweep")
+    # Three rows of kernels that are compiled for the first time, in a process of low priority: work, not waiting.
+    until(lambda: dots(page) >= 4, "dots of the sweep", patience=4 * PATIENCE)
     with held(job_processes(server[1])):  # else it might be done before it is cancelled
         between = time(page)
         assert between > before

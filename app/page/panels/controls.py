@@ -109,6 +109,7 @@ class Controls:
             else:  # the step stays as it was
                 by_hand(float(f"{session.scene.courant_number:.3g}"))
 
+        self._shown_step = scene.courant_number
         self._show_step = self._logarithmic("CFL", "", CFL, scene.courant_number, by_hand,
                                             "time step as a share of the time a wave takes through a cell")
         auto = self._gui.add_checkbox("Auto step", scene.dt == AUTO, hint=f"take {SAFE:g} of the longest step that the "
@@ -116,10 +117,15 @@ class Controls:
         self._follow(auto, automatic)
 
     def refresh(self) -> None:
-        """Show the step that "auto" makes of the present scene: other settings change it."""
+        """Show the step that "auto" makes of the present scene: other settings change it.
+
+        Once for each: a slider that is set while the visitor moves it would forget where to.
+        """
         with self._loading, self._turn:
-            if self._session.scene.dt == AUTO:
-                self._show_step(self._session.scene.courant_number)
+            scene = self._session.scene
+            if scene.dt == AUTO and scene.courant_number != self._shown_step:
+                self._shown_step = scene.courant_number
+                self._show_step(scene.courant_number)
 
     def _cells(self) -> None:
         scene = self._session.scene
