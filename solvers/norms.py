@@ -23,6 +23,12 @@ def summary(series: np.ndarray) -> dict[str, float | None]:
     return {"final": finite(values[-1]), "max": float(known.max()), "mean": finite(known.mean())}
 
 
+def largest(values: np.ndarray) -> float | None:
+    """The largest of those that are numbers; None where none is."""
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else None
+
+
 @UNBOUNDED
 def error_index(estimated: np.ndarray, true: np.ndarray) -> float | None:
     """The paper's eq 35: the sum over time of estimated norms over that of true norms. 1 is perfect."""

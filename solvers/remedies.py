@@ -1,7 +1,7 @@
 """Every remedy there is, known once: what a scene may call for against the diseases of long and large motions.
 
 Where an effect only looks, a remedy changes the method. It is compiled in only where a scene calls for it
-(``solvers.switches``: ``on.has_remedy(name)``). A problem names in its scene those that hold there.
+(``solvers.switches``). A problem names in its scene those that hold there.
 """
 
 from __future__ import annotations
@@ -18,9 +18,11 @@ EVERY = 4  # steps between two turns of them: they work at a rate, so that seldo
 
 @dataclass(frozen=True)
 class Remedy:
-    """One remedy: its name as typed, what it is called, what it does and what it costs in words."""
+    """One remedy: its name as typed, the word by which kernels ask for it (``on.frozen``), what it is called, and what
+    it does and costs."""
 
     name: str
+    switch: str
     label: str
     explanation: str
 
@@ -28,18 +30,22 @@ class Remedy:
 FILTER, COUPLED, CENTRED, FROZEN = "null-space-filter", "coupled-deformation", "zero-drift", "frozen-weights"
 
 REMEDIES: dict[str, Remedy] = {remedy.name: remedy for remedy in (
-    Remedy(FILTER, "null-space filter", "takes out of the particles' velocity, at a rate, what the grid cannot see and "
-                                        "so never corrects"),
-    Remedy(COUPLED, "displacement-coupled F", "draws the deformation gradient, at a rate, towards that of the "
-                                              "particles' own displacements, so that the two cannot part"),
-    Remedy(CENTRED, "zero drift", "takes the mean velocity out after every step: linearity preservation makes forces "
-                                  "that do not quite cancel, and the whole body wanders off"),
-    Remedy(FROZEN, "frozen weights", "computes the weights once, where the material was at rest (total Lagrangian): no "
-                                     "particle ever crosses a cell; cheaper too, but numerical fracture is impossible"),
+    Remedy(FILTER, "filtered", "null-space filter",
+           "takes out of the particles' velocity, at a rate, what the grid cannot see and so never corrects"),
+    Remedy(COUPLED, "coupled", "displacement-coupled F",
+           "draws the deformation gradient, at a rate, towards that of the particles' own displacements, so that the "
+           "two cannot part"),
+    Remedy(CENTRED, "centred", "zero drift",
+           "takes the mean velocity out after every step: linearity preservation makes forces that do not quite "
+           "cancel, and the whole body wanders off"),
+    Remedy(FROZEN, "frozen", "frozen weights",
+           "computes the weights once, where the material was at rest (total Lagrangian): no particle ever crosses a "
+           "cell; cheaper too, but numerical fracture is impossible"),
 )}
+SWITCHES = {remedy.switch: name for name, remedy in REMEDIES.items()}
 
 
 def remedy_rates(scene: Scene) -> dict[str, float]:
     """What a turn of the filter and of the coupling does: min(1, dt/tau), dt the time since the turn before."""
     rate = min(1.0, EVERY * scene.time_step * scene.wave_speed / (TIME * scene.spacing))
-    return {"remedy_interval": EVERY, "filter_rate": rate, "coupling_rate": rate}
+    return {"remedy_interval": EVERY, "remedy_rate": rate}

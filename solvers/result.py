@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solvers.effects import EFFECTS
-from solvers.norms import UNBOUNDED, distance, energy_drift, error_index, finite, summary
+from solvers.norms import UNBOUNDED, distance, energy_drift, error_index, finite, largest, summary
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 from solvers.soundness import evidence
@@ -124,9 +124,7 @@ class Result:
 
     def step(self) -> dict[str, float | None]:
         """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""
-        seen = self.series["margin"][np.isfinite(self.series["margin"])]
-        return {"dt": self.scene.time_step, "bound": self.scene.step_bound,
-                "margin": float(seen.max()) if len(seen) else None}
+        return {"dt": self.scene.time_step, "bound": self.scene.step_bound, "margin": largest(self.series["margin"])}
 
     def to_dict(self) -> dict:
         """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""

@@ -11,7 +11,7 @@ from solvers.problems import PROBLEMS
 from solvers.result import Result, Seconds
 from solvers.scene import Scene
 from solvers.solver import Solver
-from solvers.soundness import LOST, OK, UNSTABLE, find
+from solvers.soundness import find, verdict
 from solvers.timing import estimator_shares
 
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
@@ -67,7 +67,4 @@ def _verdict(solver: Solver, series: dict[str, np.ndarray],
     finding = find(solver.scene, series, not_valid)
     if finding and finding.particle is None and error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
-    since = None if finding is None else finding.time
-    if not solver.sound:
-        return UNSTABLE, solver.reason(), solver.time if since is None else since
-    return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)
+    return verdict(solver, finding)

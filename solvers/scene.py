@@ -47,9 +47,8 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
 class Scene(ABC):
     """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
-    ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods``
-    the end. A ``None`` takes the default: ``cfl`` 0.05, 5 ``periods``, about 200 samples a period. Each problem has
-    a scene class of its own with its defaults, its choices and its geometry.
+    ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
+    end; None takes the default. Each problem has a scene class of its own with its defaults, choices and geometry.
     """
 
     problem: str = option("")
@@ -177,7 +176,7 @@ class Scene(ABC):
     @property
     def step_bound(self) -> float:
         """The longest step in seconds that the motion ahead bears by linear theory (``solvers.step_bound``)."""
-        return _step_bound(replace(self, dt=None, cfl=None, t_end=None, periods=None, sample_every=None))
+        return _step_bound(self)
 
     @property
     def frozen(self) -> bool:
@@ -215,8 +214,7 @@ class Scene(ABC):
     @property
     def look_interval(self) -> int:
         """Steps between two looks for contradictions, at samples that are due."""
-        wanted = self.period / self.time_step / LOOKS_A_PERIOD
-        return self.sample_interval * max(1, int(wanted / self.sample_interval))
+        return self.sample_interval * max(1, int(self.period / self.time_step / LOOKS_A_PERIOD / self.sample_interval))
 
     @property
     def margin_interval(self) -> int:
@@ -231,8 +229,7 @@ class Scene(ABC):
     @property
     def not_valid(self) -> dict[str, str]:
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
-        rules = {name: rule for name in self.estimators if (rule := self.VALIDITY.get(name))}
-        reasons = {name: rule(self) for name, rule in rules.items()}
+        reasons = {name: rule(self) for name in self.estimators if (rule := self.VALIDITY.get(name))}
         return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
 
     @property
@@ -260,9 +257,7 @@ class Scene(ABC):
         values = {field_key(f.name): getattr(self, f.name) for f in fields(self)}
         filled = {"dt": self.time_step, "cfl": self.courant_number, "t_end": self.end_time,
                   "periods": self.end_time / self.period, "sample_every": self.sample_interval}
-        lists = {"estimator": list(self.estimators), "effects": list(self.effects),
-                 "remedies": list(self.remedies)}
-        return {**values, **filled, **lists}
+        return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _check_choices(self) -> None:
         for name in self.__dataclass_fields__:
@@ -291,8 +286,8 @@ class Scene(ABC):
                                  f"{one.replace('_', '-')} is given too; give one of the two")
             for name in (one, other):
                 if getattr(self, name) is not None and (name, getattr(self, name)) != ("dt", AUTO):
-                    require_number(name, getattr(self, name), 0, math.inf,
-                                   "give a number above 0, or auto" if name == "dt" else "")
+                    allowed = "give a number above 0, or auto" if name == "dt" else ""
+                    require_number(name, getattr(self, name), 0, math.inf, allowed)
         name, unit = ("cfl", 1.0) if self.dt is None else ("dt", self.spacing / self.wave_speed)
         if self.courant_number > MOST_CFL:
             raise SceneError(name, getattr(self, name), "is far beyond any stable step; "
@@ -313,6 +308,12 @@ class Scene(ABC):
                              f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
 
 
-@functools.lru_cache(maxsize=64)
+@functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
 def _step_bound(scene: Scene) -> float:
+    return _bound_of_motion(replace(scene, dt=None, cfl=None, t_end=None, periods=None, sample_every=None,
+                                    estimators=(), effects=()))
+
+
+@functools.lru_cache(maxsize=64)
+def _bound_of_motion(scene: Scene) -> float:
     return importlib.import_module(f"solvers.{scene.problem}.step_bound").least(scene)

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.estimators import registry
-from solvers.norms import UNBOUNDED
+from solvers.norms import UNBOUNDED, largest
 
 if TYPE_CHECKING:
     from solvers.scene import Scene
+    from solvers.solver import Solver
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
@@ -89,6 +90,14 @@ def earliest(found: Mapping[str, Finding], not_valid: Collection[str] = ()) -> F
                default=None)
 
 
+def verdict(solver: Solver, finding: Finding | None) -> tuple[str, str | None, float | None]:
+    """Status of a run of which this was found, its sentence, and the time in s since when."""
+    since = None if finding is None else finding.time
+    if not solver.sound:
+        return UNSTABLE, solver.reason(), solver.time if since is None else since
+    return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)
+
+
 def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, A: float,
            sentence: str) -> Finding | None:
     beyond = np.flatnonzero(values > most)  # NaN, of what is switched off, is not
@@ -105,9 +114,4 @@ def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float 
     """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
     for; for the JSON object."""
     A = scene.motion_amplitude
-    return {name: _largest(series[name] / A) for name in CONTRADICTIONS}
-
-
-def _largest(values: np.ndarray) -> float | None:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if len(known) else None
+    return {name: largest(series[name] / A) for name in CONTRADICTIONS}

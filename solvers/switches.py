@@ -3,13 +3,14 @@
 from typing import NamedTuple
 
 from solvers.effects import EFFECTS
-from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.remedies import SWITCHES
 from solvers.scene import Scene
 
 
 class Switches(NamedTuple):
     """What is compiled in; kernels take it as ``on``. Two scenes with equal switches share one compiled kernel. Each
-    effect is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``."""
+    effect and each remedy is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``, ``on.frozen``
+    whether frozen weights are one of ``remedies``."""
 
     method: str
     linearity_preserving: bool
@@ -20,25 +21,11 @@ class Switches(NamedTuple):
     remedies: tuple[str, ...]
 
     def __getattr__(self, name: str) -> bool:
+        if name in SWITCHES:
+            return SWITCHES[name] in self.remedies
         if name not in EFFECTS:
-            raise AttributeError(f"no effect is called {name}")
+            raise AttributeError(f"no effect or remedy is called {name}")
         return name in self.effects
-
-    @property
-    def filtered(self) -> bool:
-        return FILTER in self.remedies
-
-    @property
-    def coupled(self) -> bool:
-        return COUPLED in self.remedies
-
-    @property
-    def centred(self) -> bool:
-        return CENTRED in self.remedies
-
-    @property
-    def frozen(self) -> bool:
-        return FROZEN in self.remedies
 
 
 def switches(scene: Scene) -> Switches:

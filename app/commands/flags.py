@@ -70,6 +70,11 @@ def several_of(choices: Iterable[str]) -> Any:
     return _lenient("{" + ",".join(choices) + "} ...", _words)
 
 
+def several_to_choose(choices: Iterable[str], default: str, text: str) -> Any:
+    """The type of such a flag with its help, where "default" stands for none given."""
+    return Annotated[Any, several_of(choices), default_hint(default), tyro.conf.arg(help=text)]
+
+
 def default_hint(text: str) -> Any:
     """What the help says about the default of a flag that has none of its own."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {text})")

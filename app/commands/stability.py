@@ -6,10 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-import tyro
-
 from app import __version__
-from app.commands.flags import RealFlag, default_hint, number, real, several_of
+from app.commands.flags import RealFlag, default_hint, number, several_of, several_to_choose
 from app.commands.output import json_text
 from app.commands.study import INCOMPLETE, Study
 from solvers.rules import require_choice
@@ -82,12 +80,9 @@ class Stability(Study):
 
 def map_flags(scene: type[Scene]) -> dict[str, Any]:
     """Flags that hold several values, where a run has one."""
-    def several(names: Iterable[str], default: str, text: str) -> Any:
-        return Annotated[Any, several_of(names), default_hint(default), tyro.conf.arg(help=text)]
-
-    return {"method": several(scene.choices("method"), "all", "Methods to map."),
-            "amplitude": several(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES), "Amplitudes, m."),
-            "cfl": several(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
+    return {"method": several_to_choose(scene.choices("method"), "all", "Methods to map."),
+            "amplitude": several_to_choose(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES), "Amplitudes, m."),
+            "cfl": several_to_choose(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
             "periods": RealFlag}
 
 
@@ -102,4 +97,4 @@ def _prices(kind: type[Scene], rows: list[dict]) -> dict[tuple[str, str], float]
 
 
 def _numbers(words: Iterable[str]) -> list[Any]:
-    return [real([word]) if "." in word or "e" in word else number([word]) for word in words]
+    return [number([word]) for word in words]

@@ -46,8 +46,7 @@ class BarBody(Members):
     node_motion: Pairs  # v_i after the step and a_i (N+4, 2)
     node_stiffness: Reals  # what Gershgorin's circle of a node bears, 1/s^2 (N+4,), for the margin of the step
     remedy_interval: Integer  # steps between two turns of the remedies
-    filter_rate: Real  # what a turn of the null-space filter takes out
-    coupling_rate: Real  # how far a turn of the coupling draws F
+    remedy_rate: Real  # what a turn of the null-space filter takes out, and how far one of the coupling draws F
     particle_scratch: Reals  # of the remedies (P,)
     node_scratch: Reals  # of the remedies (N+4,)
     node_displacement: Reals  # x - X on the nodes, for the coupling of F (N+4,)

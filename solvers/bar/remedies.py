@@ -48,7 +48,7 @@ def filter_null_space(bar: ti.template()):
         bar.particle_scratch[p] = bar.velocity[p] - seen
     scratch_to_nodes(bar)
     for p in range(bar.particles):
-        bar.velocity[p] -= bar.filter_rate * (bar.particle_scratch[p] - scratch_at(bar, p))
+        bar.velocity[p] -= bar.remedy_rate * (bar.particle_scratch[p] - scratch_at(bar, p))
 
 
 @ti.func
@@ -73,7 +73,7 @@ def couple_deformation(bar: ti.template()):
             G += dS[k] * bar.node_displacement[i + k]
         if G < MOST_GRADIENT:
             F = bar.deformation_gradient[p]
-            bar.deformation_gradient[p] = F + bar.coupling_rate * (1 / (1 - G) - F)
+            bar.deformation_gradient[p] = F + bar.remedy_rate * (1 / (1 - G) - F)
 
 
 @ti.func

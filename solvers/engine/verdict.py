@@ -6,7 +6,7 @@ import numpy as np
 
 from solvers import samples
 from solvers.solver import Solver
-from solvers.soundness import LOST, OK, UNSTABLE, Finding, earliest, findings
+from solvers.soundness import Finding, earliest, findings, verdict
 
 
 class Verdict:
@@ -31,8 +31,4 @@ class Verdict:
     def tell(self, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
         """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)
         after it has found something: then that counts no longer."""
-        solver, finding = self._solver, earliest(self._findings, not_valid)
-        since = None if finding is None else finding.time
-        if not solver.sound:
-            return UNSTABLE, solver.reason(), solver.time if since is None else since
-        return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)
+        return verdict(self._solver, earliest(self._findings, not_valid))

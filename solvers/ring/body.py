@@ -57,8 +57,7 @@ class RingBody(Members):
     circles: Quads  # sums over the particles of a material radius (K,), with the effect
     node_bound: Quads  # of the step's margin: gradient, its scaled size, Gershgorin's sum (N,), with the effect
     remedy_interval: Integer  # steps between two turns of the remedies
-    filter_rate: Real  # what a turn of the null-space filter takes out
-    coupling_rate: Real  # how far a turn of the coupling draws F
+    remedy_rate: Real  # what a turn of the null-space filter takes out, and how far one of the coupling draws F
     particle_scratch: Quads  # of the remedies: a velocity and a displacement (P,)
     node_scratch: Quads  # of the remedies, as the particles' (N,)
     node_remedy: Quads  # of the remedies: unseen velocity and sum of displacements (N,)

@@ -7,10 +7,8 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 
 import taichi as ti
 
-from solvers.ring.layout import GHOSTS
+from solvers.ring.layout import CORNERS, GHOSTS
 from solvers.ring.material import force_moment, force_record
-
-CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 
 @ti.func

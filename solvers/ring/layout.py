@@ -7,6 +7,7 @@ import numpy as np
 from solvers.ring.exact import INNER, OUTER
 from solvers.ring.scene import RingScene, polar_counts
 
+CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))  # of a CPDI domain, in its edges from its middle
 GHOSTS = 2  # rows of nodes beyond each symmetry plane
 
 

@@ -49,15 +49,15 @@ def turn(ring: ti.template(), on: ti.template()):
         here, by_x, by_y = gather(ring, p, ring.node_remedy, on)
         if ti.static(on.filtered):
             unseen, q = ring.particle_scratch[p], ring.motion[p]
-            ring.motion[p] = ti.Vector([q[0], q[1], q[2] - ring.filter_rate * (unseen[0] - here[0]),
-                                        q[3] - ring.filter_rate * (unseen[1] - here[1])])
+            ring.motion[p] = ti.Vector([q[0], q[1], q[2] - ring.remedy_rate * (unseen[0] - here[0]),
+                                        q[3] - ring.remedy_rate * (unseen[1] - here[1])])
         if ti.static(on.coupled):
             xx, xy, yx, yy = 1 - by_x[2], -by_y[2], -by_x[3], 1 - by_y[3]
             J = xx * yy - xy * yx
             if J > LEAST_JACOBIAN and xx + yy > 0:
                 F = ring.deformation_gradient[p]
                 target = ti.Vector([yy, -xy, -yx, xx]) / J
-                ring.deformation_gradient[p] = F + ring.coupling_rate * (target - F)
+                ring.deformation_gradient[p] = F + ring.remedy_rate * (target - F)
 
 
 @ti.func

@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.ring import exact
-from solvers.ring.layout import GHOSTS, particle_layout
+from solvers.ring.layout import CORNERS, GHOSTS, particle_layout
 from solvers.ring.scene import RingScene
 from solvers.step_bound import INSTANTS, bound, stencil
 
 MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
-CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 
 def least(scene: RingScene) -> float:

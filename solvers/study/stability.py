@@ -13,12 +13,11 @@ from typing import Any
 from solvers.problems import PROBLEMS
 from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.rules import SceneError
-from solvers.scene import Scene
+from solvers.scene import LOOKS_A_PERIOD, Scene
 from solvers.soundness import BROKEN
 from solvers.study.grid import Task
 
 EFFECTS = ["truth", "soundness", "margin"]
-LOOKS = 20  # a period
 PRICE_TURNS = 7
 PRICE_CFL = 0.1
 
@@ -50,7 +49,7 @@ def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Ite
     for treatment in treatments:
         for given in inputs:
             if scene := _scene(kind, given, treatment):
-                every = max(1, round(scene.period / scene.time_step / LOOKS))
+                every = max(1, round(scene.period / scene.time_step / LOOKS_A_PERIOD))
                 task = Task(problem, {**given, **TREATMENTS[treatment], "estimator": [], "effects": EFFECTS,
                                       "sample_every": every}, repeats=0, version=version)
                 tasks.setdefault(task.key, task)

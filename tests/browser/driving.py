@@ -14,9 +14,9 @@ from tests import processes
 PATIENCE = 20.0  # seconds for what follows a click; software rendering is slow
 
 
-def until(condition, what):
+def until(condition, what, patience=PATIENCE):
     """Wait until ``condition()`` is true."""
-    processes.until(condition, what, PATIENCE, 0.1)
+    processes.until(condition, what, patience, 0.1)
 
 
 def shown(page, text):
