@@ -3,8 +3,10 @@
 What only a run can show is the business of the estimator's own ``verdict``.
 """
 
+import math
 from collections.abc import Callable
 
+from solvers.estimators.phase_lag import out_of_step
 from solvers.estimators.validity import FROZEN_REASON, REMEDIES_REASON
 from solvers.scene import Scene
 
@@ -13,6 +15,16 @@ from solvers.scene import Scene
 #: index of x is .95 at 2, .85 at 40, .65 at 160; with the force at nodes .98 at 2, .80 at 6, .52 at 40.
 MOST_MOTION = 5.0
 FEWEST_ON_A_WAVE = 16  # cells; the second run has 8. With 12 the index of x is 1.2 and its distance 1.4
+#: Two-grid: one or two particles are a coarse rule of quadrature, whose error depends on where in the cell they stand.
+#: Particles that move a good part of a cell make it another one on each grid, and no power of h; measured, with one a
+#: cell: .61-.70 of the error of sigma at .17 and .54 cells. Farthest, in cells of the run, for each particle in a cell:
+FARTHEST_OF_FEW = 1 / 8
+ENOUGH = 3  # particles in a cell
+#: Two-grid: how far particles may move, in cells, until crossing from one cell to the next fills the acceleration with
+#: noise. The force on a particle kinks there with hats (however wide a domain sees them) and is smooth with B-splines.
+#: Measured distances of a: .3 below, .3-1.1 beyond.
+QUIET = {"bspline": 1.0}
+QUIET_HATS = 0.25
 
 
 def two_grid(scene: Scene) -> str | None:
@@ -23,8 +35,12 @@ def two_grid(scene: Scene) -> str | None:
     # The second tone has half the wavelength. Measured for far motion: index of x .42 with 40 cells, 1.06 with 80.
     needed = FEWEST_ON_A_WAVE * ((4 if far else 2) if scene.body_force == "two-tone" else 1)
     reach = scene.spacing / (2 * scene.ppc)  # from the outermost particle of a cell to the next cell
+    moved = scene.motion_amplitude / scene.spacing
     if scene.cells < needed:
         return f"the second run has half the cells, and half of {scene.cells} is too few; give {needed} or more"
+    if scene.ppc < ENOUGH and moved > FARTHEST_OF_FEW * scene.ppc:
+        return (f"with {scene.ppc} per cell, particles that move {moved:.2g} cells leave an error that is another one "
+                f"on each grid; give {ENOUGH} or more")
     if scene.body_force == "node" and far:
         return "the force at the nodes is off by the displacement, an error that both grids share and none shows"
     if scene.method == "mpm" and not (scene.linearity_preserving and scene.motion_amplitude < reach):
@@ -32,7 +48,12 @@ def two_grid(scene: Scene) -> str | None:
     if scene.method in ("ugimp", "bspline") and not scene.linearity_preserving and far:
         return ("the domains do not follow the material, which leaves an error that does not fall with the cell size; "
                 "switch linearity preservation on")
-    return None
+    return out_of_step(scene, (4 if scene.body_force == "two-tone" else 2) * math.pi)
+
+
+def noisy(scene: Scene) -> bool:
+    """Whether two-grid can say nothing of a: crossings fill it with noise, which each grid has in other places."""
+    return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
 
 
 def transport(scene: Scene) -> str | None:

@@ -14,8 +14,9 @@ no first-order error but one: v belongs to a time dt/2 earlier than x (symplecti
 at rest of the forces, a(0) = 0), which is known and taken into account for both runs.
 
 Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
-longer than a few cells that do not fall like h^2. Cannot be used where it is known that they do not (see
-each problem's ``validity``).
+longer than a few cells that do not fall like h^2. Where it is known that they do not, it is not run (see each problem's
+``validity``), above all where waves of the second run are out of step with the exact ones
+(``solvers.estimators.phase_lag``).
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose n
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid
 MOST_STEPS = 10  # of the run to one of the coarse run
 CRUSHED = 1e-3  # det F from which on a particle of the coarse run counts as crushed
+LOST = 0.5  # of the amplitude: a run with such an error of x no longer knows where its particles are
 
 
 def interval(scene: Scene) -> int:
@@ -59,8 +61,19 @@ def bare(on: Switches) -> Switches:
     return on._replace(effects=("acceleration",), estimators=())
 
 
-def verdict(determinant: np.ndarray, displacement: np.ndarray, farthest: float) -> str | None:
-    """Whether the coarse run went bad: particles turned inside out, crushed or farther off than can be."""
+def verdict(scene: Scene, determinant: np.ndarray, displacement: np.ndarray, farthest: float,
+            largest: np.ndarray) -> str | None:
+    """Whether the coarse run went bad: particles turned inside out, crushed or farther off than can be; or lost.
+
+    ``largest`` is the largest mean square of e_x; the coarse run's error is r^2 times e_x if all is well, and there is
+    nothing to extrapolate from a run that is lost.
+    """
     with np.errstate(invalid="ignore", over="ignore"):
         sound = np.all(determinant > CRUSHED) and np.all(np.abs(displacement) < farthest)  # False for NaN
-    return None if sound else "not valid here: the second run, with half the cells, went unstable"
+        share = (1 + 1 / gain(scene)) * float(np.sqrt(largest[0])) / scene.motion_amplitude
+    if not sound:
+        return "not valid here: the second run, with half the cells, went unstable"
+    if not share <= LOST:
+        return (f"not valid here: the second run, with half the cells, seems to be {share:.2g} of the amplitude off, "
+                "too far to extrapolate; take more cells or end earlier")
+    return None

@@ -13,10 +13,11 @@ import taichi as ti
 
 from solvers.bar.body import BarBody, body
 from solvers.bar.phases import nodes_to_particles, update_grid
+from solvers.bar.validity import noisy
 from solvers.estimators import lattice, two_grid
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.packing import part
-from solvers.kinds import pairs, quads, real
+from solvers.kinds import pairs, quads, real, reals
 from solvers.switches import switches
 
 IMAGES = 4  # images of the common lattice's points beyond either end
@@ -29,6 +30,8 @@ MEMORY = {
     "two_grid_before": pairs,  # F and a of the second bar a step ago
     "two_grid_fields": quads,  # u, v, sigma, a of either run, with images
     "two_grid_common": quads,  # the extrapolated ones on the second bar's lattice, with images
+    "two_grid_noisy": ti.i32,  # whether nothing is said of a
+    "two_grid_largest": reals,  # the largest mean square of e_x that was reported
 }
 
 
@@ -56,7 +59,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
     close(own.fields, bar.coarse_particles, own.across_taps)
     smooth(part(bar, "two_grid_across_"), own.fields, -own.gain, own.common, bar.coarse_particles)
     close(own.common, bar.coarse_particles, IMAGES)
-    subtract(bar, part(bar, "two_grid_up_"), own.common, base, on)
+    subtract(bar, own, part(bar, "two_grid_up_"), base, on)
 
 
 @ti.func
@@ -113,16 +116,20 @@ def smooth(stencils: ti.template(), fields: ti.template(), part, common: ti.temp
 
 
 @ti.func
-def subtract(bar: ti.template(), stencils: ti.template(), common: ti.template(), base, on: ti.template()):
+def subtract(bar: ti.template(), own: ti.template(), stencils: ti.template(), base, on: ti.template()):
     """e = q_h - I q*."""
+    square = 0.0
     for p in range(bar.particles):
         first, row = stencils.first[p] + IMAGES, stencils.row[p]
         e = fields_of(bar, p, on)
         for k in ti.static(range(lattice.CUBIC)):
-            e = e - stencils.weights[row + k][0] * common[first + k]  # -= of a whole vector aborts the compiler
-        if ti.static(not on.acceleration):
+            e = e - stencils.weights[row + k][0] * own.common[first + k]  # -= of a whole vector aborts the compiler
+        square += e[0] ** 2
+        if own.noisy or ti.static(not on.acceleration):
             e[3] = ti.math.nan
         bar.estimate[base + p] = e
+    if not square <= bar.particles * own.largest[0]:  # what is no number replaces any
+        own.largest[0] = square / bar.particles
 
 
 def coarse_scene(scene):
@@ -145,14 +152,15 @@ def allocate(scene):
         **{f"two_grid_{name}_{member}": value for name, t in tables.items() for member, value in t.items()},
         "two_grid_gain": two_grid.gain(scene), "two_grid_interval": two_grid.interval(scene),
         "two_grid_before": np.stack([np.ones(Q), np.zeros(Q)], axis=1),
-        "two_grid_fields": np.zeros((P + 2 * max(windows), 4)), "two_grid_common": np.zeros((Q + 2 * IMAGES, 4))}
+        "two_grid_fields": np.zeros((P + 2 * max(windows), 4)), "two_grid_common": np.zeros((Q + 2 * IMAGES, 4)),
+        "two_grid_noisy": noisy(scene), "two_grid_largest": np.zeros(1)}
 
 
 def verdict(scene, memory):
-    """Whether the second bar is sound."""
-    return two_grid.verdict(memory["coarse_deformation_gradient"],
+    """Whether the second bar is sound, and near enough."""
+    return two_grid.verdict(scene, memory["coarse_deformation_gradient"],
                             memory["coarse_position"] - memory["coarse_material_position"],
-                            min(0.5, 20 * scene.motion_amplitude))
+                            min(0.5, 20 * scene.motion_amplitude), memory["two_grid_largest"])
 
 
 HOOKS = EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=after_step,
