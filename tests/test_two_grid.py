@@ -12,6 +12,7 @@ from solvers.bar.scene import BarScene
 from solvers.estimators import lattice
 from solvers.estimators.memory import memory_parts
 from solvers.estimators.packing import Packing
+from solvers.estimators.phase_lag import lag
 from solvers.kinds import matrix, pairs, quads, real, reals
 from solvers.ring.scene import RingScene
 from solvers.run import build, run
@@ -24,7 +25,7 @@ RING = RingScene(cells=24, dt=2e-5, estimators=(NAME,))
 def bands(result) -> str:
     """Quantities as "index/distance", for a message."""
     index, distance = result.index(NAME), result.distance(NAME)
-    return ", ".join(f"{q} {index[q]:.2f}/{distance[q]:.2f}" for q in index)
+    return ", ".join(f"{q} {index[q]:.2f}/{distance[q]:.2f}" for q in index if index[q] is not None)
 
 
 @pytest.mark.parametrize("cells", [20, 40, 80])
@@ -36,20 +37,24 @@ def test_bar_table_rows(cells, simulate):
 
 
 def test_bar_of_large_amplitude(simulate):
-    """Table 1's large case, where particles cross cells: sizes measured .75-1.22."""
-    result = simulate(replace(BAR, modulus=1000.0, amplitude=2.5e-2, dt=2.5e-5, cfl=None, t_end=0.25, periods=None))
-    for q in ("x", "v", "sigma", "a"):
-        assert 0.6 < result.index(NAME)[q] < 1.4, bands(result)
+    """Table 1's large case, where particles cross cells, for a while; a is noise, and not said."""
+    scene = replace(BAR, modulus=1000.0, amplitude=2.5e-2, dt=2.5e-5, cfl=None, t_end=0.25, periods=None)
+    result = simulate(scene)
+    for q in ("x", "v", "sigma"):
+        assert 0.7 < result.index(NAME)[q] < 1.25, bands(result)
+    assert result.index(NAME)["a"] is None and result.distance(NAME)["a"] is None
+    assert "says nothing of a" in scene.warnings()[0] and not BAR.warnings()
 
 
 @pytest.mark.parametrize("cells", [12, 24, 48])
 def test_ring_with_cpdi(cells, simulate):
-    """Measured: x .97-1.00 with distances .23, .13, .11; v, sigma and a .91-1.14."""
+    """Measured: x .97-1.00 with distances .23, .13, .11; v and sigma .98-1.14; a is noise, and not said."""
     result = simulate(replace(RING, cells=cells))
     index, distance = result.index(NAME), result.distance(NAME)
     assert 0.93 < index["x"] < 1.05 and distance["x"] < 0.3, bands(result)
-    for q in ("v", "sigma", "a"):
+    for q in ("v", "sigma"):
         assert 0.8 < index[q] < 1.25, bands(result)
+    assert index["a"] is None and "says nothing of a" in RING.warnings()[0]
 
 
 @pytest.mark.parametrize("scene", [BAR, RING], ids=["bar", "ring"])
@@ -57,7 +62,7 @@ def test_reports_between_its_steps(scene, simulate):
     """Samples every seventh step, which the second run does not meet, tell the same."""
     wanted, other = run(scene).index(NAME), run(replace(scene, sample_every=7)).index(NAME)
     for q, value in wanted.items():
-        assert other[q] == pytest.approx(value, abs=0.03), q
+        assert (value is other[q] is None) or other[q] == pytest.approx(value, abs=0.03), q
 
 
 def test_without_a_solution():
@@ -102,6 +107,9 @@ def test_inactive_it_holds_nothing(scene):
     ({"body_force": "node", "amplitude": 0.025}, "both grids"),
     ({"method": "mpm", "amplitude": 0.025}, "hat functions"),
     ({"linearity_preserving": False, "amplitude": 0.025}, "linearity preservation"),
+    ({"periods": 6.0}, "radians behind"), ({"body_force": "two-tone", "periods": 0.8}, "radians behind"),
+    ({"cells": 80, "amplitude": 0.025, "periods": 7.0}, "leave noise"),
+    ({"ppc": 2, "amplitude": 0.01}, "with 2 per cell"), ({"ppc": 1, "amplitude": 0.004}, "with 1 per cell"),
     ({"remedies": ("null-space-filter",)}, "remedies")])
 def test_where_the_bar_is_refused(changes, word):
     reason = replace(BAR, **changes).not_valid[NAME]
@@ -112,7 +120,9 @@ def test_where_the_bar_is_refused(changes, word):
 @pytest.mark.parametrize("changes, word", [
     ({"cells": 11}, "too few"), ({"method": "ugimp"}, "tile"), ({"layout": "cartesian"}, "staircase"),
     ({"cells": 12, "amplitude": 0.25}, "grid of the second run"), ({"cells": 36, "body_force": "two-tone"}, "too few"),
-    ({"cells": 24, "body_force": "none"}, "too few"), ({"remedies": ("frozen-weights",)}, "remedies")])
+    ({"cells": 24, "body_force": "none"}, "too few"), ({"cells": 48, "body_force": "none"}, "radians behind"),
+    ({"ppc": 1}, "one particle per cell"), ({"amplitude": 0.15, "periods": 3.0}, "disturbances grow"),
+    ({"remedies": ("frozen-weights",)}, "remedies")])
 def test_where_the_ring_is_refused(changes, word):
     reason = replace(RING, **changes).not_valid[NAME]
     assert reason.startswith("not valid here: ") and word in reason and not RING.not_valid
@@ -126,6 +136,48 @@ def test_a_second_run_gone_bad_is_noticed(scene):
     memory_parts(solver.HOOKS, solver._arrays.memory)["coarse_deformation_gradient"][0] = np.nan
     solver.advance(20)  # and steps on with it, whatever it has become
     assert "second run" in solver.not_valid()[NAME]
+
+
+def test_a_second_run_that_is_lost_is_noticed():
+    """Two tones on a bar that they bring near inversion: finite numbers, and an estimate of .7 of the error."""
+    scene = BarScene(method="cpgimp", body_force="two-tone", velocity="particle", cells=76, ppc=6, amplitude=0.1,
+                     cfl=0.13, periods=0.6, estimators=(NAME,))
+    assert not scene.not_valid
+    assert "of the amplitude off" in run(scene, prices=False).not_valid[NAME]
+
+
+@pytest.mark.parametrize("method, ppc", [("ugimp", 4), ("cpgimp", 1), ("bspline", 3), ("mpm", 6)])
+def test_waves_fall_behind_as_linear_theory_says(method, ppc, simulate):
+    """After whole periods a free bar of small amplitude is at rest in its middle, so that its error is sin(lag).
+
+    The run's own lag is a quarter of the second run's. A twentieth is left for terms of h^4 and the error of the step.
+    """
+    scene = BarScene(method=method, ppc=ppc, body_force="none", linearity_preserving=True, cells=40, amplitude=1e-5,
+                     cfl=0.05, periods=3.0, estimators=())
+    error = simulate(scene).errors()["x"]["final"]
+    assert error == pytest.approx(scene.motion_amplitude / np.sqrt(2) * np.sin(lag(scene, 2 * np.pi) / 4), rel=0.05)
+
+
+#: Drawn by hand before anything was run: corners of what the rules let pass.
+KEPT = {
+    "long, one wave": replace(BAR, method="bspline", linearity_preserving=False, cells=64, periods=5.0, cfl=0.1),
+    "force at nodes": replace(BAR, cells=72, ppc=3, body_force="node", amplitude=5e-4, velocity="particle", cfl=0.3),
+    "free": replace(BAR, method="mpm", ppc=5, cells=30, amplitude=1e-3, body_force="none", periods=2.0, cfl=0.2),
+    "one particle": replace(BAR, method="cpgimp", ppc=1, cells=50, amplitude=1e-3, periods=1.5, cfl=0.1),
+    "crossings": replace(BAR, method="cpgimp", ppc=4, cells=44, amplitude=0.04, velocity="corners", cfl=0.1),
+    "odd": replace(BAR, ppc=7, cells=37, amplitude=2e-3, periods=2.0, cfl=0.4),
+    "ring": replace(RING, cells=30, ppc=3, amplitude=0.02, dt=None, cfl=0.2),
+    "odd ring": replace(RING, cells=21, amplitude=0.14, dt=None, cfl=0.1, periods=1.5),
+}
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_the_stated_band_holds(name, simulate):
+    """What the explanation states for x, of scenes beyond those that it comes from: .82-1.15, within .6."""
+    result = simulate(KEPT[name])
+    assert not result.not_valid
+    index, distance = result.index(NAME)["x"], result.distance(NAME)["x"]
+    assert 0.8 < index < 1.2 and distance < 0.6, bands(result)
 
 
 @pytest.mark.parametrize("closed", [False, True], ids=["with images", "one-sided"])
@@ -173,7 +225,7 @@ def test_slabs_tell_the_same():
     scene = replace(RING, cells=24)
     serial = build(scene)
     serial.advance(57)
-    expected = serial.snapshot().estimate[NAME]
+    expected = serial.snapshot().estimate[NAME][:, :3]  # of a nothing is said
     slabs = build(replace(scene, plan="parallel", threads=2))
     slabs.advance(57)
-    assert (np.abs(slabs.snapshot().estimate[NAME] - expected) < 1e-6 * expected.max(0)).all()
+    assert (np.abs(slabs.snapshot().estimate[NAME][:, :3] - expected) < 1e-6 * expected.max(0)).all()

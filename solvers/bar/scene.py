@@ -64,6 +64,13 @@ class BarScene(Scene):
         """Largest displacement of the exact solution: A; A/2 for the free bar, which starts at the same speed."""
         return self.amplitude / 2 if self.body_force == "none" else self.amplitude
 
+    def warnings(self) -> list[str]:
+        sentences = super().warnings()
+        if "two-grid" in self.active_estimators and validity.noisy(self):
+            sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
+                             "each of the two grids has in other places")
+        return sentences
+
     def _check_amplitude(self) -> None:
         allowed = "give a number above 1e-12 and below 0.159"
         require_number("amplitude", self.amplitude, 1e-12, math.inf, allowed)

@@ -77,6 +77,9 @@ class RingScene(Scene):
         if "recovered" in self.active_estimators and validity.uneven(self):
             sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
                              "particles that are one per cell or move with their own velocity")
+        if "two-grid" in self.active_estimators:
+            sentences.append("two-grid says nothing of a on the ring: its error is noise of a cell's length, which "
+                             "each of the two grids has in other places")
         return sentences
 
     @property
