@@ -20,7 +20,8 @@ from solvers.estimators.registry import ESTIMATORS, EXTENSIONS
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = {EXTENSIONS: "tests.zero_estimator"}
 FIVE = [*ESTIMATORS, "zero"]
-QUICK = ["--cells", "20", "--ppc", "2", "--periods", "0.2", "--linearity-preserving"]  # here all of them hold
+#: Here all of them hold, and say something of every quantity.
+QUICK = ["--cells", "20", "--ppc", "2", "--amplitude", "0.004", "--periods", "0.2", "--linearity-preserving"]
 
 
 def python(*arguments: str, environment: dict[str, str] = ENVIRONMENT) -> subprocess.CompletedProcess:
@@ -120,10 +121,11 @@ from solvers.estimators.registry import names
 from solvers.run import run
 from solvers.study import row
 from solvers.study.grid import plan
-scene = BarScene(cells=20, ppc=2, periods=0.2, linearity_preserving=True, estimators=names("bar"))
+inputs = {"ppc": 2, "amplitude": 0.004, "periods": 0.2, "linearity_preserving": True}
+scene = BarScene(cells=20, estimators=names("bar"), **inputs)
 figure = run_figure(run(scene))
 assert png_bytes(figure).startswith(b"\\x89PNG")
-axes = {"cells": [16, 20], "ppc": [2], "periods": [0.2], "linearity_preserving": [True], "estimator": [names("bar")]}
+axes = {"cells": [16, 20], "estimator": [names("bar")], **{name: [value] for name, value in inputs.items()}}
 rows = [row.measure(task) for task in plan("bar", axes, repeats=1)]
 assert all(png_bytes(make(rows)).startswith(b"\\x89PNG") for make in FIGURES.values())
 print(json.dumps([[line.get_label(), str(line.get_color())] for axes in figure.axes for line in axes.get_lines()]))
