@@ -159,9 +159,9 @@ def test_samples_follow_the_period_unless_told():
     assert BarScene(sample_every=7).sample_interval == 7
 
 
-@pytest.mark.parametrize(("cells", "cfl", "steps"), [(40, 0.05, 10), (40, 0.3, 10), (20, 0.3, 6), (20, 1.5, 1)])
+@pytest.mark.parametrize(("cells", "cfl", "steps"), [(40, 0.05, 20), (80, 0.3, 20), (40, 0.3, 13), (20, 1.5, 1)])
 def test_samples_of_long_steps_are_rare_but_twenty_a_period(cells, cfl, steps):
-    """A sample with estimates costs several steps: every tenth is enough, unless a period has fewer than 200."""
+    """A sample with estimates costs several steps: every twentieth is enough, unless a period has fewer than 400."""
     assert BarScene(cells=cells, cfl=cfl).sample_interval == steps
 
 

@@ -57,7 +57,6 @@ def body(scene: BarScene, on: Switches) -> dict:
     """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, velocity A w sin 2 pi X."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
-    moments = on.linearity_preserving or "transport" in on.estimators
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     return {
@@ -71,7 +70,8 @@ def body(scene: BarScene, on: Switches) -> dict:
         "cosine": np.cos(exact.WAVENUMBER * X) if on.truth or on.body_force == "two-tone" else zeros(1),
         "first_node": zeros(P, kind=np.int32), "weights": zeros(P, 4), "acceleration": zeros(P, when=on.acceleration),
         "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),
-        "node_moments": zeros(nodes, 4, when=moments), "node_volume": zeros(nodes, when=moments),
+        "node_moments": zeros(nodes, 4, when=on.linearity_preserving),
+        "node_volume": zeros(nodes, when=on.linearity_preserving),
         "node_motion": zeros(nodes, 2), "totals": zeros(2),
         "node_stiffness": zeros(nodes, when=on.margin), **remedy_rates(scene),
         "particle_scratch": zeros(P, when=on.filtered or on.coupled),

@@ -27,7 +27,7 @@ import taichi as ti
 from solvers.estimators.spectral import unresolved
 
 STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on
-CHOSEN = 2.0  # omega H of the interval at rest: strain may stiffen the body by (2.4/2)^2 before a step is cut in two
+CHOSEN = 2.2  # omega H of the interval at rest: strain may stiffen the body by (2.4/2.2)^2 before a step is cut in two
 MOST_INTERVAL = 20  # particle steps: beyond, there is nothing left to save
 MOST_SUBSTEPS = 64  # a body strained beyond what these allow is no elastic body any more
 BAD_SHARE = 0.2  # of the estimate that the companion's own error may be

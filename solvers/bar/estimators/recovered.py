@@ -40,16 +40,18 @@ from solvers.estimators import recovery
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H, row_of
-from solvers.kinds import integers, pairs, quads, reals
+from solvers.kinds import integers, quads, reals
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 DEGREE = 3  # of the fits
 MOST_ROUGH = 3.2  # with fits of four cells: x then comes out some 8 % too small, on bars of 16 to 20 cells
 PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
 
-FIT, SPREAD, GATHER, SMOOTHING = range(4)  # tables: weights (value, slope)
+#: Tables, with a weight for each component of a field: a fit (value of u, v and a, slope of u), B-splines likewise, M,
+#: C, what drives U (M of u and v, D of the fitted slope of u), and D of the slope of B-splines.
+FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = range(6)
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
-#: M sin 2 pi X and M sin 4 pi X.
+#: M sin 2 pi X, M sin 4 pi X and D of the fitted slope of u.
 MOTION, GATHERED, ERRORS, FORCE = range(4)
 
 
@@ -61,50 +63,24 @@ def block(bar: ti.template(), kind: ti.template(), i):
 
 @ti.func
 def from_particles(bar: ti.template(), table: ti.template(), row):
-    """A row of ``GATHER``, M of the fields kept at particles, at a node, and D of them; or of ``FIT``, the fields
-    recovered at a particle, and their slopes."""
-    value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    """A row of a table of the fields kept at particles."""
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     p, begin, end = row_of(bar.recovered_index, table, row, 0)
     for k in range(begin, end):
-        value += bar.recovered_weights[k][0] * bar.recovered_field[p]
-        slope += bar.recovered_weights[k][1] * bar.recovered_field[p]
+        total += bar.recovered_weights[k] * bar.recovered_field[p]
         p = ti.select(p + 1 < bar.particles, p + 1, 0)
-    return value, slope
-
-
-@ti.func
-def smooth(bar: ti.template(), i):
-    """C of the gathered nodal values at node i."""
-    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    j, begin, end = row_of(bar.recovered_index, SMOOTHING, i, 0)
-    for k in range(begin, end):
-        total += bar.recovered_weights[k][0] * bar.recovered_nodes[block(bar, GATHERED, j)]
-        j = ti.select(j + 1 < bar.cells, j + 1, 0)
     return total
 
 
 @ti.func
-def spread(bar: ti.template(), p, q):
-    """The nodal errors interpolated to particle p, the q-th of its cell, and their slopes."""
-    value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-    i, begin, _ = row_of(bar.recovered_index, SPREAD, p, q)
-    for k in ti.static(range(3)):
-        weight, error = bar.recovered_weights[begin + k], bar.recovered_nodes[block(bar, ERRORS, i)]
-        value += weight[0] * error
-        slope += weight[1] * error
-        i = ti.select(i + 1 < bar.cells, i + 1, 0)
-    return value, slope
-
-
-@ti.func
-def fit_slope(bar: ti.template(), p):
-    """The slope alone, of the displacement alone."""
-    slope = 0.0
-    other, begin, end = row_of(bar.recovered_index, FIT, p, 0)
+def from_nodes(bar: ti.template(), table: ti.template(), row, pattern, kind: ti.template()):
+    """A row of a table of a block of nodal values."""
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    j, begin, end = row_of(bar.recovered_index, table, row, pattern)
     for k in range(begin, end):
-        slope += bar.recovered_weights[k][1] * bar.recovered_field[other][0]
-        other = ti.select(other + 1 < bar.particles, other + 1, 0)
-    return slope
+        total += bar.recovered_weights[k] * bar.recovered_nodes[block(bar, kind, j)]
+        j = ti.select(j + 1 < bar.cells, j + 1, 0)
+    return total
 
 
 @ti.func
@@ -125,9 +101,10 @@ def remember_sizes(bar: ti.template()):
     rough, size = 0.0, 0.0
     for i in range(bar.cells):
         fourth = 0.0
+        j = ti.select(i < 2, i + bar.cells - 2, i - 2)
         for k in ti.static(range(5)):
-            j = (i + bar.cells + k - 2) % bar.cells
             fourth += ti.static(recovery.FOURTH[k]) * bar.recovered_nodes[block(bar, MOTION, j)][0]
+            j = ti.select(j + 1 < bar.cells, j + 1, 0)
         rough += fourth * fourth
         size += bar.recovered_nodes[block(bar, GATHERED, i)][0] ** 2
     bar.recovered_numbers[ROUGH] += rough / bar.cells
@@ -136,42 +113,46 @@ def remember_sizes(bar: ti.template()):
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
+    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho.
+
+    P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed."""
     begin(bar, step * bar.dt - bar.recovered_numbers[H], on)
     for p in range(bar.particles):
-        bar.recovered_field[p] = ti.Vector([bar.position[p] - bar.material_position[p], bar.velocity[p], 0.0, 0.0])
+        u = bar.position[p] - bar.material_position[p]
+        bar.recovered_field[p] = ti.Vector([u, bar.velocity[p], u, 0.0])
     for i in range(bar.cells):
         motion = bar.recovered_nodes[block(bar, MOTION, i)]
         motion[0] += bar.recovered_numbers[H] * motion[1]
         bar.recovered_nodes[block(bar, MOTION, i)] = motion
-        mean, _ = from_particles(bar, GATHER, i)
-        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([mean[0] - motion[0], mean[1] - motion[1], 0.0, 0.0])
+        drive = from_particles(bar, DRIVE, i)
+        shape = bar.recovered_nodes[block(bar, FORCE, i)]
+        bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], 0.0])
+        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
     remember_sizes(bar)
-    for i in range(bar.cells):
-        e = bar.recovered_nodes[block(bar, GATHERED, i)]
-        bar.recovered_nodes[block(bar, ERRORS, i)] = e - smooth(bar, i) + ti.Vector([e[0], 0.0, 0.0, 0.0])
-    for i in range(bar.cells):
-        bar.recovered_nodes[block(bar, GATHERED, i)] = bar.recovered_nodes[block(bar, ERRORS, i)]
-    for i in range(bar.cells):
-        e = bar.recovered_nodes[block(bar, ERRORS, i)]
-        e[0] += bar.recovered_numbers[TAU] * (e[1] - smooth(bar, i)[1])
-        bar.recovered_nodes[block(bar, ERRORS, i)] = e
-    per_cell = bar.particles // bar.cells
-    for i in range(bar.cells):
-        for q in range(per_cell):
-            p = i * per_cell + q
-            _, error_slope = spread(bar, p, q)
-            field = bar.recovered_field[p]
-            field[3] = bar.modulus * (fit_slope(bar, p) - error_slope[0])
-            bar.recovered_field[p] = field
+    damped_errors(bar)
     size = tones(bar, step * bar.dt, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
     for i in range(bar.cells):
         shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
-        _, divergence = from_particles(bar, GATHER, i)
-        a = size[0] * shape[0] + size[1] * shape[1] - divergence[3] / bar.density
+        slope = shape[2] - from_nodes(bar, STIFFNESS, i, 0, ERRORS)[0]
+        a = size[0] * shape[0] + size[1] * shape[1] - bar.modulus / bar.density * slope
         bar.recovered_nodes[at] = recovery.next_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H], first)
+
+
+@ti.func
+def damped_errors(bar: ti.template()):
+    """e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
+    for i in range(bar.cells):
+        e = bar.recovered_nodes[block(bar, GATHERED, i)]
+        bar.recovered_nodes[block(bar, ERRORS, i)] = \
+            e - from_nodes(bar, SMOOTHING, i, 0, GATHERED) + ti.Vector([e[0], 0.0, 0.0, 0.0])
+    for i in range(bar.cells):
+        bar.recovered_nodes[block(bar, GATHERED, i)] = bar.recovered_nodes[block(bar, ERRORS, i)]
+    for i in range(bar.cells):
+        e = bar.recovered_nodes[block(bar, GATHERED, i)]
+        e[0] += bar.recovered_numbers[TAU] * (e[1] - from_nodes(bar, SMOOTHING, i, 0, GATHERED)[1])
+        bar.recovered_nodes[block(bar, ERRORS, i)] = e
 
 
 @ti.func
@@ -184,28 +165,33 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         a = 0.0
         if ti.static(on.acceleration):
             a = bar.acceleration[p]
-        bar.recovered_field[p] = ti.Vector([bar.position[p] - bar.material_position[p], v_g, a, 0.0])
+        u = bar.position[p] - bar.material_position[p]
+        bar.recovered_field[p] = ti.Vector([u, v_g, a, u])
     length = bar.recovered_numbers[H]
     since = recovery.time_since(step, bar.dt, length)
     if step > 0:
         begin(bar, step * bar.dt - since, on)
     for i in range(bar.cells):
         U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], length, since, bar.dt)
-        mean, _ = from_particles(bar, GATHER, i)
-        bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, 0.0])
+        mean = from_particles(bar, GATHER, i)
+        bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
     for i in range(bar.cells):
-        bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * bar.recovered_nodes[block(bar, GATHERED, i)] - smooth(bar, i)
-    for p in range(bar.particles):
-        field = bar.recovered_field[p]
-        fitted, slope = from_particles(bar, FIT, p)
-        error, error_slope = spread(bar, p, p % (bar.particles // bar.cells))
-        E = error + field - fitted
-        E[1] += bar.velocity[p] - field[1]
-        if ti.static(not on.acceleration):
-            E[2] = ti.math.nan
-        E_sigma = bar.modulus * (bar.deformation_gradient[p] - 1 - slope[0] + error_slope[0])
-        estimate = ti.Vector([E[0], E[1], E_sigma, E[2]])
-        bar.estimate[base + p] = estimate if step > 0 else ti.Vector([0.0, 0.0, 0.0, 0.0])
+        e = bar.recovered_nodes[block(bar, GATHERED, i)]
+        bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * e - from_nodes(bar, SMOOTHING, i, 0, GATHERED)
+    per_cell = bar.particles // bar.cells
+    for i in range(bar.cells):
+        for q in range(per_cell):
+            p = i * per_cell + q
+            field = bar.recovered_field[p]
+            # Lane 3 is the slope of u less that of its error.
+            less = from_particles(bar, FIT, p) - from_nodes(bar, SPREAD, p, q, ERRORS)
+            E = field - less
+            E[1] += bar.velocity[p] - field[1]
+            if ti.static(not on.acceleration):
+                E[2] = ti.math.nan
+            E_sigma = bar.modulus * (bar.deformation_gradient[p] - 1 - less[3])
+            estimate = ti.Vector([E[0], E[1], E_sigma, E[2]])
+            bar.estimate[base + p] = estimate if step > 0 else ti.Vector([0.0, 0.0, 0.0, 0.0])
 
 
 def interval(scene):
@@ -215,12 +201,7 @@ def interval(scene):
 def allocate(scene):
     """Operators of the material line, and the reference in the initial configuration."""
     cells, per_cell = scene.cells, scene.ppc
-    few = min(cells, PATTERN_CELLS)
-    line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    tables = [line.fit(recovery.fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1),
-              line.spread().repeated(cells, per_cell, 1), line.gather(4, 2).repeated(cells, 1, per_cell),
-              line.smoothing().repeated(cells, 1, 1)]
-    tables = [Rows(rows.first, rows.weights[:, :, 0, :2]) for rows in tables]  # one component; value and slope
+    tables = operators(scene)
     index, weights = recovery.pack_tables(tables)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
     nodes = np.zeros((4, cells, 4))
@@ -230,6 +211,41 @@ def allocate(scene):
     return {"recovered_numbers": recovery.numbers(scene, interval(scene)), "recovered_index": index,
             "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles, 4))}
+
+
+def operators(scene):
+    """The tables; cells are alike, and so are particles to a fit, so that most have one row of weights."""
+    cells, per_cell = scene.cells, scene.ppc
+    few = min(cells, PATTERN_CELLS)
+    line = Line(few * per_cell, few, few * scene.spacing, "periodic")
+    fit = line.fit(recovery.fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1)
+    spread = line.spread().repeated(cells, per_cell, 1)
+    gather = line.gather(4, 2).repeated(cells, 1, per_cell)
+    smoothing = line.smoothing().repeated(cells, 1, 1)
+    drive, stiffness = np.zeros((scene.particles, 4)), np.zeros((cells, 4))
+    for p, (value, slope, _) in zip(gather.first[0] + np.arange(gather.width), gather.weights[0, :, 0], strict=True):
+        p = p % scene.particles
+        drive[p, :2] += value
+        np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
+        np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,
+                  slope * spread.weights[p % per_cell, :, 0, 1])
+    return [in_lanes(fit, 1), in_lanes(spread, 1), in_lanes(gather, 0), in_lanes(smoothing, 0),
+            around(drive, cells), around(stiffness, cells)]
+
+
+def in_lanes(rows, last):
+    """The rows' value for u, v and a, and again or the slope for u."""
+    weights = rows.weights[:, :, 0]
+    return Rows(rows.first, weights[:, :, [0, 0, 0, last]])
+
+
+def around(weights, cells):
+    """The map of all nodes from that of node 0, with a weight for each column of the whole line."""
+    middle = len(weights) // 2
+    weights = np.roll(weights, middle, axis=0)
+    used = np.flatnonzero(weights.any(axis=1))
+    first = used[0] - middle + np.arange(cells) * (len(weights) // cells)
+    return Rows((first % len(weights)).astype(np.int32), weights[None, used[0]:used[-1] + 1])
 
 
 def verdict(scene, memory):
@@ -242,7 +258,7 @@ def verdict(scene, memory):
 HOOKS = EstimatorHooks(
     memory={
         "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
-        "recovered_index": integers, "recovered_weights": pairs,  # the tables, packed
+        "recovered_index": integers, "recovered_weights": quads,  # the tables, packed
         "recovered_nodes": quads,  # nodal values, block by block
         "recovered_field": quads,  # u, v, a, P at particles
     },

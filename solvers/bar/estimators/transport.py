@@ -15,13 +15,16 @@ from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.transport import doubt
 from solvers.kinds import quads, real, reals
 
+WAVE_CFL = 0.7  # H c/h where the bar is most stretched; the method itself is stable to 0.8 and more
+MOST_INTERVAL = 10  # steps of the run between two of the estimator's
+
 
 @ti.func
 def in_step(bar: ti.template(), base, on: ti.template()):
     """Advance Ex, Ev, Esigma by H = k dt and report Ea, between the node update and the particle update.
 
-    The error varies over the time a wave takes through a cell, not over a step, so it is advanced every
-    k = clamp(h/(2 c dt), 1, 10) steps with that step's own weights.
+    The error varies over the time a wave takes through a cell, not over a step, so it is advanced every k steps
+    (``interval``) with that step's own weights.
 
     With sigma_x = a_int m_i/V_i and sigma_xx from central differences of it, per node
 
@@ -33,20 +36,22 @@ def in_step(bar: ti.template(), base, on: ti.template()):
         grid's, or the particle's own where eq 24 is taken as printed);
         EF += H (L EF + F (sum dS Ev_i + v_xx/2 sum dS (x_i - x_p)^2));  Esigma = E EF.
     """
-    if ti.static(not on.linearity_preserving):  # else the step has gathered them
-        nodes.gather_moments(bar)
-    gather_errors(bar, base)
+    gather_errors(bar, base, on)
     stress_slopes(bar, on)
     node_errors(bar, on)
     particle_errors(bar, base, on)
 
 
 @ti.func
-def gather_errors(bar: ti.template(), base):
-    """Nodal sums of S Ev, D* source, S source, D* r^2 and S r^2; source = Esigma + sigma EF/F."""
+def gather_errors(bar: ti.template(), base, on: ti.template()):
+    """Nodal sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
+
+    And of S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; or else of the
+    moments D*, D* r, S sigma and S F V0, the last for V_i.
+    """
     for i in range(bar.cells + nodes.GHOSTS):
         bar.transport_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-        bar.transport_spread[i] = 0.0
+        bar.transport_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(bar.particles):
         S, dS = nodes.stencil_of(bar, p)
         i = bar.first_node[p]
@@ -55,19 +60,33 @@ def gather_errors(bar: ti.template(), base):
         source = error[2] + (F - 1) * error[2] / F  # Esigma + sigma EF/F of eq 12: EF = Esigma/E, sigma = E(F - 1)
         r = nodes.offset(bar, p)
         for k in ti.static(range(3)):
-            D = -dS[k] * F * bar.volume
-            square = (r - k * bar.spacing) ** 2
-            bar.transport_nodes[i + k] += ti.Vector([S[k] * error[1], D * source, S[k] * source, D * square])
-            bar.transport_spread[i + k] += S[k] * square
+            D, r_k = -dS[k] * F * bar.volume, r - k * bar.spacing
+            bar.transport_nodes[i + k] += ti.Vector([S[k] * error[1], D * source, S[k] * source, D * r_k * r_k])
+            if ti.static(on.linearity_preserving):
+                bar.transport_moments[i + k] += ti.Vector([S[k] * r_k * r_k, 0.0, 0.0, 0.0])
+            else:
+                bar.transport_moments[i + k] += ti.Vector([
+                    D, D * r_k, S[k] * bar.modulus * (F - 1), S[k] * F * bar.volume])
     nodes.fold(bar.transport_nodes, bar.cells)
-    nodes.fold(bar.transport_spread, bar.cells)
+    nodes.fold(bar.transport_moments, bar.cells)
+
+
+@ti.func
+def volume_of(bar: ti.template(), i, on: ti.template()):
+    """V_i, the node's share of the current volume."""
+    volume = 0.0
+    if ti.static(on.linearity_preserving):
+        volume = bar.node_volume[i]
+    else:
+        volume = bar.transport_moments[i][3]
+    return volume
 
 
 @ti.func
 def stress_slopes(bar: ti.template(), on: ti.template()):
     """sigma_x at the nodes, from the force that the step used."""
     for i in range(1, bar.cells + 1):
-        bar.transport_slope[i] = nodes.node_force(bar, i, on) / ti.max(bar.node_volume[i], nodes.EMPTY * bar.spacing)
+        bar.transport_slope[i] = nodes.node_force(bar, i, on) / ti.max(volume_of(bar, i, on), nodes.EMPTY * bar.spacing)
     nodes.spread(bar.transport_slope, bar.cells)
 
 
@@ -80,18 +99,22 @@ def node_errors(bar: ti.template(), on: ti.template()):
         left, right = bar.node_motion[i - 1][0], bar.node_motion[i + 1][0]
         v_xx = (left - 2 * bar.node_motion[i][0] + right) / bar.spacing**2
         if weight > nodes.EMPTY:
-            moments, errors = bar.node_moments[i], bar.transport_nodes[i]
-            mean, scale = nodes.divergence_form(bar, i, on)
+            errors, own = bar.transport_nodes[i], bar.transport_moments[i]
             sigma_x = bar.transport_slope[i]
             sigma_xx = (bar.transport_slope[i + 1] - bar.transport_slope[i - 1]) / (2 * bar.spacing)
+            mean, scale, spread = 0.0, 1.0, 0.0
+            moments = ti.Vector([own[0], own[1], 0.0, own[2]])
+            if ti.static(on.linearity_preserving):
+                mean, scale = nodes.divergence_form(bar, i, on)
+                moments, spread = bar.node_moments[i], own[0]
             constant = (moments[0] - mean * weight) * moments[3] / weight  # (sum D) f_i of eq 46
-            linear = ((moments[1] - mean * moments[2]) * scale - bar.node_volume[i]) * sigma_x  # (sum D r - 1) a_i
-            quadratic = (errors[3] - mean * bar.transport_spread[i]) * 0.5 * sigma_xx  # C h^k of eq 12
+            linear = ((moments[1] - mean * moments[2]) * scale - volume_of(bar, i, on)) * sigma_x  # (sum D r - 1) a_i
+            quadratic = (errors[3] - mean * spread) * 0.5 * sigma_xx  # C h^k of eq 12
             fed_back = errors[1] - mean * errors[2]  # sum D (Esigma F + sigma EF) V0 of eq 12
             mass = bar.density * bar.volume * weight
             Ea = ((fed_back + quadratic + constant) * scale + linear) / mass  # eq 12
             Ev = errors[0] / weight + bar.transport_dt * Ea  # eq 21 at the node
-        bar.transport_errors[i] = ti.Vector([Ev, Ea, v_xx, 0.0])
+        bar.transport_errors[i] = ti.Vector([Ev, Ea, v_xx, bar.node_motion[i][0]])
     nodes.spread(bar.transport_errors, bar.cells)
 
 
@@ -103,13 +126,12 @@ def particle_errors(bar: ti.template(), base, on: ti.template()):
         i = bar.first_node[p]
         F = bar.deformation_gradient[p]
         r = nodes.offset(bar, p)
-        at_particle = ti.Vector([0.0, 0.0, 0.0, 0.0])  # Ev, Ea, v_xx of the nodes, interpolated
-        L, error_slope, second = 0.0, 0.0, 0.0
+        at_particle, slope = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)  # Ev, Ea, v_xx and v of the nodes
+        second = 0.0
         for k in ti.static(range(3)):
             node = bar.transport_errors[i + k]
             at_particle += S[k] * node
-            error_slope += dS[k] * node[0]
-            L += dS[k] * bar.node_motion[i + k][0]
+            slope += dS[k] * node
             second += dS[k] * (r - k * bar.spacing) ** 2
         error = bar.estimate[base + p]
         Ev = error[1] + bar.transport_dt * at_particle[1]  # eqs 21, 22: Ev += dt sum S Ea_i
@@ -117,16 +139,24 @@ def particle_errors(bar: ti.template(), base, on: ti.template()):
         if ti.static(on.velocity == "particle"):
             moving = Ev
         EF = error[2] / bar.modulus
-        EF += bar.transport_dt * (L * EF + F * (error_slope + 0.5 * at_particle[2] * second))
+        EF += bar.transport_dt * (slope[3] * EF + F * (slope[0] + 0.5 * at_particle[2] * second))
         Ex = error[0] + bar.transport_dt * moving  # eqs 25, 27: Ex += dt Ev, in steps of H
         bar.estimate[base + p] = ti.Vector([Ex, Ev, bar.modulus * EF, at_particle[1]])
+
+
+def interval(scene):
+    """Steps between two of its own: as many as the feedback bears, which is a wave like the motion's own and no faster
+    than c in the most stretched cell; of those that end at samples."""
+    fastest = scene.courant_number * (1 + scene.STRAIN_PER_AMPLITUDE * scene.motion_amplitude)
+    most = max(1, min(MOST_INTERVAL, int(WAVE_CFL / fastest)))
+    return max(k for k in range(1, most + 1) if scene.sample_interval % k == 0)
 
 
 def allocate(scene):
     """Nodal arrays, with the periodic images."""
     N = scene.cells + nodes.GHOSTS
-    return {"transport_dt": scene.estimate_interval * scene.time_step, "transport_nodes": np.zeros((N, 4)),
-            "transport_spread": np.zeros(N), "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
+    return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 4)),
+            "transport_moments": np.zeros((N, 4)), "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
 
 
 def verdict(scene, memory):
@@ -138,8 +168,8 @@ HOOKS = EstimatorHooks(
     memory={
         "transport_dt": real,  # H = k dt
         "transport_nodes": quads,  # sums of S Ev, D* source, S source, D* r^2
-        "transport_spread": reals,  # sum of S r^2
+        "transport_moments": quads,  # sums of D*, D* r, S sigma, S F V0; or S r^2 in front
         "transport_slope": reals,  # d(sigma)/dx as the step saw it
-        "transport_errors": quads,  # nodal errors of v and a, and v_xx
+        "transport_errors": quads,  # nodal errors of v and a, v_xx, v
     },
-    allocate=allocate, interval=lambda scene: scene.estimate_interval, in_step=in_step, verdict=verdict)
+    allocate=allocate, interval=interval, in_step=in_step, verdict=verdict)

@@ -13,6 +13,8 @@ lets the missing part be the traction; so the estimate does not fall with h, and
 estimated.
 """
 
+import math
+
 import numpy as np
 import taichi as ti
 
@@ -24,7 +26,7 @@ from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
 from solvers.ring.phases import fold, mirror
 
-MOST_INTERVAL = 10  # steps of the run between two of the estimator's
+MOST_INTERVAL = 20  # steps of the run between two of the estimator's
 
 
 @ti.func
@@ -118,8 +120,9 @@ def particle_errors(ring: ti.template(), base, on: ti.template()):
         Ea = interpolate(ring, p, on)
         Ev = ring.dt * Ea  # eq 48
         before = ring.estimate[base + p]
-        ring.estimate[base + p] = ti.Vector([before[0] + ring.transport_dt * Ev[0],  # eq 49, in steps of H
-                                             before[1] + ring.transport_dt * Ev[1], Ev[0], Ev[1]])
+        half = 0.5 * ring.transport_dt  # eq 49 in steps of H, by the trapezoidal rule
+        ring.estimate[base + p] = ti.Vector([before[0] + half * (before[2] + Ev[0]),
+                                             before[1] + half * (before[3] + Ev[1]), Ev[0], Ev[1]])
         ring.estimate_acceleration[base + p] = Ea
 
 
@@ -149,8 +152,8 @@ def report(ring: ti.template(), base, step, on: ti.template()):
 
 
 def interval(scene):
-    """As often as somebody looks, or every tenth step: nothing is fed back that would need shorter steps."""
-    return max(scene.estimate_interval, min(MOST_INTERVAL, scene.sample_interval))
+    """About as often as somebody looks, for nothing is fed back that would need shorter steps."""
+    return scene.sample_interval // math.ceil(scene.sample_interval / MOST_INTERVAL)
 
 
 def verdict(scene, memory):
