@@ -7,6 +7,7 @@ are done by processes that can be killed. They find modules where whoever starte
 """
 
 import contextlib
+import ctypes
 import importlib
 import json
 import os
@@ -19,6 +20,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import IO, cast
 
 START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); import solvers.processes as p; p.serve(sys.argv[2])"
+
+
+LINUX = sys.platform == "linux"
+PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 
 
 class ProcessDied(Exception):
@@ -151,3 +156,18 @@ def serve(work: str) -> None:
     except Exception as error:
         say(failure=f"failed: {type(error).__name__}: {error}")
     os._exit(1)  # at once: nothing here is worth tidying up
+
+
+def adopt_orphans() -> None:
+    """Have the processes that outlive their parents below this one become its own children, where that can be."""
+    _process_control(SUBREAPER, 1)
+
+
+def die_with_parent(wanted: bool) -> None:
+    """Have this process killed when its parent ends, or no longer, where that can be."""
+    _process_control(PARENT_DEATH_SIGNAL, signal.SIGKILL if wanted else 0)
+
+
+def _process_control(option: int, value: int) -> None:
+    if LINUX:
+        ctypes.CDLL(None).prctl(option, value)

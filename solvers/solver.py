@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from solvers.arrays import Watch
     from solvers.soundness import Finding
 
+STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 
 
@@ -63,6 +65,8 @@ class Solver(ABC):
     def compile(self) -> None:
         """Compile (or load from the cache) the kernels of this scene, without stepping."""
         self._run(0)
+        if self.scene.has("margin"):
+            self._find_margin()
 
     def advance(self, steps: int) -> np.ndarray:
         """Take ``steps`` steps and return the rows of samples (``solvers.samples``) taken on the way.
@@ -110,16 +114,18 @@ class Solver(ABC):
 
     def bookmark(self) -> Callable[[], None]:
         """Remember the present state; calling what this returns puts it back, to the bit, any number of times."""
-        step = self.step
-        kept = {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
+        return functools.partial(self.put, *self.state())
 
-        def put_back() -> None:
-            members = self._arrays.members()
-            for name, values in kept.items():
-                members[name][...] = values
-            self.step = step
+    def state(self) -> tuple[int, dict[str, np.ndarray]]:
+        """The step and copies of all arrays: what another solver of the same scene needs to go on from here."""
+        return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
 
-        return put_back
+    def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
+        """Take over the :meth:`state` of a solver of the same scene, to the bit."""
+        members = self._arrays.members()
+        for name, values in arrays.items():
+            members[name][...] = values
+        self.step = step
 
     def without_estimators(self) -> Solver:
         """Another solver, of the same scene without estimators, in the present state."""

@@ -32,3 +32,9 @@ def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
                     tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators, scene.remedies)
+
+
+def combination(scene: Scene) -> tuple:
+    """What makes the compiler work: two scenes with equal combinations run the same kernels on the same processor."""
+    plan = getattr(scene, "plan", None)  # of a problem that has several
+    return scene.problem, scene.arch, scene.threads, plan, switches(scene)

@@ -67,6 +67,18 @@ def children(parent: int, word: str) -> list[int]:
     return found
 
 
+def ended(process: int) -> bool:
+    """Whether a process has ended, buried or not."""
+    return state(process) in "Z"
+
+
+def state(process: int) -> str:
+    """What a process does, in the system's letters: R runs or could, S sleeps, Z has ended; "" for one that is gone."""
+    with suppress(*GONE):
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    return ""
+
+
 def wait_for_library(process: Popen, name: str) -> None:
     """Wait until a process has begun to load a native library, such as Taichi's."""
     def loaded() -> bool:

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
 from time import thread_time
@@ -21,10 +20,10 @@ from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
 from solvers.ring.scene import RingScene
 from solvers.run import build
+from tests.listening import PATIENCE, Listener
 from tests.processes import Watch, held, until
 
 SCENE = BarScene(cells=20, periods=1)
-PATIENCE = 120.0  # seconds; a loaded machine may need to compile
 
 
 class Deadly(BarScene):
@@ -39,41 +38,6 @@ class Failing(BarScene):
 
     def __reduce__(self):
         return str, ("no scene",)
-
-
-class Listener:
-    """Collects what a session hears."""
-
-    def __init__(self):
-        self.frames, self.troubles, self.losses = [], [], 0
-        self._news = threading.Condition()
-
-    def on_frame(self, report, arrays):
-        with self._news:
-            self.frames.append((report, arrays))
-            self._news.notify_all()
-
-    def on_trouble(self, sentence):
-        with self._news:
-            self.troubles.append(sentence)
-            self._news.notify_all()
-
-    def on_engine_lost(self):
-        with self._news:
-            self.losses += 1
-            self._news.notify_all()
-
-    def wait(self, condition):
-        with self._news:
-            assert self._news.wait_for(condition, PATIENCE), "nothing came in time"
-
-    def frame(self, number, test=lambda report: True):
-        """The first frame that answers wish ``number`` or a later one and passes ``test``."""
-        def found():
-            return [f for f in self.frames if f[0].number >= number and test(f[0])]
-
-        self.wait(found)
-        return found()[0]
 
 
 @pytest.fixture(scope="module")

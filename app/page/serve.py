@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from app.page.session import FIRST_SCENE, PageLinks
+from app.page.usual import usual_scenes
 from solvers.engine.pool import EnginePool
 
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
@@ -94,7 +95,7 @@ def serve(host: str, port: int, max_sessions: int) -> None:
     """Serve the page until interrupted. Raises :class:`ServeError` when host and port cannot be had."""
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
-    pool, server = EnginePool(FIRST_SCENE, engines=_engine_count()), None
+    pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes()), None
     try:
         server = _start_server(host, port, pool, max_sessions)
         address = f"{'127.0.0.1' if host in ('', '0.0.0.0') else host}:{server.get_port()}"

@@ -50,7 +50,7 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
-        self._restarts = self._single_steps = self._number = 0
+        self._restarts = self._single_steps = self._number = self._compiled_for = 0
         self._start(scene)
         self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
@@ -112,6 +112,12 @@ class Session:
         report = self.report
         return tuple(e for e in report.scene.active_estimators if e not in report.not_valid) if report else ()
 
+    @property
+    def compiling(self) -> bool:
+        """Whether the last wish waits for a compiler. The scene before it goes on meanwhile."""
+        answered = 0 if self.report is None else self.report.number
+        return self._compiled_for == self._number > answered and not self._engine_lost
+
     def notice(self) -> Notice | None:
         """The one thing that the visitor should read now, if any."""
         with self._lock:
@@ -130,7 +136,7 @@ class Session:
         if self._refusal:
             return Notice("refused", f"{self._refusal}. The scene before it runs on.")
         waited = monotonic() - self._asked_at
-        if waiting and waited > SLOW_ANSWER:
+        if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
             so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
             return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
                                   "is compiled the first time it is used; several estimators at once take longest.")
@@ -146,6 +152,10 @@ class Session:
             self.history.add(report.rows)
             self.report, self._engine_lost, self._trouble = report, False, None
         self._on_frame(report, arrays)
+
+    def on_compiling(self, number: int) -> None:
+        with self._lock:
+            self._compiled_for = number
 
     def on_trouble(self, sentence: str) -> None:
         with self._lock:

@@ -8,10 +8,10 @@ from solvers import runtime
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
 from solvers.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
-from solvers.bar.step import advance, find_margin, freeze, measure, report
+from solvers.bar.step import advance, find_margin, freeze
 from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.result import Snapshot
-from solvers.solver import Solver
+from solvers.solver import MEASURE, REPORT, STEP, Solver
 from solvers.switches import switches
 
 HATS_LIMIT = 0.14  # amplitude from which on no remedy holds hat functions together
@@ -35,12 +35,8 @@ class BarSolver(Solver):
             freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
-    def compile(self) -> None:
-        super().compile()
-        report(0, self._pack, self._switches)
-
     def snapshot(self, differences: bool = False) -> Snapshot:
-        report(self.step, self._pack, self._switches)
+        advance(self.step, 1, REPORT, self._pack, self._switches)
         a, scene, t = self._arrays, self.scene, self.time
         X = a.material_position
         errors = None
@@ -62,13 +58,13 @@ class BarSolver(Solver):
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
 
     def _run(self, steps: int) -> None:
-        advance(self.step, steps, self._pack, self._switches)
+        advance(self.step, steps, STEP, self._pack, self._switches)
 
     def _find_margin(self) -> None:
         find_margin(self._pack, self._switches)
 
     def _measure(self) -> None:
-        measure(self.step, self._pack, self._switches)
+        advance(self.step, 1, MEASURE, self._pack, self._switches)
 
     def _escape(self) -> str:
         return f"moved {farthest(self.scene):.3g} m or more from where it began"

@@ -7,7 +7,7 @@ from solvers.bar.phases import find_weights, nodes_to_particles, update_grid
 from solvers.bar.samples import sample
 from solvers.bar.state import HOOKS, BarState
 from solvers.estimators import running
-from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
+from solvers.solver import CRUSHED, ESCAPED, INVERTED, MEASURE, SOUND, STEP
 
 FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
@@ -32,42 +32,38 @@ def check(bar: ti.template(), step):
         bar.verdict[1], bar.verdict[2] = step, bad
 
 
-@ti.kernel
-def advance(start: ti.i32, steps: ti.i32, bar: BarState, on: ti.template()):
-    """Run ``steps`` steps from step ``start``; sample the norms every ``sample_interval`` steps."""
-    ti.loop_config(serialize=True)
-    for k in range(steps):
-        if bar.verdict[0] == SOUND:
-            step = start + k
-            update_grid(bar, step * bar.dt, on)
-            running.in_step(bar, step + 1, HOOKS, on)
-            remedies.in_step(bar, step + 1, on)
-            nodes_to_particles(bar, step + 1, on)
-            remedies.after_step(bar, on)
-            running.after_step(bar, step + 1, HOOKS, on)
-            if (step + 1) % CHECK_EVERY == 0:
-                check(bar, step + 1)
-            if (step + 1) % bar.sample_interval == 0:
-                row = (step + 1) // bar.sample_interval - start // bar.sample_interval - 1
-                sample(bar, row, step + 1, (step + 1) % bar.look_interval == 0, on)
+@ti.func
+def one_step(bar: ti.template(), step, on: ti.template()):
+    """Step number ``step``, counted from one: that many have been taken after it."""
+    update_grid(bar, (step - 1) * bar.dt, on)
+    running.in_step(bar, step, HOOKS, on)
+    remedies.in_step(bar, step, on)
+    nodes_to_particles(bar, step, on)
+    remedies.after_step(bar, on)
+    running.after_step(bar, step, HOOKS, on)
 
 
 @ti.kernel
-def measure(step: ti.i32, bar: BarState, on: ti.template()):
-    """Check the state and sample it into row 0, wherever the run stands."""
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        if bar.verdict[0] == SOUND:
-            check(bar, step)
-        sample(bar, 0, step, True, on)
+def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti.template()):
+    """From step ``start`` on take ``turns`` steps and sample the norms every ``sample_interval`` of them (``STEP``); or
+    in one turn, wherever the run stands, check and sample it (``MEASURE``) or sample it alone (``REPORT``), into row 0.
 
-
-@ti.kernel
-def report(step: ti.i32, bar: BarState, on: ti.template()):
-    """Bring the estimates up to date with the state, for whoever looks at the particles."""
+    One kernel for all three: what samples is most of the code, and the compiler's time goes with the code.
+    """
     ti.loop_config(serialize=True)
-    for _ in range(1):
-        running.report(bar, step, HOOKS, on)
+    for k in range(turns):
+        if purpose != STEP or bar.verdict[0] == SOUND:
+            step, row, due, looks = start, 0, True, purpose == MEASURE
+            if purpose == STEP:
+                step += k + 1
+                one_step(bar, step, on)
+                row = step // bar.sample_interval - start // bar.sample_interval - 1
+                due = step % bar.sample_interval == 0
+                looks = step % bar.look_interval == 0
+            if (purpose == STEP and step % CHECK_EVERY == 0) or (purpose == MEASURE and bar.verdict[0] == SOUND):
+                check(bar, step)
+            if due:
+                sample(bar, row, step, looks, on)
 
 
 @ti.kernel

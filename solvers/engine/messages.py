@@ -45,7 +45,7 @@ class Goodbye:
 
 @dataclass(frozen=True)
 class FrameReport:
-    """A frame lies in the session's block. ``rows`` are the samples since the last frame.
+    """A frame lies in the session's block called ``memory``. ``rows`` are the samples since the last frame.
 
     ``fresh`` marks the first frame after a build, when what was collected before belongs to another run.
     ``rate`` is million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a
@@ -57,6 +57,7 @@ class FrameReport:
 
     session: int
     number: int
+    memory: str
     scene: Scene
     fresh: bool
     playing: bool
@@ -81,6 +82,22 @@ class Trouble:
     session: int
     number: int
     sentence: str
+
+
+@dataclass(frozen=True)
+class Compiling:
+    """What wish ``number`` asks for has to be compiled first; the scene before it goes on meanwhile."""
+
+    session: int
+    number: int
+
+
+@dataclass(frozen=True)
+class Moved:
+    """The engine has been replaced by a successor of its own, which has all that it had (``solvers.engine.successor``);
+    this is the process that speaks from now on."""
+
+    process_id: int
 
 
 class Ready:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
 from typing import Protocol
@@ -12,6 +13,7 @@ from solvers.engine import frames
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport, Goodbye, Seen, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
+from solvers.processes import adopt_orphans
 from solvers.scene import Scene
 
 DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between before its scene is given up
@@ -22,17 +24,21 @@ class Listener(Protocol):
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
 
+    def on_compiling(self, number: int) -> None: ...
+
     def on_trouble(self, sentence: str) -> None: ...
 
     def on_engine_lost(self) -> None: ...
 
 
 class EnginePool:
-    """A fixed number of engine processes and the sessions they serve."""
+    """A fixed number of engine processes and the sessions they serve. They compile ``warm_up`` before they are ready,
+    and what is ``usual`` beside their work."""
 
-    def __init__(self, warm_up: Scene, engines: int = 1):
+    def __init__(self, warm_up: Scene, engines: int = 1, usual: Sequence[Scene] = ()):
         self._numbers = itertools.count(1)
-        self._engines = [EngineProcess(warm_up) for _ in range(engines)]
+        adopt_orphans()
+        self._engines = [EngineProcess(warm_up, usual) for _ in range(engines)]
 
     def open(self, listener: Listener) -> SessionLink:
         """A new session, on the engine that has fewest; on one that has been given up only if all have."""
@@ -63,7 +69,6 @@ class SessionLink:
         self._engine = engine
         self._lock = threading.Lock()
         self._block: SharedMemory | None = None
-        self._block_since = 0  # the first wish whose frames go to the present block
         self._outgrown: list[SharedMemory] = []
         self._deaths = 0
         self._closed = False
@@ -78,7 +83,7 @@ class SessionLink:
                 return last
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene, number).name, differences)
+                             self._fitting_block(scene).name, differences)
             self._deaths = 0
             self._engine.send(self.wish)
         if self._engine.given_up:
@@ -103,8 +108,10 @@ class SessionLink:
                 return
             self._deaths = 0
             arrays = None
-            if report.number >= self._block_since:  # else it lies in a block that has been replaced
-                arrays = frames.read(self._block, report.scene, report.particles, report.differences)
+            block = next((b for b in (self._block, *self._outgrown) if b.name == report.memory), None)
+            if block is not None:  # else that of a wish that a later one has overtaken
+                arrays = frames.read(block, report.scene, report.particles, report.differences)
+            if block is self._block:
                 _free(self._outgrown)
                 self._outgrown = []
             self._engine.send(Seen(self.session))
@@ -124,13 +131,13 @@ class SessionLink:
                 self.wish = replace(self.wish, number=self.wish.number + 1)
                 self._engine.send(self.wish)
 
-    def _fitting_block(self, scene: Scene, number: int) -> SharedMemory:
+    def _fitting_block(self, scene: Scene) -> SharedMemory:
         """The block, replaced by a larger one where the scene's frames would not fit."""
         need = frames.block_bytes(scene)
         if self._block is None or self._block.size < need:
             if self._block is not None:
                 self._outgrown.append(self._block)  # the engine may still be writing to it
-            self._block, self._block_since = SharedMemory(create=True, size=2 * need), number
+            self._block = SharedMemory(create=True, size=2 * need)
         return self._block
 
 

@@ -6,14 +6,17 @@ and only a session's newest wish is sent.
 
 import logging
 import multiprocessing
+import os
+import signal
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
+from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
-from solvers.engine.messages import FrameReport, Goodbye, Ready, Seen, Trouble, Wish
+from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Seen, Trouble, Wish
 from solvers.scene import Scene
 
 if TYPE_CHECKING:
@@ -25,22 +28,24 @@ FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until n
 CANNOT_START = "the simulation process cannot be started; see the terminal"
 
 
-def become_engine(pipe: Connection, warm_up: Scene) -> None:
+def become_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
     """Where an engine process begins. Taichi is imported there and only there: the page's process stays light."""
     from solvers.engine import worker
 
-    worker.main(pipe, warm_up)
+    worker.main(pipe, warm_up, usual)
 
 
 class EngineProcess:
-    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session."""
+    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. The process
+    may put a successor in its place (:class:`~solvers.engine.messages.Moved`): the pipe is the same."""
 
-    def __init__(self, warm_up: Scene):
+    def __init__(self, warm_up: Scene, usual: Sequence[Scene] = ()):
         self.ready = threading.Event()
         self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
         self.links: dict[int, SessionLink] = {}
         self._failures = 0
-        self._warm_up = warm_up
+        self._leaving: list[int] = []  # processes that were engines, or will end soon
+        self._warm_up, self._usual = warm_up, tuple(usual)
         self._closing = False
         self._news = threading.Condition()
         self._outbox: deque[Seen | Goodbye] = deque()
@@ -51,7 +56,7 @@ class EngineProcess:
 
     @property
     def process_id(self) -> int:
-        return self._process.pid or 0  # it is started at once
+        return self._process_id
 
     def send(self, message: Wish | Seen | Goodbye) -> None:
         """Queue a message; never waits. A newer wish of a session takes the place of an older one."""
@@ -70,10 +75,14 @@ class EngineProcess:
         with self._news:
             self._closing = True
             self._news.notify_all()  # the writer sends None, at which the process ends
-        self._process.join(2)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join(2)
+        self._leaving.append(self._process_id)
+        end = monotonic() + 2
+        while self._unburied() and monotonic() < end:
+            sleep(0.01)
+        for process_id in self._leaving:
+            os.kill(process_id, signal.SIGKILL)
+        while self._unburied() and monotonic() < end + 2:
+            sleep(0.01)
 
     def _read(self) -> None:
         while not (self._closing or self.given_up):
@@ -102,14 +111,16 @@ class EngineProcess:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
         ours, theirs = context.Pipe()
-        process = context.Process(None, become_engine, "mpm-lab-engine", (theirs, self._warm_up), daemon=True)
+        process = context.Process(None, become_engine, "mpm-lab-engine", (theirs, self._warm_up, self._usual),
+                                  daemon=True)
         process.start()
         theirs.close()
-        self._pipe, self._process = ours, process
+        self._pipe, self._process, self._process_id = ours, process, process.pid or 0  # it is started at once
 
     def _restart(self) -> None:
         """Replace a dead process: at once if it had been ready, else after a pause, and not for ever."""
         self._process.join(1)
+        self._leaving.append(self._process_id)
         had_worked = self.ready.is_set()
         self.ready.clear()
         self._failures += not had_worked
@@ -138,13 +149,34 @@ class EngineProcess:
         for link in list(self.links.values()):
             _tell(link.listener.on_trouble, CANNOT_START)
 
-    def _dispatch(self, message: FrameReport | Trouble | Ready) -> None:
+    def _unburied(self) -> list[int]:
+        """Those that are leaving and have not left yet. Successors are children of the page's process once the engine
+        before them has ended, where the system knows such a thing."""
+        def here(process_id: int) -> bool:
+            if process_id == self._process.pid:
+                return self._process.is_alive()
+            try:
+                return os.waitpid(process_id, os.WNOHANG) == (0, 0)
+            except ChildProcessError:  # its parent has not quite ended, or buries it
+                return os.path.exists(f"/proc/{process_id}")
+
+        self._leaving = [process_id for process_id in self._leaving if here(process_id)]
+        return self._leaving
+
+    def _dispatch(self, message: FrameReport | Compiling | Moved | Trouble | Ready) -> None:
+        if self._leaving:
+            self._unburied()
         if isinstance(message, Ready):
             self._failures = 0
             self.ready.set()
+        elif isinstance(message, Moved):
+            self._leaving.append(self._process_id)
+            self._process_id = message.process_id
         elif link := self.links.get(message.session):
             if isinstance(message, FrameReport):
                 link.receive(message)
+            elif isinstance(message, Compiling):
+                link.listener.on_compiling(message.number)
             else:
                 link.listener.on_trouble(message.sentence)
 

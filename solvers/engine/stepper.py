@@ -3,6 +3,7 @@
 import contextlib
 from multiprocessing.shared_memory import SharedMemory
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ class Stepper:
     def _rebuild(self) -> None:
         self.solver = build(self.wish.scene)
         self.solver.compile()
-        self._verdict = Verdict(self.solver)
+        self._verdict = Verdict(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
@@ -63,6 +64,19 @@ class Stepper:
         elif wish.single_steps > old.single_steps and self.solver.sound and not wish.playing:
             self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance))
         self._start_clock()
+
+    def state(self) -> dict[str, Any]:
+        """All that a stepper in another process needs to go on from here (:meth:`resumed`); clocks are shared."""
+        return {**{name: value for name, value in vars(self).items() if name not in ("solver", "_block")},
+                "solver": self.solver.state()}
+
+    @classmethod
+    def resumed(cls, state: dict[str, Any]) -> "Stepper":
+        """The stepper that had this state, to the bit."""
+        stepper = cls.__new__(cls)
+        vars(stepper).update(state, solver=build(state["wish"].scene), _block=_attach(state["wish"].memory))
+        stepper.solver.put(*state["solver"])
+        return stepper
 
     def close(self) -> None:
         with contextlib.suppress(BufferError):  # an exception still holds a view: it goes with that
@@ -109,10 +123,10 @@ class Stepper:
         particle_steps = self._kernel_steps * solver.scene.particles  # since the build
         rows, not_valid = np.concatenate(self._rows), solver.not_valid()
         self._verdict.look(rows, len(shot.position))
-        status, reason, since = self._verdict.tell(not_valid)
+        status, reason, since = self._verdict.tell(solver, not_valid)
         report = FrameReport(
-            session=self.wish.session, number=self.wish.number, scene=solver.scene, fresh=self._fresh,
-            playing=self._running, particles=len(shot.position), step=solver.step, time=solver.time,
+            session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
+            fresh=self._fresh, playing=self._running, particles=len(shot.position), step=solver.step, time=solver.time,
             rows=rows, reason=reason, status=status, since=since,
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference))

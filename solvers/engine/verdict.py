@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solvers import samples
+from solvers.scene import Scene
 from solvers.solver import Solver
 from solvers.soundness import Finding, earliest, findings, verdict
 
@@ -12,14 +13,14 @@ from solvers.soundness import Finding, earliest, findings, verdict
 class Verdict:
     """What has been found so far in the samples of one run (``solvers.soundness``)."""
 
-    def __init__(self, solver: Solver):
-        self._solver = solver
+    def __init__(self, scene: Scene):
+        self._scene = scene
         self._findings: dict[str, Finding] = {}
         self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
 
     def look(self, rows: np.ndarray, particles: int) -> None:
         """Judge new samples of so many particles. Once something is found that stays, nothing later can be first."""
-        scene = self._solver.scene
+        scene = self._scene
         if not len(rows) or any(name not in scene.active_estimators for name in self._findings):
             return
         rows = rows if self._looked is None else np.concatenate([self._looked, rows])
@@ -28,7 +29,7 @@ class Verdict:
         series = samples.read(rows, scene.active_estimators, particles, scene.time_step)
         self._findings = {**findings(scene, series), **self._findings}
 
-    def tell(self, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
+    def tell(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
         """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)
         after it has found something: then that counts no longer."""
-        return verdict(self._solver, earliest(self._findings, not_valid))
+        return verdict(solver, earliest(self._findings, not_valid))

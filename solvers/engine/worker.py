@@ -1,51 +1,71 @@
 """The engine process: one thread that does everything with Taichi, and one pipe to the page.
 
 Sessions are served in fair turns: each that is behind its clock gets one short slice, then the next. Wishes are
-read before every turn, so a dragged slider never leaves stale work in a queue.
+read before every turn, so a dragged slider never leaves stale work in a queue. What has to be compiled first is left to
+a successor, who then takes over; what visitors usually ask for is compiled before they do.
 """
 
 import logging
+import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
+from multiprocessing import connection
 from multiprocessing.connection import Connection
 from time import perf_counter
 
 from solvers import runtime
-from solvers.engine.messages import FrameReport, Goodbye, Ready, Seen, Trouble, Wish
+from solvers.engine import successor
+from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Seen, Trouble, Wish
 from solvers.engine.stepper import BlockGone, Stepper
+from solvers.engine.successor import Successor
 from solvers.run import build
 from solvers.scene import Scene
+from solvers.switches import combination
 
 IDLE_SECONDS = 0.5
 NO_MEMORY = "this scene needs more memory than there is: choose fewer particles"
 FAILED = "the simulation of this scene failed; change a setting"
 
 
-def main(pipe: Connection, warm_up: Scene) -> None:
-    """Serve sessions until the page goes away. ``warm_up`` is compiled before the first visitor comes."""
+def main(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
+    """Serve sessions until the page goes away, or a successor takes over. ``warm_up`` is compiled before the first
+    visitor comes, what is ``usual`` when there is time."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
+    if successor.POSSIBLE:
+        runtime.allow_forks()
     runtime.start()
     build(warm_up).compile()
+    first = os.getpid()
     # Until the page is gone, and so is the reason to be here.
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         pipe.send(Ready())
-        Worker(pipe).serve()
+        Worker(pipe, {combination(warm_up)}, usual).serve()
+    if os.getpid() != first:
+        runtime.leave()
 
 
 class Worker:
     """The sessions of one engine. One that fails is dropped and told; its next wish begins it anew."""
 
-    def __init__(self, pipe: Connection):
-        self._pipe = pipe
+    def __init__(self, pipe: Connection, compiled: Iterable[tuple] = (), usual: Sequence[Scene] = ()):
+        self._pipe, self._compiled = pipe, set(compiled)
+        self._usual = list(usual)
         self._steppers: dict[int, Stepper] = {}
+        self._waiting: dict[int, Wish] = {}  # for the compiler, by session
+        self._successor: Successor | None = None
 
     def serve(self) -> None:
+        """Until a successor has taken over; raises EOFError when the page has gone."""
         while True:
             self._read_messages()
             busy = [self._serve_one(stepper) for stepper in list(self._steppers.values())]
-            if not any(busy):
+            if self._successor and self._handed_over(self._successor):
+                return
+            inherited = successor.POSSIBLE and self._compile_aside()
+            if not any(busy) and not inherited:
                 self._wait()
 
     def _serve_one(self, stepper: Stepper) -> bool:
@@ -67,7 +87,8 @@ class Worker:
     def _wait(self) -> None:
         """Sleep until a message comes or the next frame or step is due."""
         due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
-        self._pipe.poll(min(IDLE_SECONDS, max(0.001, due - perf_counter())))
+        pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
+        connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _read_messages(self) -> None:
         """Take all messages; of a session's wishes only the last counts."""
@@ -89,10 +110,80 @@ class Worker:
             self._contain(wish, partial(self._accept, wish))
 
     def _accept(self, wish: Wish) -> None:
-        if wish.session in self._steppers:
-            self._steppers[wish.session].accept(wish)
+        """Act on a wish. One for the compiler waits, but for what of it concerns the scene before."""
+        self._waiting.pop(wish.session, None)
+        stepper = self._steppers.get(wish.session)
+        if successor.POSSIBLE and combination(wish.scene) not in self._compiled:
+            self._waiting[wish.session] = wish
+            self._pipe.send(Compiling(wish.session, wish.number))
+            if stepper:
+                stepper.accept(replace(stepper.wish, playing=wish.playing, speed=wish.speed,
+                                       differences=wish.differences))
+        elif stepper:
+            stepper.accept(wish)
         else:
             self._steppers[wish.session] = Stepper(wish)
+
+    def _compile_aside(self) -> bool:
+        """Have a successor compile what a visitor waits for, or else what is usual: that is given up for a visitor.
+
+        Says whether this process is the successor and has taken over just now.
+        """
+        wanted = [wish.scene for wish in self._waiting.values()]
+        if self._successor:
+            if not wanted or combination(self._successor.scenes[0]) in map(combination, wanted):
+                return False
+            self._successor.end()
+            self._successor = None
+        elif not wanted and self._usual:
+            self._usual = [scene for scene in self._usual if combination(scene) not in self._compiled]
+        if scenes := wanted[:1] or self._usual:
+            answer = successor.fork(scenes, bool(wanted))
+            if not isinstance(answer, Successor):
+                self._inherit(*answer)
+                return True
+            self._successor = answer
+        return False
+
+    def _handed_over(self, heir: Successor) -> bool:
+        """Whether the successor had compiled and has taken over everything: then this process has nothing left."""
+        try:
+            compiled = heir.compiled()
+            if compiled is None:
+                return False
+            states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
+            heir.take_over((states, self._waiting, self._compiled | set(map(combination, compiled)), self._usual))
+            return True
+        except MemoryError:
+            self._give_up(heir, NO_MEMORY)
+        except (EOFError, OSError):
+            self._give_up(heir, FAILED)
+        return False
+
+    def _give_up(self, heir: Successor, sentence: str) -> None:
+        """The successor could not compile: say so to those who wait for it, and do not try again unasked."""
+        heir.end()
+        self._successor, failed = None, combination(heir.scenes[0])
+        self._usual = [scene for scene in self._usual if combination(scene) != failed]
+        for wish in [wish for wish in self._waiting.values() if combination(wish.scene) == failed]:
+            del self._waiting[wish.session]
+            self._pipe.send(Trouble(wish.session, wish.number, sentence))
+
+    def _inherit(self, states: dict[int, tuple[Wish, dict]], waiting: dict[int, Wish], compiled: set[tuple],
+                 usual: list[Scene]) -> None:
+        """Take over what the engine had that this process is a fork of."""
+        for stepper in self._steppers.values():  # as they were when it forked
+            stepper.close()
+        self._steppers, self._waiting, self._successor = {}, waiting, None
+        self._compiled, self._usual = compiled, usual
+        self._pipe.send(Moved(os.getpid()))
+        for wish, state in states.values():
+            self._contain(wish, partial(self._resume, state))
+        for wish in list(waiting.values()):
+            self._contain(wish, partial(self._accept, wish))
+
+    def _resume(self, state: dict) -> None:
+        self._steppers[state["wish"].session] = Stepper.resumed(state)
 
     def _contain(self, wish: Wish, work: Callable[[], FrameReport | None]) -> FrameReport | None:
         """Do a piece of one session's work; what goes wrong in it costs that session alone."""
@@ -112,5 +203,6 @@ class Worker:
         return None
 
     def _drop(self, session: int) -> None:
+        self._waiting.pop(session, None)
         if stepper := self._steppers.pop(session, None):
             stepper.close()

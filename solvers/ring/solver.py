@@ -9,8 +9,8 @@ from solvers.ring.body import FARTHEST_MOVE
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
 from solvers.ring.scene import RESONANCE, RingScene
 from solvers.ring.state import HOOKS, RingState, WatchedRing, allocate, farthest
-from solvers.ring.step import CHECK_EVERY, advance, find_margin, freeze, inspect, report, step_in_slabs
-from solvers.solver import SOUND, Solver
+from solvers.ring.step import CHECK_EVERY, advance, find_margin, freeze, inspect, step_in_slabs
+from solvers.solver import MEASURE, REPORT, SOUND, STEP, Solver
 from solvers.switches import switches
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
@@ -39,7 +39,7 @@ class RingSolver(Solver):
 
     def snapshot(self, differences: bool = False) -> Snapshot:
         a, on = self._arrays, self._switches
-        report(self.step, self._pack, on)
+        self._look(REPORT)
         F = a.deformation_gradient.reshape(-1, 2, 2)
         true = true_fields(self.scene, a, self.step, on.acceleration) if on.truth else None
         estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
@@ -52,20 +52,20 @@ class RingSolver(Solver):
 
     def compile(self) -> None:
         super().compile()
-        report(0, self._pack, self._switches)
         if self.plan == "parallel":
             step_in_slabs(0, 0, self._pack, self._switches)
+            inspect(0, -1, REPORT, self._pack, self._switches)
 
     def _run(self, steps: int) -> None:
         if self.plan == "serial":
-            advance(self.step, steps, self._pack, self._switches)
+            advance(self.step, steps, STEP, self._pack, self._switches)
             return
         interval, row = self.scene.sample_interval, 0
         for step in range(self.step, self.step + steps):
             step_in_slabs(step, self.threads, self._pack, self._switches)
             sampled = (step + 1) % interval == 0
             if sampled or (step + 1) % CHECK_EVERY == 0:
-                inspect(step + 1, row if sampled else -1, self._pack, self._switches)
+                inspect(step + 1, row if sampled else -1, STEP, self._pack, self._switches)
                 row += sampled
             if self._arrays.verdict[0] != SOUND:
                 break
@@ -74,7 +74,14 @@ class RingSolver(Solver):
         find_margin(self._pack, self._switches)
 
     def _measure(self) -> None:
-        inspect(self.step, 0, self._pack, self._switches)
+        self._look(MEASURE)
+
+    def _look(self, purpose: int) -> None:
+        """Launch what samples the state into line 0."""
+        if self.plan == "serial":
+            advance(self.step, 1, purpose, self._pack, self._switches)
+        else:
+            inspect(self.step, 0, purpose, self._pack, self._switches)
 
     def _escape(self) -> str:
         return (f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, beyond a plane, "

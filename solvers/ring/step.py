@@ -11,7 +11,7 @@ from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.samples import sample
 from solvers.ring.state import HOOKS, RingState
-from solvers.solver import CRUSHED, ESCAPED, INVERTED, SOUND
+from solvers.solver import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
 FLATTEST = 1e-3  # det F below which a particle counts as crushed
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
@@ -37,23 +37,38 @@ def check(ring: ti.template(), step):
         ring.verdict[1], ring.verdict[2] = step, bad
 
 
+@ti.func
+def one_step(ring: ti.template(), step, on: ti.template()):
+    """Step number ``step``, counted from one, on one thread: that many have been taken after it."""
+    phases.update_grid(ring, (step - 1) * ring.dt, on)
+    running.in_step(ring, step, HOOKS, on)
+    remedies.in_step(ring, step, on)
+    phases.nodes_to_particles(ring, 0, step, on)
+    running.after_step(ring, step, HOOKS, on)
+
+
 @ti.kernel
-def advance(start: ti.i32, steps: ti.i32, ring: RingState, on: ti.template()):
-    """Run ``steps`` steps from step ``start`` on one thread; sample every ``sample_interval`` steps."""
+def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, ring: RingState, on: ti.template()):
+    """On one thread: from step ``start`` on take ``turns`` steps and sample every ``sample_interval`` of them
+    (``STEP``); or in one turn, wherever the run stands, check and sample it (``MEASURE``) or sample it alone
+    (``REPORT``), into line 0.
+
+    One kernel for all three: what samples is most of the code, and the compiler's time goes with the code.
+    """
     ti.loop_config(serialize=True)
-    for k in range(steps):
-        if ring.verdict[0] == SOUND:
-            step = start + k
-            phases.update_grid(ring, step * ring.dt, on)
-            running.in_step(ring, step + 1, HOOKS, on)
-            remedies.in_step(ring, step + 1, on)
-            phases.nodes_to_particles(ring, 0, step + 1, on)
-            running.after_step(ring, step + 1, HOOKS, on)
-            if (step + 1) % CHECK_EVERY == 0:
-                check(ring, step + 1)
-            if (step + 1) % ring.sample_interval == 0:
-                line = (step + 1) // ring.sample_interval - start // ring.sample_interval - 1
-                sample(ring, line, step + 1, (step + 1) % ring.look_interval == 0, on)
+    for k in range(turns):
+        if purpose != STEP or ring.verdict[0] == SOUND:
+            step, line, due, looks = start, 0, True, purpose == MEASURE
+            if purpose == STEP:
+                step += k + 1
+                one_step(ring, step, on)
+                line = step // ring.sample_interval - start // ring.sample_interval - 1
+                due = step % ring.sample_interval == 0
+                looks = step % ring.look_interval == 0
+            if (purpose == STEP and step % CHECK_EVERY == 0) or (purpose == MEASURE and ring.verdict[0] == SOUND):
+                check(ring, step)
+            if due:
+                sample(ring, line, step, looks, on)
 
 
 @ti.kernel
@@ -88,22 +103,15 @@ def step_in_slabs(step: ti.i32, slabs: ti.i32, ring: RingState, on: ti.template(
 
 
 @ti.kernel
-def inspect(step: ti.i32, line: ti.i32, ring: RingState, on: ti.template()):
-    """Check the state and, unless ``line`` is negative, sample it there, wherever the run stands."""
+def inspect(step: ti.i32, line: ti.i32, purpose: ti.i32, ring: RingState, on: ti.template()):
+    """Beside :func:`step_in_slabs`: check the state unless it is to ``REPORT``, and sample it into ``line`` unless that
+    is negative, with a look for contradictions where one is due or it is to ``MEASURE``."""
     ti.loop_config(serialize=True)
     for _ in range(1):
-        if ring.verdict[0] == SOUND:
+        if purpose != REPORT and ring.verdict[0] == SOUND:
             check(ring, step)
         if line >= 0:
-            sample(ring, line, step, line == 0 or step % ring.look_interval == 0, on)
-
-
-@ti.kernel
-def report(step: ti.i32, ring: RingState, on: ti.template()):
-    """Bring the estimates up to date with the state, for whoever looks at the particles."""
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        running.report(ring, step, HOOKS, on)
+            sample(ring, line, step, purpose == MEASURE or (purpose == STEP and step % ring.look_interval == 0), on)
 
 
 @ti.kernel

@@ -10,6 +10,7 @@ import viser
 from app import words
 from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.head import LOGARITHMIC, WIDE_LABEL
+from app.page.panels.patience import Patience
 from app.page.session import Session
 from app.problems.views import VIEWS
 from app.scale import ColourScale
@@ -32,7 +33,8 @@ class Controls:
         self.domains = False
         self._turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
         self._loading = threading.Lock()  # widgets must not be removed while others are made among them
-        self.estimators = EstimatorChoice(session, on_view)
+        self._patience = Patience()
+        self.estimators = EstimatorChoice(session, on_view, self._patience)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE)
         self._problem.on_update(lambda _: self._choose_problem())
@@ -121,6 +123,7 @@ class Controls:
 
         Once for each: a slider that is set while the visitor moves it would forget where to.
         """
+        self._patience.show(self._session.compiling)
         with self._loading, self._turn:
             scene = self._session.scene
             if scene.dt == AUTO and scene.courant_number != self._shown_step:
@@ -185,6 +188,7 @@ class Controls:
         """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time."""
         def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:  # else the page has shown something, and nobody wishes anything
+                self._patience.changed(widget)
                 with self._turn:
                     act(widget.value)
 

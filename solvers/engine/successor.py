@@ -1,0 +1,102 @@
+"""Successor: a fork of the engine that compiles what is missing while the engine goes on, and then takes its place.
+
+Taichi compiles in the one thread that also runs, and no process sees what another has compiled since it started; but a
+forked child has all that its parent had. So nobody's stage waits for a compiler: the engine forks, goes on stepping
+everybody, hands all sessions over to the child when that is ready, and leaves. Linux only: elsewhere an engine compiles
+where it stands.
+"""
+
+import logging
+import multiprocessing
+import os
+import signal
+from collections.abc import Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from time import monotonic
+from typing import Any
+
+from solvers import processes
+from solvers.run import build
+from solvers.scene import Scene
+
+POSSIBLE = processes.LINUX
+TAKEN = "taken over"
+LONG_ENOUGH = 3.0  # seconds of compiling after which what is there is handed over
+
+
+class Successor:
+    """The child as its parent sees it, at work on ``scenes``, of which it may leave the last ones out. ``asked_for``
+    says whether a visitor waits for it, or nobody yet."""
+
+    def __init__(self, process_id: int, pipe: Connection, scenes: Sequence[Scene], asked_for: bool):
+        self.scenes, self.asked_for, self.pipe = scenes, asked_for, pipe
+        self._process_id = process_id
+
+    def compiled(self) -> list[Scene] | None:
+        """The scenes that it has compiled when it can take over, None before. Raises EOFError when it has died of it,
+        and MemoryError when that is why it could not."""
+        if not self.pipe.poll(0):
+            return None
+        answer = self.pipe.recv()
+        if isinstance(answer, MemoryError):
+            raise answer
+        return list(self.scenes[:answer])
+
+    def take_over(self, estate: Any) -> None:
+        """Hand everything over. When this returns the parent must touch nothing more and leave; raises EOFError or
+        OSError if the child died: then all is still the parent's."""
+        self.pipe.send(estate)
+        self.pipe.recv()
+
+    def end(self) -> None:
+        """End it if it has not ended, and bury it."""
+        with suppress(ProcessLookupError):
+            os.kill(self._process_id, signal.SIGKILL)
+        os.waitpid(self._process_id, 0)
+        self.pipe.close()
+
+
+def fork(scenes: Sequence[Scene], asked_for: bool) -> Successor | Any:
+    """Fork a successor that compiles what the scenes need, or the first of them that fit into a short time.
+
+    Returns twice: at once, in the parent, with the :class:`Successor`; and, when the parent leaves, in the child, with
+    the estate that it was given. A child that cannot compile logs why and ends. One that nobody waits for yields to
+    other work.
+    """
+    ours, theirs = multiprocessing.Pipe()
+    parent = os.getpid()
+    process_id = os.fork()
+    if process_id:
+        theirs.close()
+        return Successor(process_id, ours, scenes, asked_for)
+    try:
+        ours.close()
+        processes.die_with_parent(True)
+        if os.getppid() != parent:
+            os._exit(1)
+        if not asked_for:
+            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+        theirs.send(_compile(scenes))
+        estate = theirs.recv()
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        processes.die_with_parent(False)
+        theirs.send(TAKEN)
+        theirs.close()
+        return estate
+    except BaseException as error:
+        if isinstance(error, MemoryError):
+            theirs.send(MemoryError())
+        logging.getLogger(__name__).exception("could not be compiled: %s", scenes[0])
+        os._exit(1)  # the parent's sessions are not this process's to end
+
+
+def _compile(scenes: Sequence[Scene]) -> int:
+    """Compile what the scenes need, one after another until time is up; returns how many."""
+    begun = monotonic()
+    for done, scene in enumerate(scenes, 1):
+        solver = build(scene)
+        solver.compile()
+        if monotonic() - begun > LONG_ENOUGH:
+            return done
+    return len(scenes)

@@ -1,0 +1,47 @@
+"""What a session hears from its engine, kept for a test to look at."""
+
+from __future__ import annotations
+
+import threading
+
+PATIENCE = 120.0  # seconds; a loaded machine may need to compile
+
+
+class Listener:
+    """Collects what a session hears."""
+
+    def __init__(self):
+        self.frames, self.compilings, self.troubles, self.losses = [], [], [], 0
+        self._news = threading.Condition()
+
+    def on_frame(self, report, arrays):
+        with self._news:
+            self.frames.append((report, arrays))
+            self._news.notify_all()
+
+    def on_compiling(self, number):
+        with self._news:
+            self.compilings.append(number)
+            self._news.notify_all()
+
+    def on_trouble(self, sentence):
+        with self._news:
+            self.troubles.append(sentence)
+            self._news.notify_all()
+
+    def on_engine_lost(self):
+        with self._news:
+            self.losses += 1
+            self._news.notify_all()
+
+    def wait(self, condition):
+        with self._news:
+            assert self._news.wait_for(condition, PATIENCE), "nothing came in time"
+
+    def frame(self, number, test=lambda report: True):
+        """The first frame that answers wish ``number`` or a later one and passes ``test``."""
+        def found():
+            return [f for f in self.frames if f[0].number >= number and test(f[0])]
+
+        self.wait(found)
+        return found()[0]

@@ -1,0 +1,170 @@
+"""Nobody waits for a compiler: an engine has a fork of itself compile, goes on, and then hands everything over."""
+
+from __future__ import annotations
+
+import os
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers.bar.scene import BarScene
+from solvers.engine import successor
+from solvers.engine.pool import EnginePool
+from solvers.engine.worker import FAILED
+from solvers.ring.scene import RingScene
+from solvers.run import build
+from tests.listening import PATIENCE, Listener
+from tests.processes import children, ended, held, state, until
+
+pytestmark = pytest.mark.skipif(not successor.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
+SCENE = BarScene(cells=20, periods=1)
+#: Each compiled by one test only: the engines of this file have one more combination after each.
+OTHERS = iter([replace(SCENE, method=method, estimators=estimators) for method in ("ugimp", "cpgimp", "bspline")
+               for estimators in (("companion",), ("recovered",), ("companion", "recovered"))])
+
+
+@pytest.fixture(scope="module")
+def pool():
+    pool = EnginePool(SCENE)
+    assert pool.wait_ready(PATIENCE)
+    yield pool
+    pool.close()
+
+
+@pytest.fixture
+def session(pool):
+    listener = Listener()
+    link = pool.open(listener)
+    yield link, listener
+    link.close()
+
+
+def compilers(pool):
+    """Ids of the successors at work."""
+    return children(pool.process_ids[0], "spawn_main")
+
+
+def test_the_scene_before_goes_on_and_the_process_is_another(pool, session):
+    """Held still, the compiler is at work as long as the test likes: frames of the scene before come all the while, and
+    what concerns that scene, such as its speed, is acted on."""
+    link, listener = session
+    first = link.ask(SCENE, True, 0.5, 0, 0)
+    listener.frame(first)
+    before, wanted = pool.process_ids[0], next(OTHERS)
+    number = link.ask(wanted, True, 0.5, 0, 0)
+    listener.wait(lambda: listener.compilings == [number])
+    until(lambda: compilers(pool), "a successor")
+    with held(compilers(pool)):
+        count = len(listener.frames)
+        listener.wait(lambda: len(listener.frames) > count + 20)
+        assert {(r.scene, r.number) for r, _ in listener.frames} == {(SCENE, first)}
+        number = link.ask(wanted, False, 0.5, 0, 0)
+        listener.wait(lambda: not listener.frames[-1][0].playing)
+    report, _ = listener.frame(number)
+    assert report.scene == wanted and report.fresh and not report.playing
+    assert pool.process_ids[0] != before
+    link.ask(wanted, True, 0.5, 0, 0)
+    until(lambda: not os.path.exists(f"/proc/{before}"), "the process before gone, and buried")
+
+
+def test_other_sessions_go_on_where_they_are_to_the_bit(pool, session):
+    """One visitor asks for what must be compiled; another's run, paused at step 7, goes on in the new process: after 5
+    more steps it is what twelve steps are."""
+    link, listener = session
+    scene = replace(SCENE, cells=24)
+    listener.frame(link.ask(scene, False, 1.0, 0, 0))
+    listener.frame(link.ask(scene, False, 1.0, 0, 7), lambda r: r.step == 7)
+    before, other = pool.process_ids[0], Listener()
+    other_link = pool.open(other)
+    other.frame(other_link.ask(next(OTHERS), True, 1.0, 0, 0))
+    other_link.close()
+    assert pool.process_ids[0] != before
+    count = len(listener.frames)
+    _, arrays = listener.frame(link.ask(scene, False, 1.0, 0, 12), lambda r: r.step == 12)
+    solver = build(scene)
+    solver.advance(12)
+    shot = solver.snapshot()
+    np.testing.assert_array_equal(arrays.position[:, 0], shot.position.astype(np.float32))
+    np.testing.assert_array_equal(arrays.error, shot.error.astype(np.float32))
+    np.testing.assert_array_equal(arrays.estimate["transport"], shot.estimate["transport"].astype(np.float32))
+    assert not any(r.fresh for r, _ in listener.frames[count:]) and not listener.losses
+
+
+def test_two_who_wait_are_both_served(pool, session):
+    """Two visitors ask for different combinations at once; then each for the other's, which needs no compiler."""
+    wanted, (link, listener), other = (next(OTHERS), next(OTHERS)), session, Listener()
+    links = link, pool.open(other)
+    for one, hears, scene in zip(links, (listener, other), wanted, strict=True):
+        hears.number = one.ask(scene, True, 1.0, 0, 0)
+    for hears, scene in ((listener, wanted[0]), (other, wanted[1])):
+        assert hears.frame(hears.number)[0].scene == scene
+    there = pool.process_ids
+    for one, hears, scene in zip(links, (listener, other), reversed(wanted), strict=True):
+        assert hears.frame(one.ask(scene, True, 1.0, 0, 0))[0].scene == scene
+    assert pool.process_ids == there
+    links[1].close()
+
+
+def test_a_later_wish_does_not_wait_for_an_earlier_one(pool, session):
+    """Who changes twice gets the last: what was begun for the first is given up."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    link.ask(next(OTHERS), True, 1.0, 0, 0)
+    until(lambda: compilers(pool), "a successor")
+    with held(compilers(pool)):  # for ever, as it were
+        last = next(OTHERS)
+        assert listener.frame(link.ask(last, True, 1.0, 0, 0))[0].scene == last
+        assert listener.frame(link.ask(SCENE, True, 1.0, 0, 0))[0].scene == SCENE
+
+
+def test_a_compiler_that_dies_costs_one_wish(pool, session):
+    """Its visitor is told; the scene before runs on, in the same process; and the wish can be had when asked again."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, True, 0.5, 0, 0))
+    before, wanted = pool.process_ids, next(OTHERS)
+    link.ask(wanted, True, 0.5, 0, 0)
+    until(lambda: compilers(pool), "a successor")
+    os.kill(compilers(pool)[0], signal.SIGKILL)
+    listener.wait(lambda: listener.troubles == [FAILED])
+    count = len(listener.frames)
+    listener.wait(lambda: len(listener.frames) > count + 5)
+    assert listener.frames[-1][0].scene == SCENE and pool.process_ids == before
+    assert listener.frame(link.ask(wanted, True, 0.5, 0, 0))[0].scene == wanted
+
+
+def test_an_engine_killed_while_it_compiles_takes_its_successor_along(pool, session):
+    """Nothing is left that holds the pipe: the page notices, and the wish is met by a new engine."""
+    link, listener = session
+    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    wanted = next(OTHERS)
+    number = link.ask(wanted, True, 1.0, 0, 0)
+    until(lambda: compilers(pool), "a successor")
+    child = compilers(pool)[0]
+    with held([child]):
+        os.kill(pool.process_ids[0], signal.SIGKILL)
+        until(lambda: ended(child), "the successor killed as well")
+    assert listener.frame(number + 1)[0].scene == wanted
+    assert listener.losses == 1
+    assert pool.wait_ready(PATIENCE)
+
+
+def test_what_is_usual_is_compiled_unasked():
+    """After a while every usual scene is there without a compiler, ring and bar; one that cannot be is left out."""
+    usual = [replace(SCENE, estimators=("companion",)), RingScene(cells=12, estimators=()), replace(SCENE, effects=())]
+    pool, listener = EnginePool(SCENE, usual=usual), Listener()
+    try:
+        assert pool.wait_ready(PATIENCE)
+        first = pool.process_ids
+        # An engine that has something left to compile is never asleep without a successor at work.
+        until(lambda: pool.process_ids != first and state(pool.process_ids[0]) == "S" and not compilers(pool),
+              "all compiled", PATIENCE, pause=0.2)
+        link = pool.open(listener)
+        for scene in usual:
+            assert listener.frame(link.ask(scene, True, 1.0, 0, 0))[0].scene == scene
+        assert not listener.compilings
+    finally:
+        last = pool.process_ids[0]
+        pool.close()
+    assert not os.path.exists(f"/proc/{last}")
