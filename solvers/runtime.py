@@ -5,6 +5,10 @@ import io
 
 import taichi as ti
 
+from solvers import front_end
+
+front_end.lighten()
+
 _started: tuple[str, int] | None = None
 
 
