@@ -9,6 +9,10 @@ from typing import NoReturn
 import taichi as ti
 from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
+from solvers import front_end
+
+front_end.lighten()
+
 _started: tuple[str, int] | None = None
 _options: dict = {}
 

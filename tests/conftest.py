@@ -5,6 +5,8 @@ from __future__ import annotations
 import functools
 import os
 import signal
+import sys
+import tempfile
 
 import pytest
 from hypothesis import settings
@@ -21,6 +23,21 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile("lab", deadline=None)  # how busy the machine is says nothing about an example
 settings.register_profile("always the same", settings.get_profile("lab"), derandomize=True, print_blob=True)
 settings.load_profile("always the same" if os.environ.get("CI") else "lab")  # a change must not fail by chance
+
+
+# What one process has compiled is there for those that start later: all kernels of the tests are more than the 100 MB
+# beyond which Taichi drops the oldest, which the next tests would compile again.
+os.environ["TI_OFFLINE_CACHE_MAX_SIZE_OF_FILES"] = str(500 * 2**20)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Where Python may not keep the modules that it compiles, each of some two hundred processes would compile Taichi
+    and more anew, for longer than many then run: keep them apart, as long as the tests last."""
+    if sys.dont_write_bytecode and "PYTHONPYCACHEPREFIX" not in os.environ:
+        modules = tempfile.TemporaryDirectory(prefix="mpm-lab-tests-", ignore_cleanup_errors=True)
+        config.add_cleanup(modules.cleanup)
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+        os.environ["PYTHONPYCACHEPREFIX"] = modules.name
 
 
 class FileByFile(LoadScopeScheduling):
