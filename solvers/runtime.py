@@ -1,13 +1,11 @@
 """Starting Taichi: one place, so that every run is in double precision and says what it really ran on."""
 
-import ast
 import contextlib
 import io
 import os
 from typing import NoReturn
 
 import taichi as ti
-from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
 from solvers import front_end
 
@@ -55,12 +53,3 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
 def running_arch() -> str:
     """The architecture Taichi was started on."""
     return ti.lang.impl.current_cfg().arch.name
-
-
-def _place_in_source(context: ASTTransformerContext, node: ast.stmt | ast.expr) -> str:
-    """File and line of a piece of a kernel that is being compiled, for Taichi's error messages."""
-    return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
-
-
-# Taichi's own also quotes the source with marks below, for every expression there is: 40 % of what it does in Python.
-ASTTransformerContext.get_pos_info = _place_in_source
