@@ -17,6 +17,7 @@ from time import monotonic, perf_counter, sleep
 
 PATIENCE = 30.0  # seconds: against a test that would hang, and for nothing else
 STARVED = 10  # times that, when other work takes nearly all of the machine
+HANG = 900.0  # seconds, by the clock on the wall: against a command that would never end, and for nothing else
 LOOK = 0.5  # seconds between two looks at who waits for a processor
 GONE = (FileNotFoundError, ProcessLookupError)
 

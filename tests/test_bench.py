@@ -23,7 +23,7 @@ from solvers.problems import PROBLEMS
 from solvers.processes import ProcessDied, ask_fresh
 from solvers.run import build
 from solvers.timing import Stretch, rate, take_turns
-from tests.processes import wait_for_library
+from tests.processes import HANG, wait_for_library
 
 ROOT = Path(__file__).resolve().parent.parent
 #: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 0 to 3 %.
@@ -34,7 +34,7 @@ TOLERANCE = 0.15
 def printed() -> dict:
     """The JSON object of a quick bench; that standard output holds it and nothing else."""
     done = subprocess.run([sys.executable, "-m", "app", "bench", "--quick", "--json", "-"], cwd=ROOT,
-                          capture_output=True, text=True, timeout=300)
+                          capture_output=True, text=True, timeout=HANG)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.count("\n") == 1
     return json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
@@ -179,7 +179,7 @@ def test_bad_input_is_one_line(flags, names, capsys, monkeypatch):
 
 def test_help_and_bad_input_import_nothing_heavy():
     code = "import sys; from app.cli import main; main(['bench', '--help']); sys.exit('taichi' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, timeout=60).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, timeout=HANG).returncode == 0
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
@@ -189,6 +189,6 @@ def test_interrupt_is_one_line_and_130(tmp_path):
                            stderr=subprocess.PIPE, text=True)
     wait_for_library(run, "taichi")
     run.send_signal(signal.SIGINT)
-    _, said = run.communicate(timeout=30)
+    _, said = run.communicate(timeout=HANG)
     assert (run.returncode, said) == (130, "mpm-lab: interrupted\n")
     assert list(tmp_path.iterdir()) == []

@@ -18,7 +18,7 @@ from app.commands.output import Target, json_text, noted_interrupts
 from app.commands.run_text import run_table
 from solvers.bar.scene import BarScene
 from solvers.effects import EFFECTS
-from tests.processes import wait_for_library
+from tests.processes import HANG, wait_for_library
 
 RunBar = commands()["run", "bar"]
 
@@ -32,7 +32,7 @@ KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error
 def command(*arguments: str, **options) -> subprocess.CompletedProcess:
     """Run ``python -m app`` as a person would."""
     return subprocess.run([sys.executable, "-m", "app", *arguments], cwd=ROOT, capture_output=True, text=True,
-                          timeout=120, **options)
+                          timeout=HANG, **options)
 
 
 @pytest.fixture(scope="module")
@@ -160,7 +160,7 @@ def test_bad_commands_are_one_line(words, says, capsys):
 def test_help_and_bad_input_import_nothing_heavy(arguments):
     code = ("import sys; from app.cli import main; main(sys.argv[1:]); "
             "sys.exit(any(name in sys.modules for name in ('taichi', 'viser', 'matplotlib')))")
-    done = subprocess.run([sys.executable, "-c", code, *arguments], cwd=ROOT, capture_output=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code, *arguments], cwd=ROOT, capture_output=True, timeout=HANG)
     assert done.returncode == 0
 
 
@@ -297,7 +297,7 @@ def test_interrupt_is_one_line_and_130(tmp_path):
                             "--t-end", "100", "--json", str(path)], cwd=ROOT, stderr=subprocess.PIPE, text=True)
     wait_for_library(run, "taichi")
     run.send_signal(signal.SIGINT)
-    _, said = run.communicate(timeout=30)
+    _, said = run.communicate(timeout=HANG)
     assert (run.returncode, said) == (130, "mpm-lab: interrupted\n")
     assert list(tmp_path.iterdir()) == []
 
@@ -307,7 +307,7 @@ def test_a_reader_that_has_gone_is_no_fuss():
     read, write = os.pipe()
     os.close(read)
     done = subprocess.run([sys.executable, "-m", "app", "run", "bar", *QUICK], cwd=ROOT, stdout=write,
-                          stderr=subprocess.PIPE, text=True, timeout=60)
+                          stderr=subprocess.PIPE, text=True, timeout=HANG)
     os.close(write)
     assert (done.returncode, done.stderr) == (141, "")
 

@@ -14,6 +14,7 @@ from app.cli import main
 from app.commands import commands
 from app.commands.run_text import run_table
 from solvers.ring.scene import RingScene
+from tests.processes import HANG
 
 RunBar, RunRing = commands()["run", "bar"], commands()["run", "ring"]
 
@@ -26,7 +27,7 @@ NOTHING = {"final": None, "max": None, "mean": None}
 def ring(*flags: str) -> subprocess.CompletedProcess:
     """Run ``python -m app run ring`` as a person would."""
     return subprocess.run([sys.executable, "-m", "app", "run", "ring", *flags], cwd=ROOT, capture_output=True,
-                          text=True, timeout=120)
+                          text=True, timeout=HANG)
 
 
 @pytest.fixture(scope="module")

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from solvers.estimators.registry import ESTIMATORS, EXTENSIONS
+from tests.processes import HANG
 
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = {EXTENSIONS: "tests.zero_estimator"}
@@ -25,7 +26,7 @@ QUICK = ["--cells", "20", "--ppc", "2", "--amplitude", "0.004", "--periods", "0.
 
 
 def python(*arguments: str, environment: dict[str, str] = ENVIRONMENT) -> subprocess.CompletedProcess:
-    return subprocess.run([sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, timeout=300,
+    return subprocess.run([sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, timeout=HANG,
                           env={**os.environ, **environment})
 
 

@@ -17,6 +17,7 @@ from solvers.study.grid import Task
 from solvers.study.store import Store, StoreError
 from solvers.tables import plan
 from solvers.tables.rows import NotThisRow, read_row, run_row, write_row
+from tests.processes import HANG
 from tests.rows import made_up
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -169,7 +170,7 @@ def test_a_tables_row_that_is_no_row_is_not_taken(content, kept, tmp_path):
     ("tables 9 --out d", 2), ("advise bar --tolerance x", 2)])
 def test_a_closed_stream_is_one_that_nobody_reads(words, status, closed):
     done = subprocess.run(f"{sys.executable} -m app {words} {closed}", shell=True, cwd=ROOT, capture_output=True,
-                          text=True, timeout=120)
+                          text=True, timeout=HANG)
     assert done.returncode == status and "Traceback" not in done.stdout + done.stderr
     assert done.stderr.count("\n") == (1 if status and "2>&-" not in closed else 0)
     assert done.stdout.count("\n") == (1 if status == 0 and closed == "2>&-" else 0)
@@ -178,6 +179,6 @@ def test_a_closed_stream_is_one_that_nobody_reads(words, status, closed):
 @pytest.mark.skipif(os.name == "nt", reason="POSIX shells")
 def test_a_sweep_with_closed_streams_keeps_its_rows(tmp_path):
     words = f"sweep bar --cells 8 --periods 0.1 --repeats 1 --out {tmp_path / 'out'}"
-    done = subprocess.run(f"{sys.executable} -m app {words} <&- >&- 2>&-", shell=True, cwd=ROOT, timeout=120)
+    done = subprocess.run(f"{sys.executable} -m app {words} <&- >&- 2>&-", shell=True, cwd=ROOT, timeout=HANG)
     assert done.returncode == 0
     assert json.loads((tmp_path / "out" / "rows.jsonl").read_text())["status"] == "ok"

@@ -30,7 +30,7 @@ from solvers.study import summary as table
 from solvers.study.grid import Task, combinations, plan
 from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute, row_process
 from solvers.study.store import Store, StoreError
-from tests.processes import processor_seconds, until
+from tests.processes import HANG, processor_seconds, until
 from tests.rows import made_up, without_timings
 
 SweepBar = commands()["sweep", "bar"]
@@ -349,7 +349,7 @@ def test_orders_and_balance_are_shown():
 def whole(tmp_path_factory) -> Path:
     """The directory of a finished sweep."""
     out = tmp_path_factory.mktemp("sweep") / "whole"
-    done = subprocess.run(sweep(*SMOOTH, "--out", str(out)), cwd=ROOT, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(sweep(*SMOOTH, "--out", str(out)), cwd=ROOT, capture_output=True, text=True, timeout=HANG)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("# Sweep of the bar") and "6/6" in done.stderr and "Taichi" not in done.stderr
     return out
@@ -372,7 +372,7 @@ def test_a_sweep_leaves_rows_tables_and_pictures(whole):
 def test_killed_and_resumed_it_is_the_same_table(whole, tmp_path):
     rows = tmp_path / "out" / "rows.jsonl"
     killed = subprocess.run([sys.executable, "-c", KILLED, "sweep", "bar", *SMOOTH, "--out", str(rows.parent)],
-                            cwd=ROOT, capture_output=True, timeout=120)
+                            cwd=ROOT, capture_output=True, timeout=HANG)
     assert killed.returncode == -signal.SIGKILL, killed.stderr
     before = rows.read_bytes()
     assert before.count(b"\n") == 2
@@ -397,7 +397,7 @@ def test_interrupt_is_one_line_and_keeps_the_rows(tmp_path):
     said = [run.stderr.readline(), run.stderr.readline()]
     assert "1/2" in said[1]
     run.send_signal(signal.SIGINT)
-    out, rest = run.communicate(timeout=30)
+    out, rest = run.communicate(timeout=HANG)
     assert (run.returncode, out, rest) == (130, "", "mpm-lab: interrupted\n")
     assert (tmp_path / "rows.jsonl").read_bytes().count(b"\n") == 1
 
@@ -466,4 +466,4 @@ def test_bad_input_is_one_line_that_names_the_flag(flags, says, capsys, tmp_path
 def test_help_and_bad_input_import_nothing_heavy():
     code = ("import sys; from app.cli import main; main(['sweep', 'bar', '--help']); main(['sweep', 'bar']); "
             "sys.exit(any(name in sys.modules for name in ('taichi', 'viser', 'matplotlib', 'distributed')))")
-    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, timeout=60).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, timeout=HANG).returncode == 0

@@ -19,6 +19,7 @@ from solvers.estimators.registry import ESTIMATORS
 from solvers.tables import paper, plan, rows
 from solvers.tables.digits import digits, short
 from solvers.tables.document import document
+from tests.processes import HANG
 
 ROOT = Path(__file__).resolve().parent.parent
 ONE = {"bar": ("transport",), "ring": ("transport",)}
@@ -256,7 +257,7 @@ def two_rows(row, show):
 tables.run_row = two_rows
 main(["tables", "1", "--out", sys.argv[1]])
 """
-    killed = subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, capture_output=True, timeout=120)
+    killed = subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, capture_output=True, timeout=HANG)
     assert killed.returncode == -signal.SIGKILL, killed.stderr
     kept = sorted(path.stem for path in (tmp_path / "rows").iterdir())
     assert kept == ["bar-small-material-20", "bar-small-node-20"] and not (tmp_path / "table1.md").exists()
@@ -314,5 +315,5 @@ def test_bad_input_is_one_line_that_names_the_flag(flags, says, tmp_path, monkey
 def test_help_is_light_and_names_the_choices():
     code = ("import sys; from app.cli import main; main(['tables', '--help']); main(['tables', '9', '--out', 'd']); "
             "sys.exit(any(name in sys.modules for name in ('taichi', 'viser', 'matplotlib')))")
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=HANG)
     assert done.returncode == 0 and "{1,2,3,all}" in done.stdout and "--out DIR" in done.stdout

@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import sync_playwright
 
 from tests.browser.driving import PATIENCE
-from tests.processes import STARVED, until
+from tests.processes import HANG, STARVED, until
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.
@@ -49,7 +49,7 @@ def serving(environment=None):
         yield found[0], process.pid
     finally:
         process.send_signal(signal.SIGINT)
-        assert process.wait(10) in (0, 130)
+        assert process.wait(HANG) in (0, 130)
         assert "Traceback" not in process.stderr.read()
         process.stderr.close()
 
