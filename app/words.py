@@ -120,3 +120,18 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
     if power not in PREFIXES:
         return f"{value:.{digits - 1}e} {unit}"
     return f"{float(f'{value / 1000.0**power:.{digits}g}'):g} {PREFIXES[power]}{unit}"
+
+
+def size_in(text: str, unit: str) -> float:
+    """The size that a text says, the other way round: "2.1 mm", "2.1e-3" or "0,0021" in m.
+
+    Raises ValueError for what is not a number above 0 in this unit.
+    """
+    prefixes = {prefix: power for power, prefix in PREFIXES.items()} if unit else {"": 0}
+    found = re.fullmatch(rf"([+\d.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
+    if not found:
+        raise ValueError(text)
+    value = float(found[1].replace(",", ".")) * 1000.0 ** prefixes[found[2] or ""]
+    if not 0 < value < math.inf:
+        raise ValueError(text)
+    return float(f"{value:.12g}")

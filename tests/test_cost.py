@@ -46,7 +46,8 @@ def frames(scene, steps=100):
         history.add(rows)
         verdict.look(rows, scene.particles)
         status, reason, since = verdict.tell({})
-        yield FrameReport(session=1, number=1, scene=scene, fresh=fresh, playing=True, particles=scene.particles,
+        yield FrameReport(session=1, number=1, memory="", scene=scene, fresh=fresh, playing=True,
+                          particles=scene.particles,
                           step=solver.step, time=solver.time, rows=rows, rate=10.0, real_speed=None, arch=solver.arch,
                           reason=reason, status=status, since=since, not_valid=solver.not_valid()), history
         fresh, rows = False, solver.advance(steps) if solver.sound else rows[:0]

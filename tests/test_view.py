@@ -34,7 +34,7 @@ PLACES = (np.arange(20)[:, None] + 0.5) / 20
 
 
 def report_of(scene, not_valid=None, differences=False):
-    return FrameReport(1, 1, scene, True, True, 20, 0, 0.0, np.zeros((0, 1)), None, 0.0, None, "x64",
+    return FrameReport(1, 1, "", scene, True, True, 20, 0, 0.0, np.zeros((0, 1)), None, 0.0, None, "x64",
                        not_valid or {}, differences)
 
 
@@ -125,6 +125,21 @@ def test_units_have_prefixes(value, text):
     assert with_unit(value, "m") == text
 
 
+@pytest.mark.parametrize("text, unit, value", [
+    ("25 mm", "m", 0.025), ("0.025", "m", 0.025), ("0,025 m", "m", 0.025), (" 2.5e-2m ", "m", 0.025),
+    ("1e3", "Pa", 1e3), ("16 kPa", "Pa", 16e3), ("3 µm", "m", 3e-6), ("0.5 periods/s", "periods/s", 0.5)])
+def test_a_size_is_read_as_it_is_written(text, unit, value):
+    assert words.size_in(text, unit) == pytest.approx(value, rel=1e-11)
+    assert words.size_in(with_unit(value, unit, 6), unit) == pytest.approx(value, rel=1e-5)
+
+
+@pytest.mark.parametrize("text, unit", [("", "m"), ("a lot", "m"), ("0", "m"), ("-1", "m"), ("25 kg", "m"), ("e", "Pa"),
+                                        ("1e999", "m"), ("1e-999", "m"), ("5 k", ""), ("1.2.3", "m"), ("nan", "m")])
+def test_what_is_no_size_is_refused(text, unit):
+    with pytest.raises(ValueError):
+        words.size_in(text, unit)
+
+
 def test_sentences_name_what_stands_beside_the_widgets():
     """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
     assert words.on_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
@@ -156,7 +171,7 @@ def test_every_problem_is_shown(problem):
     for field in ("cells", "ppc", "amplitude", "modulus"):
         low, high, *_ = getattr(view.reach, field)
         assert low <= getattr(scene, field) <= high
-    assert view.reach.speed[0] <= view.speed * scene.period <= view.reach.speed[1]
+    assert view.reach.speed[0] <= view.speed <= view.reach.speed[1]
     for field in view.details:
         value, names = getattr(scene, field), words.choices(type(scene), field)
         assert value in names if scene.choices(field) else isinstance(value, bool)

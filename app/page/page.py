@@ -96,7 +96,8 @@ class Page:
             stage.domains = controls.domains
             with self._client.atomic():
                 self._show_stage(scene.problem)
-                stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time, self._session.speed)
+                stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
+                           self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one

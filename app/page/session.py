@@ -91,8 +91,13 @@ class Session:
             self._restarts += 1
             self._ask()
 
+    def refuse(self, sentence: str) -> None:
+        """Something was asked for that means nothing; the present scene runs on."""
+        with self._lock:
+            self._refusal = sentence
+
     def set_speed(self, speed: float) -> None:
-        """Simulated seconds a second."""
+        """Periods a second."""
         with self._lock:
             self.speed = speed
             self._ask()
@@ -168,12 +173,12 @@ class Session:
 
     def _start(self, scene: Scene) -> None:
         self._wished, self.scene, self.playing = asdict(scene), scene, True
-        self.speed = VIEWS[scene.problem].speed * scene.period
+        self.speed = VIEWS[scene.problem].speed
 
     def _ask(self) -> None:
         self._trouble, self._asked_at = None, monotonic()
-        self._number = self._link.ask(self.scene, self.playing, self.speed, self._restarts, self._single_steps,
-                                      self._differences)
+        self._number = self._link.ask(self.scene, self.playing, self.speed * self.scene.period, self._restarts,
+                                      self._single_steps, self._differences)
 
 
 def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 class Reach:
     """Ends of a problem's sliders: whole numbers (low, high, step), and (low, high) of those whose steps are factors.
 
-    Some reach beyond what a scene can be: the page then says why not, and that is worth reading.
+    The speed is in periods a second. Some reach beyond what a scene can be: the page then says why not, and that is
+    worth reading.
     """
 
     cells: tuple[int, int, int]

@@ -63,6 +63,8 @@ class Stepper:
             self._rebuild()
         elif wish.single_steps > old.single_steps and self.solver.sound and not wish.playing:
             self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance))
+            if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
+                self._rows.append(self.solver.measure())
         self._start_clock()
 
     def state(self) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image
 
 from app.colours import colour_table
+from app.words import size_in
 from tests import processes
 
 PATIENCE = 20.0  # seconds for what follows a click; software rendering is slow
@@ -44,6 +45,11 @@ def time(page):
 
 def steps(page):
     return number(page, r"steps\s+([\d,]+)")
+
+
+def step_size(page):
+    """The time step in s."""
+    return size_in(re.search(r"of (\S+ \S*s)\b", readout(page))[1], "s")
 
 
 def choose(page, label, option):

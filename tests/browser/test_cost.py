@@ -52,7 +52,7 @@ def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
     until(lambda: not job_processes(server[1]), "the process gone")
     page.locator(".lab-dot[data-run='3']").click()
     shown(page, "Run 3 is on the stage")
-    until(lambda: "of 0.00125 s" in readout(page), "the step of 20 cells")
+    until(lambda: "of 1.25 ms" in readout(page), "the step of 20 cells")
     page.get_by_role("tab", name="Explore").click()
     assert value(page, "Cells, h = 1/20") == "20" and value(page, "Method") == "MPM (hat functions)"
     open_cost(page)

@@ -95,7 +95,7 @@ def test_not_valid_is_said_instead_of_a_number(page):
     tick(page, "companion")
     until(lambda: re.search("companion" + LINE, readout(page)), "the companion running")
     choose(page, "On the stage", "companion")
-    row(page, "A = ").get_by_role("slider").focus()
+    row(page, "Amplitude A").get_by_role("slider").focus()
     for _ in range(90):
         page.keyboard.press("ArrowRight")
     until(lambda: "not valid here: " in readout(page), "the sentence")

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from app.colours import colour_table
+from app.words import size_in
 from tests.browser.conftest import visit
 from tests.browser.driving import (
     choose,
@@ -25,7 +26,9 @@ from tests.browser.driving import (
     press,
     readout,
     row,
+    shown,
     stage,
+    step_size,
     steps,
     time,
     until,
@@ -53,42 +56,69 @@ def test_nothing_of_the_viewer_shows(page):
 
 
 def chosen(page, label, unit):
-    """The value where a slider has come to stand, once its label says so: a label may lag behind the keys."""
+    """The value where a slider has come to stand, once the text beside it says so: that may lag behind the keys."""
     ends = row(page, label).get_by_role("slider")
 
     def said():
-        return float(re.search(rf"{label}(\S+) ?{unit}", row(page, label).inner_text())[1])
+        return size_in(typed(page, label).input_value(), unit)
 
-    until(lambda: said() == pytest.approx(10 ** float(ends.get_attribute("aria-valuenow")), rel=6e-3), "the label")
+    until(lambda: said() == pytest.approx(10 ** float(ends.get_attribute("aria-valuenow")), rel=6e-3), "the text")
     return said()
 
 
 def test_every_slider_reaches_the_run(page):
     """Cells, particles per cell, A, E and CFL each begin a new run, seen in label, step size or period."""
-    def step_size():
-        return number(page, r"of (\S+) s")
-
-    size = step_size()
+    size = step_size(page)
     row(page, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("80")
-    until(lambda: step_size() == pytest.approx(size / 2, rel=1e-2), "half the step at half the spacing")
+    until(lambda: step_size(page) == pytest.approx(size / 2, rel=1e-2), "half the step at half the spacing")
     page.get_by_text("Cells, h = 1/80").wait_for()
-    press(page, "E = ", "ArrowRight", 40)
-    stiffness = chosen(page, "E = ", "Pa")
+    press(page, "Modulus E", "ArrowRight", 40)
+    stiffness = chosen(page, "Modulus E", "Pa")
     assert stiffness > 4 / 0.9**2
     size = size / 2 * (4 / stiffness) ** 0.5
-    until(lambda: step_size() == pytest.approx(size, rel=1e-2), "a shorter step for a stiffer bar")
-    press(page, "CFL = ", "ArrowRight", 40)
-    courant_number = chosen(page, "CFL = ", "")
-    until(lambda: step_size() == pytest.approx(size * courant_number / 0.05, rel=1e-2), "a longer step")
-    assert step_size() > 1.1 * size
+    until(lambda: step_size(page) == pytest.approx(size, rel=1e-2), "a shorter step for a stiffer bar")
+    press(page, "CFL number", "ArrowRight", 40)
+    courant_number = chosen(page, "CFL number", "")
+    until(lambda: step_size(page) == pytest.approx(size * courant_number / 0.05, rel=1e-2), "a longer step")
+    assert step_size(page) > 1.1 * size
     before = stage(page)
-    press(page, "A = ", "ArrowLeft", 100)
+    press(page, "Amplitude A", "ArrowLeft", 100)
     until(lambda: np.any(np.abs(stage(page) - before) > 30, axis=2).mean() > 0.01, "another amplitude drawn")
-    assert chosen(page, "A = ", "m") < 0.02
+    assert chosen(page, "Amplitude A", "m") < 0.02
     until(lambda: time(page) > 0.5, "a run under way")
     click(page, "Pause")  # else the new run might have come as far before anybody looks
     row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("2")
     until(lambda: time(page) == 0, "a run begun anew")
+
+
+def typed(page, label):
+    """The text beside a slider."""
+    return row(page, f"{label}, typed").get_by_role("textbox")
+
+
+def test_sizes_can_be_typed_and_come_back_exactly(page):
+    """With a prefix, with a comma, or as it is; what is no number is refused in words and the scene runs on; the slider
+    that comes back to the default meets it to the last digit, and a step of its own shows when single steps are taken.
+    """
+    size = step_size(page)
+    typed(page, "Modulus E").fill("16 kPa")
+    until(lambda: step_size(page) == pytest.approx(size * (4 / 16e3) ** 0.5, rel=5e-3), "a stiff bar")
+    typed(page, "Modulus E").fill("1,0")
+    until(lambda: step_size(page) == pytest.approx(2 * size, rel=5e-3), "a soft one")
+    typed(page, "Amplitude A").fill("a lot")
+    shown(page, "'a lot' is not a number above 0 in m; give one such as 25 mm")
+    typed(page, "Amplitude A").fill("3e-3")
+    until(lambda: not page.get_by_text("not a number above 0").is_visible(), "no complaint")
+    press(page, "CFL number", "ArrowRight", 3)
+    assert chosen(page, "CFL number", "") != 0.05
+    press(page, "CFL number", "ArrowLeft", 3)
+    until(lambda: typed(page, "CFL number").input_value() == "0.05", "the default")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused")
+    norm = re.compile(r"true\s+(\S+ \S+m)")
+    before = norm.search(readout(page))[1]
+    click(page, "Step")
+    until(lambda: norm.search(readout(page))[1] != before, "the numbers of the new step")
 
 
 def test_pause_step_play_reset(page):
@@ -109,18 +139,18 @@ def test_pause_step_play_reset(page):
 
 def test_beyond_the_exact_solution_is_refused_in_words(page):
     """An amplitude that no exact bar has is refused, the present run goes on, and a good one clears the notice."""
-    press(page, "A = ", "End")
+    press(page, "Amplitude A", "End")
     page.locator(".lab-refused").wait_for()
     assert "0.159" in page.locator(".lab-refused").inner_text()
     before = time(page)
     until(lambda: time(page) > before, "the run going on")
-    press(page, "A = ", "ArrowLeft", 150)
+    press(page, "Amplitude A", "ArrowLeft", 150)
     page.locator(".lab-refused").wait_for(state="detached")
 
 
 def test_a_refused_value_stays_wished(page):
     """The slider shows the refused amplitude, so another slider must not quietly clear the notice or half obey."""
-    press(page, "A = ", "End")
+    press(page, "Amplitude A", "End")
     page.locator(".lab-refused").wait_for()
     row(page, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("80")
     page.get_by_text("Cells, h = 1/80").wait_for()
@@ -128,9 +158,9 @@ def test_a_refused_value_stays_wished(page):
         before = time(page)
         until(lambda: time(page) > before, "another readout")  # noqa: B023
     assert "0.159" in page.locator(".lab-refused").inner_text()
-    size = number(page, r"of (\S+) s")
-    press(page, "A = ", "ArrowLeft", 60)
-    until(lambda: number(page, r"of (\S+) s") == pytest.approx(size / 2, rel=1e-2), "both wishes met")
+    size = step_size(page)
+    press(page, "Amplitude A", "ArrowLeft", 60)
+    until(lambda: step_size(page) == pytest.approx(size / 2, rel=1e-2), "both wishes met")
     page.locator(".lab-refused").wait_for(state="detached")
 
 
@@ -146,7 +176,7 @@ def test_reset_while_paused_empties_the_plots(page):
 
 def test_instability_is_said_and_survived(page):
     """CFL 2 cannot be stable: eight steps, and the page says so and what to do; that done, the bar runs again."""
-    press(page, "CFL = ", "End")
+    press(page, "CFL number", "End")
     page.locator(".lab-unstable").wait_for()  # it may be called lost for a moment before
     said = page.locator(".lab-unstable").inner_text()
     assert "went unstable at t = " in said and "the box \"Auto step\" takes" in said
@@ -161,13 +191,13 @@ def test_instability_is_said_and_survived(page):
 def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
     """The slider shows what it takes, also for another scene; who moves the slider has the say again."""
     page.get_by_label("Auto step").click()
-    until(lambda: 0.4 < chosen(page, "CFL = ", "") < 0.7, "the step of the motion ahead")
-    before = chosen(page, "CFL = ", "")
+    until(lambda: 0.4 < chosen(page, "CFL number", "") < 0.7, "the step of the motion ahead")
+    before = chosen(page, "CFL number", "")
     row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
-    until(lambda: chosen(page, "CFL = ", "") != before, "another bound")
-    press(page, "CFL = ", "Home")
+    until(lambda: chosen(page, "CFL number", "") != before, "another bound")
+    press(page, "CFL number", "Home")
     until(lambda: not page.get_by_label("Auto step").is_checked(), "the box unticked")
-    until(lambda: number(page, r"of (\S+) s") == pytest.approx(0.01 / 40 / 2, rel=1e-2), "a step of one's own")
+    until(lambda: step_size(page) == pytest.approx(0.01 / 40 / 2, rel=1e-2), "a step of one's own")
 
 
 def test_lost_run_is_said_and_goes_on(page):
@@ -255,7 +285,7 @@ def test_large_window(page):
 def test_two_visitors_do_not_share(page, server, chromium):
     """A second visitor's slider leaves the first one's run alone."""
     with visit(chromium, server[0]) as other:
-        before = number(page, r"of (\S+) s")
+        before = step_size(page)
         row(other, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("100")
-        until(lambda: number(other, r"of (\S+) s") < before, "the second visitor's finer grid")
-        assert number(page, r"of (\S+) s") == before
+        until(lambda: step_size(other) < before, "the second visitor's finer grid")
+        assert step_size(page) == before

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, coloured, number, press, readout, row, stage, time, until
+from tests.browser.driving import choose, coloured, number, press, readout, row, stage, step_size, time, until
 
 
 @pytest.fixture
@@ -53,9 +53,9 @@ def test_methods_layouts_and_domains(ring):
 
 def test_finer_ring_starts_without_compiling(ring):
     """96 cells from a slider: the finer grid's step size is there at once."""
-    size = number(ring, r"of (\S+) s")
+    size = step_size(ring)
     row(ring, "Cells, h = ").locator("input.mantine-NumberInput-input").fill("96")
-    until(lambda: number(ring, r"of (\S+) s") == pytest.approx(size / 4, rel=1e-2), "a quarter of the step")
+    until(lambda: step_size(ring) == pytest.approx(size / 4, rel=1e-2), "a quarter of the step")
 
 
 def test_probe_reads_a_region(ring):
@@ -69,12 +69,12 @@ def test_probe_reads_a_region(ring):
 
 def test_resonance_is_warned_of_and_inversion_refused(ring):
     """From 0.115 on the page warns and runs on; from 0.386 it refuses; back below, both are gone."""
-    press(ring, "A = ", "End")
+    press(ring, "Amplitude A", "End")
     ring.locator(".lab-refused").wait_for()
     assert "0.386" in ring.locator(".lab-refused").inner_text()
-    press(ring, "A = ", "ArrowLeft", 25)
+    press(ring, "Amplitude A", "ArrowLeft", 25)
     until(lambda: "parametric resonance" in ring.locator(".lab-refused").inner_text(), "the warning")
-    press(ring, "A = ", "ArrowLeft", 120)
+    press(ring, "Amplitude A", "ArrowLeft", 120)
     ring.locator(".lab-refused").wait_for(state="detached")
 
 

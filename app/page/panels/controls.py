@@ -4,13 +4,13 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 import viser
 
 from app import words
 from app.page.panels.estimators import EstimatorChoice
-from app.page.panels.head import LOGARITHMIC, WIDE_LABEL
+from app.page.panels.head import WIDE_LABEL
 from app.page.panels.patience import Patience
+from app.page.panels.size import Size, SizeControl
 from app.page.session import Session
 from app.problems.views import VIEWS
 from app.scale import ColourScale
@@ -18,7 +18,7 @@ from solvers.effects import EFFECTS, Effect
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES, Remedy
 from solvers.rules import field_label
-from solvers.scene import AUTO, Scene
+from solvers.scene import AUTO, DEFAULT_CFL, Scene
 from solvers.step_bound import SAFE
 
 CFL = (0.01, 2.0)
@@ -82,8 +82,9 @@ class Controls:
                 "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
         buttons = gui.add_button_group("Run", tuple(acts), hint="Step pauses and takes one time step")
         buttons.on_click(lambda event: acts[event.target.value]())
-        self._logarithmic("Speed", "s/s", VIEWS[session.scene.problem].reach.speed, session.speed, session.set_speed,
-                          "simulated seconds per second of yours")
+        view = VIEWS[session.scene.problem]
+        self._size(Size("Speed", "periods/s", view.reach.speed, view.speed,
+                        "periods of the exact vibration in a second of yours"), session.speed, session.set_speed)
 
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
@@ -91,10 +92,12 @@ class Controls:
         self._cells()
         per_cell = self._gui.add_slider("Particles / cell", *view.reach.ppc, 1, scene.ppc, hint="in each direction")
         self._follow(per_cell, lambda count: session.set(ppc=count))
-        self._logarithmic("A", "m", view.reach.amplitude, scene.amplitude, lambda v: session.set(amplitude=v),
-                          view.amplitude_hint)
-        self._logarithmic("E", "Pa", view.reach.modulus, scene.modulus, lambda v: session.set(modulus=v),
-                          "Young's modulus: what is stiffer vibrates faster")
+        default = type(scene)()
+        self._size(Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
+                   scene.amplitude, lambda value: session.set(amplitude=value))
+        self._size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
+                        "Young's modulus: what is stiffer vibrates faster"),
+                   scene.modulus, lambda value: session.set(modulus=value))
         self._step()
 
     def _step(self) -> None:
@@ -112,8 +115,8 @@ class Controls:
                 by_hand(float(f"{session.scene.courant_number:.3g}"))
 
         self._shown_step = scene.courant_number
-        self._show_step = self._logarithmic("CFL", "", CFL, scene.courant_number, by_hand,
-                                            "time step as a share of the time a wave takes through a cell")
+        self._step_size = self._size(Size("CFL number", "", CFL, DEFAULT_CFL, "time step as a share of the time a wave "
+                                          "takes through a cell"), scene.courant_number, by_hand)
         auto = self._gui.add_checkbox("Auto step", scene.dt == AUTO, hint=f"take {SAFE:g} of the longest step that the "
                                       "motion ahead bears by linear theory; the slider above shows it")
         self._follow(auto, automatic)
@@ -128,7 +131,7 @@ class Controls:
             scene = self._session.scene
             if scene.dt == AUTO and scene.courant_number != self._shown_step:
                 self._shown_step = scene.courant_number
-                self._show_step(scene.courant_number)
+                self._step_size.show(scene.courant_number)
 
     def _cells(self) -> None:
         scene = self._session.scene
@@ -203,27 +206,6 @@ class Controls:
             else self._gui.add_checkbox(label, value, hint=hint)
         self._follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
 
-    def _logarithmic(self, name: str, unit: str, reach: tuple[float, float], value: float,
-                     act: Callable[[float], None], hint: str) -> Callable[[float], None]:
-        """A slider whose steps are factors. Its value stands in its label, for its box would show a logarithm. Returns
-        what makes it show another value."""
-        def label(v: float) -> str:
-            return f"{name} {v:.3g} {unit}".rstrip() if len(name) > 3 else f"{name} = {v:.3g} {unit}".rstrip()
-
-        self._gui.add_html(LOGARITHMIC)
-        low, high = (float(np.log10(end)) for end in (min(*reach, value), max(*reach, value)))
-        decades = range(int(np.ceil(low)), int(np.floor(high)) + 1)
-        slider = self._gui.add_slider(label(value), low, high, 0.005, float(np.log10(value)), hint=hint,
-                                      marks=tuple((float(d), f"{10.0 ** d:g}") for d in decades))
-
-        def changed(logarithm: float) -> None:
-            v = float(f"{10 ** logarithm:.3g}")
-            slider.label = label(v)
-            act(v)
-
-        def show(v: float) -> None:
-            slider.label = label(v)
-            slider.value = float(np.clip(np.log10(v), low, high))  # type: ignore[misc]
-
-        self._follow(slider, changed)
-        return show
+    def _size(self, size: Size, value: float, act: Callable[[float], None]) -> SizeControl:
+        """A slider and a text for a number of any size."""
+        return SizeControl(self._gui, size, value, act, self._session.refuse, self._follow)

@@ -12,6 +12,8 @@ CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the 
 
 #: Put before a slider whose number box would show a logarithm: the style hides the box.
 LOGARITHMIC = "<i class='lab-logarithmic'></i>"
+#: Put before the text beside such a slider.
+TYPED = "<i class='lab-typed'></i>"
 #: Put before each of the boxes that stand two in a row.
 HALF_WIDE = "<i class='lab-half'></i>"
 #: Put before a box whose label is longer than the others'.

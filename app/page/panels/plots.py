@@ -12,12 +12,13 @@ from viser import uplot
 from app.colours import TRUTH
 from app.page.history import History
 from app.scale import BEYOND, largest
-from app.words import QUANTITIES, power_of_ten, power_text
+from app.words import QUANTITIES, number, power_of_ten, power_text
 from solvers.estimators.registry import ESTIMATORS
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
 LEAST_HEIGHT, LABEL_HEIGHT = 76, 15  # pixels, of a plot and of the label below the last
+LEAST_SPACE = 16  # pixels between two numbers of an axis: the smallest plot has two
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
 _FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
                                      "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
@@ -60,7 +61,8 @@ class Plots:
         power = power_of_ten(max(largest(values) for values in (*estimated, true)))
         self._headings[0].content = _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}")
         self._plots[0].data = _finite(time, *(values / 10.0**power for values in (true, *estimated)))
-        self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", no_index)
+        beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
+        self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
         self._plots[1].data = _finite(time, np.ones(len(time)), *indices)
@@ -94,11 +96,18 @@ class Plots:
         x: uplot.Axis = {"size": 24, "font": _FONT, "grid": _GRID, "ticks": _TICKS}
         if x_label:
             x |= {"label": x_label, "labelSize": LABEL_HEIGHT, "labelFont": _LABEL_FONT}
-        y: uplot.Axis = {"size": 40, "font": _FONT, "grid": _GRID, "ticks": {"show": False}}
+        y: uplot.Axis = {"size": 40, "space": LEAST_SPACE, "font": _FONT, "grid": _GRID, "ticks": {"show": False}}
         return self._gui.add_html(_heading(heading)), self._gui.add_uplot(
             (start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
             axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
             height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0))
+
+
+def _beyond(indices: dict[str, float]) -> str:
+    """Which indices are outside of the plot, and where."""
+    low, high = INDEX_RANGE
+    return "; ".join(f"{name} is {'above' if index > high else 'below'} the plot, at {number(index)}"
+                     for name, index in indices.items() if np.isfinite(index) and not low <= index <= high)
 
 
 def _line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:

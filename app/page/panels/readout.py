@@ -20,6 +20,19 @@ LINE = 18  # pixels that a line of the readout is high
 SHORT = 30  # characters of a reason that fit beside a name
 SILENCE_LINE = 40  # and of one that begins with it, on a line
 TRUE = "true"
+#: What a line of the readout means, for who rests on it.
+HINTS = {
+    "time": "simulated time since the start, and in periods of the exact vibration",
+    "steps": "time steps taken, and how long each is",
+    "step": "the time step over the longest that the present configuration bears by linear theory; above 1 it breaks",
+    "solver": "how fast the kernels run, waiting not counted, and on what",
+    "speed": "periods of the vibration in a second of yours: asked for, and reached",
+    "energy": "kinetic and strain energy less the work of the body force, over the largest energy",
+    "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
+    "norm": "root of the mean square over the particles, now",
+    "index": "error index: estimated over true, summed over the run so far; 1 is perfect",
+    "distance": "what the estimate misses, direction and all, over the true error; 0 is perfect",
+}
 
 
 def readout(session: Session, report: FrameReport, quantity: str, drawn: str | None, probed: str | None,
@@ -39,22 +52,23 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
 
 
 def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None) -> str:
-    scene, speed = report.scene, report.real_speed if report.playing else None
+    scene = report.scene
+    speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     real = NOTHING if speed is None else f"{speed:.3g}"
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
     state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE else " <b>paused</b>"
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
-            ("steps", f"{report.step:,} of {scene.time_step:.3g} s"),
+            ("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
             *([("step", _margin(session.history.margin))] if scene.has("margin") else []),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
-            ("speed", f"asked {session.speed:.3g}, real {real} s/s{capped}")]
+            ("speed", f"asked {session.speed:.3g}, real {real} periods/s{capped}")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
         size = f"{drift:+.2%}" if abs(drift) < 10 else f"{100 * drift:+.2g}%"
         rows.append(("energy", f"out of balance by {size}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
-    return _table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+    return _table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 
 
 def _margin(margin: float) -> str:
@@ -68,7 +82,8 @@ def _margin(margin: float) -> str:
 def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> str:
     """A line for the truth and one for each estimator: its norm now, its index and its distance so far."""
     unit = QUANTITIES[key].unit
-    rows = [_row("head", f"error of {QUANTITIES[key].symbol}", "norm", "index", "distance")]
+    heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("norm", "index", "distance"))
+    rows = [_row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
     for name, silence in _silences(report, series, key).items():
         if len(silence) > SHORT:
             rows.append(_row("", f"<span class='lab-name'>{_named(name)}</span>: {html.escape(silence)}"))

@@ -20,7 +20,7 @@ def regions(X: np.ndarray) -> Regions:
 
 RING = ProblemView(
     "ring", regions, f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the wall",
-    picture=(13.5, 0.85), speed=0.2, reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-5, 0.1)),
+    picture=(13.5, 0.85), speed=0.2, reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-2, 10.0)),
     amplitude_hint=f"largest displacement of the outer rim; from {RESONANCE} m on the motion itself is unstable, above "
                    f"{WRINKLING} m a real ring wrinkles, from {INVERSION} m on the exact one turns inside out",
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
