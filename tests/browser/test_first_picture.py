@@ -9,7 +9,8 @@ import pytest
 
 from app.colours import colour_table
 from tests.browser.conftest import serving, visit
-from tests.browser.driving import click, coloured, number, readout, stage, time, until
+from tests.browser.driving import PATIENCE, click, coloured, number, readout, stage, time, until
+from tests.processes import STARVED
 
 #: Looks at every frame that the browser paints: is the middle of the window covered, or is there a stage to see?
 LOOK = """
@@ -27,13 +28,20 @@ look();
 """
 
 
+def newcomer(chromium):
+    """A visitor before the page is there, with the patience of all others."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page.set_default_timeout(1e3 * STARVED * PATIENCE)
+    return page
+
+
 def summary(page):
     return page.locator("#lab-summary[role=status]").inner_text()
 
 
 def test_nothing_half_made_is_ever_seen(server, chromium):
     """From the first picture on the ground covers the viewer's own panel, until there is a stage; then it is away."""
-    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page = newcomer(chromium)
     page.add_init_script(LOOK)
     page.goto(f"{server[0]}/?fixedDpr=1", wait_until="commit")
     page.locator("#lab-ground").wait_for()
@@ -47,7 +55,7 @@ def test_nothing_half_made_is_ever_seen(server, chromium):
 def test_a_refusal_is_not_covered(chromium):
     """Who finds every place taken reads so."""
     with serving(arguments=("--max-sessions", "1")) as (address, _), visit(chromium, address):
-        page = chromium.new_page()
+        page = newcomer(chromium)
         page.goto(address)
         page.get_by_text("Every place on this server is taken.").wait_for()
         page.locator("#lab-ground").wait_for(state="hidden")
