@@ -6,10 +6,10 @@ from typing import Literal
 import numpy as np
 import viser
 
-from app.scale import ColourScale
+from app.scale import MOST_TICKS, ColourScale
 from app.words import power_text
 
-RECTANGLE = (-0.105, 1.055, -0.08, 1.1)  # x0, x1, y0, y1 of the stage; every problem is drawn to fit
+RECTANGLE = (-0.105, 1.055, -0.11, 1.13)  # x0, x1, y0, y1 of the stage; every problem is drawn to fit
 COLOUR_BAR, COLOUR_BAR_HEIGHT = 1.015, 0.024
 TICK_GAP = 0.024  # labels have a white ground, which must stay clear of the colours
 FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
@@ -32,7 +32,7 @@ class ColourBar:
         bar.points = in_plane(np.linspace(ends, 1 - ends, 256), COLOUR_BAR)
         bar.colors = scale.gradient(256)
         self._ticks = [label(s, f"/colours/tick{k}", "", 0.0, COLOUR_BAR - TICK_GAP, "top-center", 0.85)
-                       for k in range(5)]
+                       for k in range(MOST_TICKS)]
         self._title = label(s, "/colours/title", "", 0.0, COLOUR_BAR + TICK_GAP, "bottom-left")
 
     def draw(self, measures: str, unit: str) -> None:
@@ -41,7 +41,7 @@ class ColourBar:
         ticks = self._scale.ticks()
         if ticks != self._drawn:
             self._drawn = ticks
-            for tick, (at, text) in zip(self._ticks, [*ticks, (AWAY, "")], strict=False):
+            for tick, (at, text) in zip(self._ticks, ticks + [(AWAY, "")] * MOST_TICKS, strict=False):
                 tick.text, tick.position = text, (at, COLOUR_BAR - TICK_GAP, 0.0)
 
 

@@ -1,42 +1,47 @@
 """The colour scale that estimate and truth share: from sizes of errors to colours, and its numbers."""
 
 import math
+from collections import deque
 
 import numpy as np
 
 from app.colours import colour_table
 from app.words import number, power_of_ten
 
+#: Tops between two powers of ten, each with the number of parts into which ticks divide it, so that these are round
+#: too. Neighbours are so close that the largest error reaches three quarters of the scale or more.
+TOPS = {1.0: 4, 1.2: 4, 1.5: 3, 2.0: 4, 2.5: 5, 3.0: 3, 4.0: 4, 5.0: 5, 6.0: 3, 8.0: 4}
+MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
-FADE = 0.985  # per frame: how slowly the top follows when errors shrink
+MEMORY = 1.0  # periods for which the largest error is kept in mind: errors come and go within one, and the top must not
 SMALLEST = 1e-300
 BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale: it would hide both
 
 
 class ColourScale:
-    """Maps sizes of errors to colours. The top follows the largest error seen lately, in round numbers."""
+    """Maps sizes of errors to colours. The top follows the largest error of the last period, in round numbers."""
 
     def __init__(self) -> None:
         self._table = colour_table()
-        self._peak = 0.0
+        self._peaks: deque[tuple[float, float]] = deque()  # times and errors, each larger than all that came after it
         self.logarithmic = False
         self.held = False
-        self.top = 1.0
+        self.top, self._parts = 1.0, TOPS[1.0]
         self.exceeded = False  # whether something is beyond the top, and so looks smaller than it is
 
     def forget(self) -> None:
         """Another quantity or another run: begin anew, unless held."""
         if not self.held:
-            self._peak = 0.0
+            self._peaks.clear()
 
-    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None) -> None:
-        """Take in a frame's errors and move the top, unless held."""
+    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, periods: float) -> None:
+        """Take in the errors of a frame at a time in periods, and move the top, unless held."""
         truth, estimate = largest(true), largest(estimated)
         if not self.held:
             top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
-            self._peak = max(top, FADE * self._peak)
-            if self._peak > SMALLEST:
-                self.top = round_up(self._peak)
+            self._remember(top, periods)
+            if self._peaks[0][1] > SMALLEST:
+                self.top, self._parts = round_top(self._peaks[0][1])
         self.exceeded = max(truth, estimate) > self.top
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
@@ -55,7 +60,8 @@ class ColourScale:
         if self.logarithmic:
             ticks = [(k / DECADES, number(self.top * 10 ** (k - DECADES))) for k in range(DECADES + 1)]
         else:
-            ticks = [(k / 4, number(self.top * k / 4 / 10.0**self.power)) for k in range(5)]
+            n = self._parts
+            ticks = [(k / n, number(self.top * k / n / 10.0**self.power)) for k in range(n + 1)]
         at, text = ticks.pop()
         return [*ticks, (at, f"≥ {text}" if self.exceeded else text)]
 
@@ -63,6 +69,14 @@ class ColourScale:
     def power(self) -> int:
         """The power of ten that the ticks are counted in."""
         return 0 if self.logarithmic else power_of_ten(self.top)
+
+    def _remember(self, top: float, periods: float) -> None:
+        """Keep the largest errors of the last period; a frame drawn anew takes the place of what it was before."""
+        while self._peaks and (self._peaks[-1][0] >= periods or self._peaks[-1][1] <= top):
+            self._peaks.pop()
+        self._peaks.append((periods, top))
+        while self._peaks[0][0] < periods - MEMORY:
+            self._peaks.popleft()
 
 
 def largest(sizes: np.ndarray | None) -> float:
@@ -73,7 +87,7 @@ def largest(sizes: np.ndarray | None) -> float:
     return top if math.isfinite(top) else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 
-def round_up(value: float) -> float:
-    """The next of 1, 2, 5 times a power of ten: a scale that moves in few, round steps."""
+def round_top(value: float) -> tuple[float, int]:
+    """The next of the tops, times a power of ten, and the parts into which its ticks divide it."""
     power = 10.0 ** math.floor(math.log10(value))
-    return next((m * power for m in (1, 2, 5) if value <= m * power), 10 * power)
+    return next(((m * power, parts) for m, parts in TOPS.items() if value <= m * power), (10 * power, TOPS[1.0]))

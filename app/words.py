@@ -101,6 +101,11 @@ def number(value: float) -> str:
     return f"{value:.3g}"
 
 
+def ratio(value: float) -> str:
+    """An estimate over what it is an estimate of: 0.36, 1.02."""
+    return f"{value:.2f}" if 0.095 < value < 1000 else f"{value:.1g}"
+
+
 def power_of_ten(largest: float) -> int:
     """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
     power = math.floor(math.log10(largest)) if largest > 0 else 0

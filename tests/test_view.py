@@ -18,7 +18,7 @@ from app.problems.bar.view import LENGTHS
 from app.problems.ring.view import ANGLES, RING
 from app.problems.stage import Stage
 from app.problems.views import VIEWS
-from app.scale import ColourScale
+from app.scale import DECADES, MOST_TICKS, ColourScale
 from app.words import with_unit
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
@@ -111,12 +111,39 @@ def test_another_estimator_is_on_its_way():
 
 def test_scale_says_when_something_exceeds_it():
     scale = ColourScale()
-    scale.follow(np.full(3, 5.0), np.full(3, 1.0))
+    scale.follow(np.full(3, 5.0), np.full(3, 1.0), 0.0)
     assert scale.top == 5 and scale.ticks()[-1][1] == "5"
-    scale.follow(np.full(3, 50.0), np.full(3, 1.0))
+    scale.follow(np.full(3, 50.0), np.full(3, 1.0), 0.0)
     assert scale.top == 10 and scale.ticks()[-1][1] == "≥ 10"
-    scale.follow(None, None)
+    scale.follow(None, None, 0.0)
     assert not scale.exceeded
+
+
+@pytest.mark.parametrize("logarithmic", [False, True])
+def test_scale_is_used_and_its_numbers_are_round(logarithmic):
+    """Whatever the largest error, it is in the upper quarter of the scale, and a tick has two digits at most."""
+    for value in np.geomspace(1e-7, 1e6, 500):
+        scale = ColourScale()
+        scale.logarithmic = logarithmic
+        scale.follow(np.array([value]), None, 0.0)
+        assert 0.75 - 1e-12 <= value / scale.top <= 1
+        assert len(scale.ticks()) <= MOST_TICKS and scale.ticks()[-1][0] == 1
+        for at, text in scale.ticks():
+            exact = scale.top * 10 ** (DECADES * (at - 1)) if logarithmic else scale.top * at / 10.0**scale.power
+            assert float(text) == pytest.approx(exact, rel=1e-9)  # nothing was rounded away
+            assert len(f"{float(text):.12e}".split("e")[0].rstrip("0")) <= 4  # 2.25 at most
+
+
+def test_scale_keeps_still_while_errors_come_and_go():
+    """An error that swings twice a period has one top; one that has gone for a period has none."""
+    scale, tops = ColourScale(), set()
+    for k in range(400):
+        scale.follow(None, np.array([2.2 * abs(np.sin(2 * np.pi * (k / 100 + 0.25))) + 0.1]), k / 100)
+        tops.add(scale.top)
+    assert tops == {2.5}
+    for k in range(400, 502):
+        scale.follow(None, np.array([0.1]), k / 100)
+    assert scale.top == 0.1
 
 
 @pytest.mark.parametrize(("value", "text"), [

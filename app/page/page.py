@@ -3,6 +3,7 @@
 import logging
 import threading
 from html import escape
+from time import monotonic
 
 import numpy as np
 import viser
@@ -16,6 +17,7 @@ from app.page.panels.measurements import Measurements
 from app.page.panels.texts import add_about, add_lessons
 from app.page.probe import Probe
 from app.page.session import FIRST_SCENE, PageLinks, Session
+from app.page.summary import Pace, summary
 from app.page.view import View, look
 from app.page.worst import WorstRegions
 from app.problems.views import VIEWS
@@ -35,10 +37,11 @@ class Page:
         self._closed, self._drawing = threading.Event(), threading.Lock()
         self._last: tuple[FrameReport, FrameArrays] | None = None
         self._view: View | None = None
+        self._shown: tuple[str, str | None, bool] | None = None  # quantity, estimator, and whether it is compared
         self._scale = ColourScale()
         set_up(client.gui)
         add_head(client.gui)
-        self._notice = client.gui.add_html("")
+        self._notice, self._says, self._pace = client.gui.add_html(""), client.gui.add_html(""), Pace()
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
         self._colour_bar = ColourBar(client.scene, self._scale)
         self._stages = {problem: view.stage(client, self._scale) for problem, view in VIEWS.items()}
@@ -91,7 +94,11 @@ class Page:
             view = look(report, arrays, controls.quantity, choice.drawn, choice.difference)
             if choice.difference and scene.has("truth") and scene.active_estimators and not report.differences:
                 return  # the frame is one from before they were asked for; the next is on its way
-            self._scale.follow(view.left.sizes, view.right.sizes)
+            shown = controls.quantity, choice.drawn, choice.difference
+            if shown != self._shown:
+                self._scale.forget()
+                self._shown = shown
+            self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period)
             stage = self._stages[scene.problem]
             stage.domains = controls.domains
             with self._client.atomic():
@@ -119,6 +126,17 @@ class Page:
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
             f"{escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")
+        self._say()
         self._controls.refresh()
         self._cost.refresh()
         self._camera.settle()
+
+    def _say(self) -> None:
+        """Say what is seen, now and then; that there is something to see lifts the page's ground (``ground.html``)."""
+        if self._last is None or self._view is None:
+            return
+        controls = self._controls
+        sentence = summary(*self._last, self._view, self._worst, self._session.history.series, controls.quantity,
+                           controls.estimators.drawn)
+        if self._pace.lets(sentence, monotonic()):
+            self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"

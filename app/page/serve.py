@@ -111,12 +111,13 @@ def serve(host: str, port: int, max_sessions: int) -> None:
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
     import viser
 
+    from app.page.index import own_index
     from app.page.page import Page
     from app.page.panels.head import set_up
 
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    with contextlib.redirect_stdout(io.StringIO()):  # it would announce itself in a box of its own
+    with contextlib.redirect_stdout(io.StringIO()), own_index():  # it would announce itself in a box of its own
         server = viser.ViserServer(host=host, port=port, verbose=False)
     set_up(server.gui)
     visitors = Visitors(pool, max_sessions, Page, _show)

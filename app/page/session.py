@@ -17,7 +17,7 @@ from solvers.problems import PROBLEMS
 from solvers.rules import SceneError
 from solvers.scene import Scene
 
-FIRST_SCENE = BarScene(periods=1)
+FIRST_SCENE = BarScene(periods=1, estimators=("recovered", "transport"))  # the first is the one that is drawn
 BROKEN = 30.0  # error index from which on an estimate is no estimate
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
 
@@ -28,6 +28,11 @@ class Notice:
 
     kind: str
     sentence: str
+
+
+def first_scene(problem: str) -> Scene:
+    """What the page shows of a problem at first."""
+    return FIRST_SCENE if problem == FIRST_SCENE.problem else PROBLEMS[problem].scene(periods=1)
 
 
 class PageLinks(ExitStack):

@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
+from app.page.session import first_scene
 from solvers.problems import PROBLEMS
 from solvers.rules import SceneError
 from solvers.scene import Scene
@@ -13,7 +14,7 @@ from solvers.scene import Scene
 
 def usual_scenes() -> list[Scene]:
     """Of every problem the page's first scene, then what one change makes of it, then what two do."""
-    firsts = [problem.scene(periods=1) for problem in PROBLEMS.values()]
+    firsts = [first_scene(problem) for problem in PROBLEMS]
     rounds = ([_estimators(scene) for scene in firsts] + [_methods(scene) for scene in firsts]
               + [_single_changes(scene) for scene in firsts])
     return [scene for changes in rounds for scene in changes]
@@ -27,10 +28,10 @@ def _estimators(first: Scene) -> Iterator[Scene]:
 
 
 def _methods(first: Scene) -> Iterator[Scene]:
-    """The other methods, with one estimator."""
-    for name in first.choices("estimators"):
+    """The other methods, with the first estimators and with each alone."""
+    for chosen in (first.estimators, *((name,) for name in first.choices("estimators"))):
         for method in first.choices("method"):
-            yield from _with(first, method=method, estimators=(name,))
+            yield from _with(first, method=method, estimators=chosen)
 
 
 def _single_changes(first: Scene) -> Iterator[Scene]:

@@ -35,13 +35,14 @@ def _browser() -> str:
 
 
 @contextmanager
-def serving(environment=None):
-    """Address and process id of a page served by the command line itself."""
+def serving(environment=None, arguments=()):
+    """Address and process id of a page served by the command line itself, with further ``arguments``."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         port = str(trial.getsockname()[1])
-    process = subprocess.Popen([sys.executable, "-m", "app", "serve", "--port", port], stderr=subprocess.PIPE,
-                               text=True, cwd=Path(__file__).parents[2], env={**os.environ, **(environment or {})})
+    command = [sys.executable, "-m", "app", "serve", "--port", port, *arguments]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2],
+                               env={**os.environ, **(environment or {})})
     line = process.stderr.readline()
     found = re.search(r"http://\S+", line)
     assert found, f"the server said: {line}"

@@ -11,7 +11,7 @@ from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.head import WIDE_LABEL
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
-from app.page.session import Session
+from app.page.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from solvers.effects import EFFECTS, Effect
@@ -60,7 +60,7 @@ class Controls:
         """Another problem has other choices and reaches."""
         if self._problem.value != self._session.scene.TITLE:
             kind = next(problem.scene for problem in PROBLEMS.values() if problem.scene.TITLE == self._problem.value)
-            self.load(kind(periods=1))
+            self.load(first_scene(kind.problem))
 
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once

@@ -1,4 +1,4 @@
-"""The head of the page: title, icon, style and theme. The viewer lets them be set by html of one's own only."""
+"""The head of the page: style and theme. The viewer lets style be set by html of one's own only."""
 
 import colorsys
 from pathlib import Path
@@ -19,19 +19,15 @@ HALF_WIDE = "<i class='lab-half'></i>"
 #: Put before a box whose label is longer than the others'.
 WIDE_LABEL = "<i class='lab-wide'></i>"
 
-_ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
-         "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "
-         "stroke='white' stroke-width='1.6'/%3E%3Ccircle cx='5' cy='4.6' r='1.7' fill='%23D55E00'/%3E%3C/svg%3E")
 _PIXEL = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///ywAAAAAAQABAAACAUwAOw=="
 _STYLE = (Path(__file__).parents[1] / "style.css").read_text(encoding="utf-8")
-# An image's onload is the one moment in a page's life that html alone can hook: it sets the tab's title and icon.
-# The viewer's own buttons (its server, its scene tree, its share link) are of no use to a visitor, and its warning
-# of slow graphics, which would cover the colour bar, does not hold for so light a picture.
-_HEAD = f"""<img src='{_PIXEL}' style='display:none' onload="document.title='mpm-lab';
-document.querySelector('link[rel=icon]').href=this.dataset.icon;
+# An image's onload is the one moment in a page's life that html alone can hook. The viewer's own buttons (its server,
+# its scene tree, its share link) are of no use to a visitor, and its warning of slow graphics, which would cover the
+# colour bar, does not hold for so light a picture.
+_HEAD = f"""<img src='{_PIXEL}' style='display:none' onload="
 new MutationObserver(()=>document.querySelectorAll('.mantine-Notification-root').forEach(n=>{{
 if(n.innerText.startsWith('Software WebGL'))n.style.display='none'}})).observe(document.body,{{childList:true,
-subtree:true}})" data-icon="{_ICON}">
+subtree:true}})">
 <style>
 :root {{ --lab-estimate: {ESTIMATE}; --lab-truth: {TRUTH}; --lab-left-panel: {MEASUREMENTS_WIDTH}px;
 --lab-right-panel: {CONTROLS_WIDTH}px; }}
@@ -47,7 +43,7 @@ def set_up(gui: viser.GuiApi) -> None:
 
 
 def add_head(gui: viser.GuiApi) -> None:
-    """The html that sets title, icon and style, in an element of its own so that it runs once."""
+    """The html that sets the style, in an element of its own so that it runs once."""
     gui.add_html(_HEAD)
 
 

@@ -9,7 +9,7 @@ from app.colours import ESTIMATE, TRUTH
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.page.worst import WorstRegion, WorstRegions
-from app.words import NOTHING, QUANTITIES, with_unit
+from app.words import NOTHING, QUANTITIES, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
 from solvers.norms import energy_drift
@@ -155,4 +155,4 @@ def _ratio(series: dict[str, np.ndarray], name: str) -> str:
     values = series.get(name, np.zeros(0))
     if not len(values) or not np.isfinite(values[-1]):
         return NOTHING
-    return f"{values[-1]:.2f}" if 0.095 < values[-1] < 1000 else f"{values[-1]:.1g}"
+    return ratio(float(values[-1]))

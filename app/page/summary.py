@@ -1,0 +1,85 @@
+"""What is seen now, in one sentence made from the numbers: for the eye, and what a screen reader gets."""
+
+import numpy as np
+
+from app.page.history import CROSSING_WINDOW
+from app.page.view import View
+from app.page.worst import WorstRegions
+from app.words import QUANTITIES, number, ratio, with_unit
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.soundness import LOST, UNSTABLE
+
+WAITING = "Waiting for the first frame."
+SAY_SECONDS = 2.0  # between two sentences: a screen reader reads each of them
+
+
+class Pace:
+    """Lets sentences through calmly: a new one only, and not soon after the last."""
+
+    def __init__(self) -> None:
+        self._last, self._next = "", 0.0
+
+    def lets(self, sentence: str, now: float) -> bool:
+        """Whether to say the sentence at a time in seconds."""
+        if sentence == self._last or now < self._next:
+            return False
+        self._last, self._next = sentence, now + SAY_SECONDS
+        return True
+
+
+def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
+            series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
+    """The sentence for a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
+
+    ``quantity`` is a key, ``drawn`` the estimator on the stage.
+    """
+    if report is None or arrays is None or view is None:
+        return WAITING
+    if report.status == UNSTABLE:
+        return f"The run went unstable and has stopped at t = {number(report.time)} s; this is its last picture."
+    parts = [_errors(view, series, quantity, drawn), *_where(worst), *_crossings(report, arrays)]
+    if report.status == LOST:
+        parts.insert(0, f"the run is lost from t = {number(report.since or 0.0)} s on")
+    before = "" if report.playing else f"paused at t = {number(report.time)} s: "
+    sentence = before + "; ".join(parts) + "."
+    return sentence[:1].upper() + sentence[1:]
+
+
+def _errors(view: View, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
+    """How large the estimate is beside the truth, or either alone and why the other is missing."""
+    of = f"error of {QUANTITIES[quantity]}"
+    if view.true is None and view.estimated is None:
+        return f"nothing is known of the {of}: {view.right.silence}; {view.left.silence}"
+    if view.true is None:
+        return f"{drawn} estimates the {of} at {_size(series, f'{drawn}/estimate_{quantity}', quantity)}; " \
+               f"{view.right.silence}"
+    if view.estimated is None:
+        return f"the true {of} is {_size(series, f'error_{quantity}', quantity)}; {view.left.silence}"
+    index = series.get(f"{drawn}/index_{quantity}", np.zeros(0))
+    if not len(index) or not np.isfinite(index[-1]):
+        return f"no {of} has been measured yet"
+    times = "times" if index[-1] >= 1 else "of"
+    return f"the estimate by {drawn} is {ratio(float(index[-1]))} {times} the true {of}"
+
+
+def _size(series: dict[str, np.ndarray], name: str, quantity: str) -> str:
+    values = series.get(name, np.zeros(0))
+    known = len(values) and np.isfinite(values[-1])
+    return with_unit(float(values[-1]), QUANTITIES[quantity].unit, 2) if known else "nothing yet"
+
+
+def _where(worst: WorstRegions) -> list[str]:
+    """Where the error is worst: in truth where that is known."""
+    region = worst.by_truth or worst.by_estimate
+    return [f"worst at {region.name}"] if region else []
+
+
+def _crossings(report: FrameReport, arrays: FrameArrays) -> list[str]:
+    """How many particles have crossed a cell boundary within the time over which the plot counts them."""
+    if not report.scene.has("crossings"):
+        return []
+    steps, window = arrays.steps_since_crossing, CROSSING_WINDOW * report.scene.period
+    count = int(np.count_nonzero((steps >= 0) & (steps * report.scene.time_step <= window)))
+    who = f"{count} particles" if count > 1 else "1 particle" if count else "no particle"
+    return [f"{who} crossed a cell boundary in the last {number(window)} s"]

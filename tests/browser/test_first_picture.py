@@ -1,0 +1,107 @@
+"""What a visitor sees first: nothing half made, then a picture that speaks for itself."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from app.colours import colour_table
+from tests.browser.conftest import serving, visit
+from tests.browser.driving import PATIENCE, click, coloured, number, readout, stage, time, until
+from tests.processes import STARVED
+
+#: Looks at every frame that the browser paints: is the middle of the window covered, or is there a stage to see?
+LOOK = """
+window.covered = window.bare = 0;
+const look = () => {
+  if (document.querySelector('#root > *')) {
+    const ground = document.getElementById('lab-ground');
+    const top = document.elementFromPoint(innerWidth / 2, innerHeight / 2);
+    if (ground && ground.contains(top)) window.covered++;
+    else if (!document.querySelector('.lab-says')) window.bare++;
+  }
+  requestAnimationFrame(look);
+};
+look();
+"""
+
+
+def newcomer(chromium):
+    """A visitor before the page is there, with the patience of all others."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page.set_default_timeout(1e3 * STARVED * PATIENCE)
+    return page
+
+
+def summary(page):
+    return page.locator("#lab-summary[role=status]").inner_text()
+
+
+def test_nothing_half_made_is_ever_seen(server, chromium):
+    """From the first picture on the ground covers the viewer's own panel, until there is a stage; then it is away."""
+    page = newcomer(chromium)
+    page.add_init_script(LOOK)
+    page.goto(f"{server[0]}/?fixedDpr=1", wait_until="commit")
+    page.locator("#lab-ground").wait_for()
+    assert page.title() == "mpm-lab"
+    page.locator("#lab-ground").wait_for(state="hidden")
+    until(lambda: coloured(stage(page)) > 0.08, "two coloured lanes and a colour bar")
+    assert page.evaluate("[window.covered > 0, window.bare]") == [True, 0]
+    page.close()
+
+
+def test_a_refusal_is_not_covered(chromium):
+    """Who finds every place taken reads so."""
+    with serving(arguments=("--max-sessions", "1")) as (address, _), visit(chromium, address):
+        page = newcomer(chromium)
+        page.goto(address)
+        page.get_by_text("Every place on this server is taken.").wait_for()
+        page.locator("#lab-ground").wait_for(state="hidden")
+        page.close()
+
+
+def test_sentence_says_what_the_numbers_say(page):
+    """Recovered against the truth, transport beside it; the sentence has the table's index and its worst region."""
+    until(lambda: re.match(r"The estimate by recovered is 1\.0\d times the true error of displacement x; worst at X = "
+                           r"0\.\d\d–\d\.\d\d m; (\d+|no) particles? crossed a cell boundary in the last 0.05 s\.$",
+                           summary(page)), "the sentence")
+    assert number(page, r"recovered\s+[\d.]+ \S?m\s+([\d.]+)") > number(page, r"transport\s+[\d.]+ \S?m\s+([\d.]+)")
+    click(page, "Pause")
+    until(lambda: summary(page).startswith("Paused at t = "), "the pause said")
+    index = re.search(r"recovered is (\S+) ", summary(page))[1]
+    assert float(index) == number(page, r"recovered\s+[\d.]+ \S?m\s+([\d.]+)")
+    region = re.search(r"worst at (X = \S+ m)", summary(page))[1]
+    assert re.search(rf"true\s+{region}", readout(page))
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
+def test_sentence_covers_nothing(page, size):
+    """It stands between the panels, above the colour bar and its title."""
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    colours = {tuple(c) for c in colour_table().tolist()}
+
+    def first_coloured():
+        picture = stage(page)[:, 60:-60:4]
+        rows = [y for y in range(len(picture)) if np.mean([tuple(c) in colours for c in picture[y].tolist()]) > 0.5]
+        return min(rows, default=0)
+
+    until(lambda: first_coloured() > 0, "the colour bar")
+    until(lambda: summary(page), "the sentence")
+    box = page.locator("#lab-summary").bounding_box()
+    title = 24  # pixels, of the colour bar's title
+    until(lambda: box["y"] > 0 and box["y"] + box["height"] < first_coloured() - title, "room for the sentence")
+    assert box["x"] >= 316 and box["x"] + box["width"] <= size[0] - 352
+
+
+def test_colours_use_the_map(page):
+    """The largest error of a period has a colour of the upper quarter: the scale's top leaves no more unused."""
+    index = {tuple(c): k for k, c in enumerate(colour_table().tolist())}
+
+    def brightest():
+        lanes = stage(page)[180:318].reshape(-1, 3)[::5].tolist()
+        return max((index[tuple(c)] for c in lanes if tuple(c) in index), default=0)
+
+    until(lambda: time(page) > 1, "a period")
+    until(lambda: brightest() >= 0.75 * 255 - 1, "a colour of the upper quarter")
