@@ -73,7 +73,7 @@ def largest(sizes: np.ndarray | None) -> float:
     return top if math.isfinite(top) else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 
-def round_up(value: float) -> float:
-    """The next of 1, 2, 5 times a power of ten: a scale that moves in few, round steps."""
+def round_up(value: float, steps: tuple[float, ...] = (1, 2, 5)) -> float:
+    """The next of ``steps`` times a power of ten: a scale that moves in few, round steps."""
     power = 10.0 ** math.floor(math.log10(value))
-    return next((m * power for m in (1, 2, 5) if value <= m * power), 10 * power)
+    return next((m * power for m in steps if value <= m * power), 10 * power)

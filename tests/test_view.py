@@ -34,7 +34,7 @@ PLACES = (np.arange(20)[:, None] + 0.5) / 20
 
 
 def report_of(scene, not_valid=None, differences=False):
-    return FrameReport(1, 1, scene, True, True, 20, 0, 0.0, np.zeros((0, 1)), None, 0.0, None, "x64",
+    return FrameReport(1, 1, "", scene, True, True, 20, 0, 0.0, np.zeros((0, 1)), None, 0.0, None, "x64",
                        not_valid or {}, differences)
 
 
@@ -45,7 +45,7 @@ def arrays_of(estimate, error, differences=True):
 
     return FrameArrays(PLACES, np.zeros_like(PLACES), np.ones((20, 1)), np.full(20, -1.0), column(error),
                        {"transport": column(estimate)},
-                       {"transport": column(np.abs(estimate - error))} if differences else {})
+                       {"transport": column(np.abs(estimate - error))} if differences else {}, np.zeros((20, 0)))
 
 
 SIGNED, TRUE = np.linspace(-1, 1, 20), np.linspace(1, -1, 20)
