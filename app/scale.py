@@ -91,3 +91,9 @@ def round_top(value: float) -> tuple[float, int]:
     """The next of the tops, times a power of ten, and the parts into which its ticks divide it."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(((m * power, parts) for m, parts in TOPS.items() if value <= m * power), (10 * power, TOPS[1.0]))
+
+
+def round_up(value: float, steps: tuple[float, ...]) -> float:
+    """The next of ``steps`` times a power of ten: a scale that moves in few, round steps."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next((m * power for m in steps if value <= m * power), 10 * power)

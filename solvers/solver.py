@@ -172,8 +172,9 @@ class Solver(ABC):
         return self._other_advice()
 
     @abstractmethod
-    def snapshot(self, differences: bool = False) -> Snapshot:
-        """The particles as they are now, with their true and estimated errors, and on request how far these differ."""
+    def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
+        """The particles as they are now, with their true and estimated errors; on request how far these differ, and
+        the field of the quantity with the key ``plotted``."""
 
     @abstractmethod
     def _run(self, steps: int) -> None:

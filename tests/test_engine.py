@@ -253,6 +253,20 @@ def test_goodbye_overtakes_a_wish_that_waits(pool):
 
 
 @pytest.mark.parametrize("scene", [SCENE, RingScene(cells=12, periods=1)], ids=["bar", "ring"])
+def test_the_field_that_is_asked_for_comes(session):
+    """One quantity of the particles and its deviation, and no more once nobody plots it; a paused session answers."""
+    link, listener = session
+    report, arrays = listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
+    assert report.plotted is None and arrays.plotted.shape == (SCENE.particles, 0)
+    listener.frame(link.ask(SCENE, False, 1.0, 0, 7), lambda r: r.step == 7)
+    solver = build(SCENE)
+    solver.advance(7)
+    for quantity in ("v", "sigma"):
+        report, arrays = listener.frame(link.ask(SCENE, False, 1.0, 0, 7, plotted=quantity), lambda r: r.step == 7)
+        assert report.plotted == quantity
+        np.testing.assert_array_equal(arrays.plotted, solver.snapshot(plotted=quantity).plotted.astype(np.float32))
+
+
 def test_differences_come_on_request(pool, scene):
     """A frame holds the size of estimate minus truth only when asked, and it is the distance of the samples."""
     listener = Listener()

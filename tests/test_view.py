@@ -45,7 +45,7 @@ def arrays_of(estimate, error, differences=True):
 
     return FrameArrays(PLACES, np.zeros_like(PLACES), np.ones((20, 1)), np.full(20, -1.0), column(error),
                        {"transport": column(estimate)},
-                       {"transport": column(np.abs(estimate - error))} if differences else {})
+                       {"transport": column(np.abs(estimate - error))} if differences else {}, np.zeros((20, 0)))
 
 
 SIGNED, TRUE = np.linspace(-1, 1, 20), np.linspace(1, -1, 20)

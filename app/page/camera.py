@@ -31,6 +31,12 @@ class FlatCamera:
         client.camera.on_update(lambda _: self.fit())
         self.fit(force=True)
 
+    def show(self, rectangle: tuple[float, float, float, float]) -> None:
+        """Look at another rectangle from now on."""
+        if rectangle != self._rectangle:
+            self._rectangle = rectangle
+            self.fit(force=True)
+
     def settle(self) -> None:
         """Call now and then: repeats the fit while the canvas is settling."""
         now = monotonic()

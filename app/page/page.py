@@ -100,13 +100,14 @@ class Page:
                 self._shown = shown
             self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period)
             stage = self._stages[scene.problem]
-            stage.domains = controls.domains
+            stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
             with self._client.atomic():
                 self._show_stage(scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
                            self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
+            self._camera.show(stage.RECTANGLE)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._view = view

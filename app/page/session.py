@@ -15,6 +15,7 @@ from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool, Listener, SessionLink
 from solvers.problems import PROBLEMS
 from solvers.rules import SceneError
+from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
 FIRST_SCENE = BarScene(periods=1, estimators=("recovered", "transport"))  # the first is the one that is drawn
@@ -55,6 +56,7 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
+        self._plotted = QUANTITIES[0]
         self._restarts = self._single_steps = self._number = self._compiled_for = 0
         self._start(scene)
         self.history = History(scene, scene.particles)
@@ -111,6 +113,12 @@ class Session:
         """Ask that frames bring the size of estimate minus truth, or no longer."""
         with self._lock:
             self._differences = differences
+            self._ask()
+
+    def plot(self, quantity: str) -> None:
+        """Ask that frames bring the field of the quantity with this key."""
+        with self._lock:
+            self._plotted = quantity
             self._ask()
 
     def close(self) -> None:
@@ -183,7 +191,7 @@ class Session:
     def _ask(self) -> None:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed * self.scene.period, self._restarts,
-                                      self._single_steps, self._differences)
+                                      self._single_steps, self._differences, self._plotted)
 
 
 def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:

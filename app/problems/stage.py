@@ -7,7 +7,7 @@ from typing import ClassVar, Generic, TypeVar
 import numpy as np
 import viser
 
-from app.drawing import write
+from app import drawing
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
 from solvers.scene import Scene
@@ -27,9 +27,12 @@ class Half:
 class Stage(ABC, Generic[AnyScene]):
     """Draws frames of a problem in one client's scene; both halves and the colour bar use one scale.
 
-    ``domains`` says whether the particles' domains are outlined, on a stage that can. ``_titles`` and ``_silences``
-    hold two labels each, the estimate's and the truth's.
+    ``domains`` says whether the particles' domains are outlined, on a stage that can; ``plotted`` is the quantity whose
+    field the frames hold, if any, and ``magnified`` how many times its deviation from the exact one is drawn.
+    ``_titles`` and ``_silences`` hold two labels each, the estimate's and the truth's.
     """
+
+    RECTANGLE: ClassVar[tuple[float, float, float, float]] = drawing.RECTANGLE  # x0, x1, y0, y1 of all that is drawn
 
     SILENCE_WIDTH: ClassVar[int]  # characters in a line of the reason why a half is empty
 
@@ -38,6 +41,8 @@ class Stage(ABC, Generic[AnyScene]):
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, problem: str):
         self._scale, self.domains = scale, False
+        self.plotted: str | None = None
+        self.magnified = 1
         self._drawn_scene: AnyScene | None = None
         self.root = client.scene.add_frame(f"/{problem}", show_axes=False)
 
@@ -52,8 +57,8 @@ class Stage(ABC, Generic[AnyScene]):
     def caption(self, estimate: Half, truth: Half) -> None:
         """Title the halves, and say in an empty one why it is."""
         for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
-            write(title, half.title)
-            write(silence, half.silence, self.SILENCE_WIDTH)
+            drawing.write(title, half.title)
+            drawing.write(silence, half.silence, self.SILENCE_WIDTH)
 
     @abstractmethod
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:

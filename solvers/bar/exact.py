@@ -39,6 +39,14 @@ def stress(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     return scene.modulus * (deformation_gradient(scene, X, t) - 1)
 
 
+def field(scene: BarScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+    """A quantity by its key (``samples.QUANTITIES``), u for x, as a method has it after the time t: its acceleration is
+    the one that its last step used, which began a step before."""
+    if quantity == "a":
+        return acceleration(scene, X, max(0.0, t - scene.time_step))
+    return {"x": displacement, "v": velocity, "sigma": stress}[quantity](scene, X, t)
+
+
 def body_force(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """b = 3 w^2 u per unit mass, in m/s^2 (eq 34, corrected); zero for the free bar."""
     if scene.body_force == "none":

@@ -6,6 +6,7 @@ import numpy as np
 
 from solvers import runtime
 from solvers.bar import exact
+from solvers.bar.field import field
 from solvers.bar.scene import BarScene
 from solvers.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
 from solvers.bar.step import advance, find_margin, freeze
@@ -35,7 +36,7 @@ class BarSolver(Solver):
             freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
-    def snapshot(self, differences: bool = False) -> Snapshot:
+    def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         advance(self.step, 1, REPORT, self._pack, self._switches)
         a, scene, t = self._arrays, self.scene, self.time
         X = a.material_position
@@ -55,6 +56,7 @@ class BarSolver(Solver):
         return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
                         velocity=a.velocity.copy(), deformation_gradient=a.deformation_gradient.copy(),
                         error=errors, estimate=estimates, difference=missed,
+                        plotted=None if plotted is None else field(scene, a, plotted, t),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
 
     def _run(self, steps: int) -> None:

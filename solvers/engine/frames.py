@@ -19,7 +19,8 @@ class FrameArrays:
 
     ``position`` and ``displacement`` (P, D), ``deformation_gradient`` (P, D * D), ``steps_since_crossing`` (P,) with -1
     for never, ``error`` and each ``estimate`` (P, 4), NaN where nothing is known; ``difference`` (P, 4) of each, the
-    size of estimate minus truth, only where it was asked for.
+    size of estimate minus truth, only where it was asked for. ``plotted`` (P, 2) is the field of one quantity and its
+    deviation from the exact one (``Snapshot.plotted``), (P, 0) where none was asked for.
     """
 
     position: np.ndarray
@@ -29,11 +30,12 @@ class FrameArrays:
     error: np.ndarray
     estimate: dict[str, np.ndarray]
     difference: dict[str, np.ndarray]
+    plotted: np.ndarray
 
 
 def block_bytes(scene: Scene) -> int:
     """Bytes that a scene's frame needs at most: a layout may hold a few particles more than the scene's count."""
-    return 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True).values())
+    return 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True, True).values())
 
 
 def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
@@ -43,34 +45,38 @@ def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
                "deformation_gradient": shot.deformation_gradient,
                "steps_since_crossing": -1 if crossing is None else np.where(crossing < 0, -1, shot.step - crossing),
                "error": np.nan if shot.error is None else shot.error, **shot.estimate,
-               **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()}}
+               **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()},
+               "plotted": shot.plotted}
     with np.errstate(over="ignore"):  # a run that has gone bad may exceed single precision
-        for name, part in _parts(block, scene, P, bool(shot.difference)).items():
+        for name, part in _parts(block, scene, P, bool(shot.difference), shot.plotted is not None).items():
             values = columns[name]
             part[:] = values.reshape(P, -1) if isinstance(values, np.ndarray) else values
 
 
-def read(block: SharedMemory, scene: Scene, particles: int, differences: bool = False) -> FrameArrays:
-    """Copy the frame of ``scene`` with so many particles, with or without ``differences``, out of the block."""
-    parts = {name: part.copy() for name, part in _parts(block, scene, particles, differences).items()}
+def read(block: SharedMemory, scene: Scene, particles: int, differences: bool = False,
+         plotted: bool = False) -> FrameArrays:
+    """Copy the frame of ``scene`` with so many particles, with or without what is only asked for, out of the block."""
+    parts = {name: part.copy() for name, part in _parts(block, scene, particles, differences, plotted).items()}
     return FrameArrays(parts["position"], parts["displacement"], parts["deformation_gradient"],
                        parts["steps_since_crossing"][:, 0], parts["error"],
                        {name: parts[name] for name in scene.active_estimators},
-                       {name: parts[DIFFERENCE.format(name)] for name in scene.active_estimators if differences})
+                       {name: parts[DIFFERENCE.format(name)] for name in scene.active_estimators if differences},
+                       parts.get("plotted", np.zeros((particles, 0), np.float32)))
 
 
-def _widths(scene: Scene, differences: bool) -> dict[str, int]:
+def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
     """What a frame holds, in order, and how many numbers of each a particle has."""
     D, active = scene.DIMENSIONS, scene.active_estimators
     compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
-            **dict.fromkeys((*active, *compared), WIDTH)}
+            **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}
 
 
-def _parts(block: SharedMemory, scene: Scene, particles: int, differences: bool) -> dict[str, np.ndarray]:
+def _parts(block: SharedMemory, scene: Scene, particles: int, differences: bool,
+           plotted: bool) -> dict[str, np.ndarray]:
     """The block as one array (P, width) for each thing it holds."""
     parts, start = {}, 0
-    for name, width in _widths(scene, differences).items():
+    for name, width in _widths(scene, differences, plotted).items():
         parts[name] = np.ndarray((particles, width), np.float32, buffer=block.buf, offset=start)
         start += 4 * particles * width
     return parts

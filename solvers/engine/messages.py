@@ -15,7 +15,7 @@ class Wish:
     ``number`` grows with every wish and comes back in frames, so that an answer can be told from an echo.
     ``restarts`` and ``single_steps`` are counts: an engine acts when they have grown. ``speed`` is simulated
     seconds a second. ``memory`` names the shared memory block that frames go to; ``differences`` asks that they hold
-    the sizes of estimate minus truth too.
+    the sizes of estimate minus truth too, ``plotted`` is the key of the quantity whose field they should hold, if any.
     """
 
     session: int
@@ -27,6 +27,7 @@ class Wish:
     single_steps: int
     memory: str
     differences: bool = False
+    plotted: str | None = None
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,8 @@ class FrameReport:
     ``fresh`` marks the first frame after a build, when what was collected before belongs to another run.
     ``rate`` is million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a
     second, None until it has been measured. ``not_valid`` has a sentence for each estimator that does not hold here,
-    known beforehand or found out by now; ``differences`` says that the frame holds estimate minus truth. ``status`` is
+    known beforehand or found out by now; ``differences`` says that the frame holds estimate minus truth, ``plotted`` is
+    the key of the quantity whose field it holds. ``status`` is
     "ok", "unstable" or "lost" (``solvers.soundness``), ``reason`` says why in a sentence, ``since`` from which time in
     s on. An unstable run has stopped; a lost one goes on.
     """
@@ -73,6 +75,7 @@ class FrameReport:
     differences: bool = False
     status: str = OK
     since: float | None = None
+    plotted: str | None = None
 
 
 @dataclass(frozen=True)

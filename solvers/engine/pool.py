@@ -75,7 +75,7 @@ class SessionLink:
         engine.links[session] = self
 
     def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
-            differences: bool = False) -> int:
+            differences: bool = False, plotted: str | None = None) -> int:
         """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
@@ -83,7 +83,7 @@ class SessionLink:
                 return last
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene).name, differences)
+                             self._fitting_block(scene).name, differences, plotted)
             self._deaths = 0
             self._engine.send(self.wish)
         if self._engine.given_up:
@@ -110,7 +110,8 @@ class SessionLink:
             arrays = None
             block = next((b for b in (self._block, *self._outgrown) if b.name == report.memory), None)
             if block is not None:  # else that of a wish that a later one has overtaken
-                arrays = frames.read(block, report.scene, report.particles, report.differences)
+                arrays = frames.read(block, report.scene, report.particles, report.differences,
+                                     report.plotted is not None)
             if block is self._block:
                 _free(self._outgrown)
                 self._outgrown = []

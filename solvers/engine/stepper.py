@@ -115,7 +115,7 @@ class Stepper:
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
         now, solver = perf_counter(), self.solver
-        shot = solver.snapshot(self.wish.differences)
+        shot = solver.snapshot(self.wish.differences, self.wish.plotted)
         frames.write(self._block, solver.scene, shot)
         wall, simulated = self._window
         if now - wall > 0.2:
@@ -131,7 +131,8 @@ class Stepper:
             fresh=self._fresh, playing=self._running, particles=len(shot.position), step=solver.step, time=solver.time,
             rows=rows, reason=reason, status=status, since=since,
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
-            arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference))
+            arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference),
+            plotted=self.wish.plotted)
         self._rows = [report.rows[:0]]
         self._fresh, self._frame_wanted, self._unseen = False, False, True
         # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is

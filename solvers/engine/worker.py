@@ -118,7 +118,7 @@ class Worker:
             self._pipe.send(Compiling(wish.session, wish.number))
             if stepper:
                 stepper.accept(replace(stepper.wish, playing=wish.playing, speed=wish.speed,
-                                       differences=wish.differences))
+                                       differences=wish.differences, plotted=wish.plotted))
         elif stepper:
             stepper.accept(wish)
         else:

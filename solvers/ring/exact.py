@@ -73,6 +73,15 @@ def stress(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
     return np.stack([along * c * c + across * s * s, (along - across) * c * s, along * s * s + across * c * c], axis=1)
 
 
+def field(scene: RingScene, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
+    """The radial component at the radii R of a quantity by its key (``samples.QUANTITIES``), u for x, as a method has
+    it after the time t: its acceleration is the one that its last step used, which began a step before."""
+    if quantity == "sigma":
+        return principal_stresses(scene, R, t)[0]
+    factors = time_factors(scene, max(0.0, t - scene.time_step) if quantity == "a" else t)
+    return shape(R)[0] * factors["xva".index(quantity)]
+
+
 def body_force(scene: RingScene, R: np.ndarray, t: float) -> np.ndarray:
     """Radial body force per mass, in m/s^2, that makes u the solution: rho b = rho u_tt - P_r' - (P_r - P_theta)/R."""
     w, _, curvature = shape(R)

@@ -7,6 +7,7 @@ from solvers.remedies import COUPLED, FILTER, FROZEN
 from solvers.result import Snapshot
 from solvers.ring.body import FARTHEST_MOVE
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
+from solvers.ring.field import field
 from solvers.ring.scene import RESONANCE, RingScene
 from solvers.ring.state import HOOKS, RingState, WatchedRing, allocate, farthest
 from solvers.ring.step import CHECK_EVERY, advance, find_margin, freeze, inspect, step_in_slabs
@@ -37,7 +38,7 @@ class RingSolver(Solver):
             freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
-    def snapshot(self, differences: bool = False) -> Snapshot:
+    def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on = self._arrays, self._switches
         self._look(REPORT)
         F = a.deformation_gradient.reshape(-1, 2, 2)
@@ -48,7 +49,8 @@ class RingSolver(Solver):
                         position=a.motion[:, :2].copy(), velocity=a.motion[:, 2:].copy(),
                         deformation_gradient=F.copy(), error=sizes(true) if true else None,
                         estimate={name: sizes(fields) for name, fields in estimates.items()},
-                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed)
+                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed,
+                        plotted=None if plotted is None else field(self.scene, a, plotted, self.time))
 
     def compile(self) -> None:
         super().compile()

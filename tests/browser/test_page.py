@@ -291,3 +291,25 @@ def test_two_visitors_do_not_share(page, server, chromium):
         row(other, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("100")
         until(lambda: step_size(other) < before, "the second visitor's finer grid")
         assert step_size(page) == before
+
+
+def test_the_field_follows_the_quantity_and_magnifies(page):
+    """Each quantity has its caption and its curve, and the axis its unit; a magnified deviation is another picture."""
+    until(lambda: steps(page) > 20, "a run under way")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused")
+
+    def plot():
+        return stage(page)[355:625, 50:]
+
+    before = plot()
+    for option, name, unit in (("velocity v", "velocity v", "m/s"), ("stress σ", "stress σ", "Pa"),
+                               ("acceleration a", "acceleration a", "m/s²"), ("displacement x", "displacement u", "m")):
+        choose(page, "Error of", option)
+        shown(page, f"{name}: particles (dots) on the exact curve")
+        until(page.get_by_text(re.compile(rf"^[0-9.]+ [mkµ]?{unit}$")).first.is_visible, f"an axis in {unit}")
+        until(lambda: np.any(np.abs(plot() - before) > 30, axis=2).mean() > 0.003, "another curve")  # noqa: B023
+        before = plot()
+    choose(page, "Magnify error", "× 1000")
+    shown(page, "displacement u: particles' deviation from exact × 1000")
+    until(lambda: np.any(np.abs(plot() - before) > 30, axis=2).mean() > 0.003, "deviations drawn large")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, coloured, number, press, readout, row, stage, step_size, time, until
+from tests.browser.driving import choose, coloured, number, press, readout, row, shown, stage, step_size, time, until
 
 
 @pytest.fixture
@@ -34,6 +36,16 @@ def test_ring_moves_and_both_halves_are_coloured(ring):
     until(lambda: min(halves()) > 0.03, "two coloured halves")
     first = stage(ring)
     until(lambda: np.any(np.abs(stage(ring) - first) > 30, axis=2).mean() > 0.005, "another picture")
+
+
+def test_the_field_against_the_radius(ring):
+    """Below the drawing: its caption follows the quantity, its axis ends at the radii of the ring at rest."""
+    shown(ring, "radial displacement u: particles (dots) on the exact curve")
+    shown(ring, "R = 0.4 m")
+    choose(ring, "Error of", "stress σ")
+    shown(ring, "radial stress σ: particles (dots) on the exact curve")
+    choose(ring, "Magnify error", re.compile("^× 10$"))
+    shown(ring, "radial stress σ: particles' deviation from exact × 10")
 
 
 def test_methods_layouts_and_domains(ring):

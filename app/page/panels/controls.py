@@ -12,6 +12,7 @@ from app.page.panels.head import WIDE_LABEL
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
 from app.page.session import Session, first_scene
+from app.problems.field import MAGNIFICATIONS
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from solvers.effects import EFFECTS, Effect
@@ -30,7 +31,8 @@ class Controls:
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, session: Session, scale: ColourScale,
                  on_view: Callable[[], None]):
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
-        self.domains = False
+        self.domains, self.magnified = False, 1
+        self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self._turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
         self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self._patience = Patience()
@@ -39,11 +41,6 @@ class Controls:
                                          initial_value=session.scene.TITLE)
         self._problem.on_update(lambda _: self._choose_problem())
         self._build()
-
-    @property
-    def quantity(self) -> str:
-        """Key of the quantity whose error is shown."""
-        return self._quantities[self._quantity.value]
 
     def load(self, scene: Scene) -> None:
         """Put a scene on the stage, and all that it says into the widgets."""
@@ -153,9 +150,13 @@ class Controls:
 
     def _view(self) -> None:
         gui, scale, session = self._gui, self._scale, self._session
-        self._quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
-        self._quantity = gui.add_dropdown("Error of", tuple(self._quantities),
-                                          hint="the quantity whose error gives the colours")
+        quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
+        quantity = gui.add_dropdown("Error of", tuple(quantities), initial_value=str(words.QUANTITIES[self.quantity]),
+                                    hint="the quantity whose error gives the colours, and whose field is plotted")
+        factors = {f"× {factor}": factor for factor in MAGNIFICATIONS}
+        magnify = gui.add_dropdown("Magnify error", tuple(factors), initial_value=f"× {self.magnified}",
+                                   hint="in the plot of the field: how many times the deviation of the particles "
+                                        "from the exact curve is drawn")
         self.estimators.build(gui)
         kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), hint="of estimate and truth alike",
                                 initial_value="logarithmic" if scale.logarithmic else "linear")
@@ -166,7 +167,18 @@ class Controls:
             scale.forget()
             self._on_view()
 
-        for widget in (self._quantity, kind, hold):
+        def choose_quantity(event: viser.GuiEvent) -> None:
+            self.quantity = quantities[quantity.value]
+            session.plot(self.quantity)
+            changed(event)
+
+        def choose_factor(_: viser.GuiEvent) -> None:
+            self.magnified = factors[magnify.value]
+            self._on_view()
+
+        quantity.on_update(choose_quantity)
+        magnify.on_update(choose_factor)
+        for widget in (kind, hold):
             widget.on_update(changed)
         if hint := VIEWS[session.scene.problem].domains_hint:
             domains = gui.add_checkbox("Show domains", self.domains, hint=hint)

@@ -1,13 +1,16 @@
-"""The ring, made to fit the stage: a quarter and its mirror images, estimate on the left half, truth on the right."""
+"""The ring, made to fit the stage: a quarter and its mirror images, estimate on the left half, truth on the right, and
+the field plot below."""
 
 import numpy as np
 import viser
 
 from app import drawing
+from app.problems.field import FieldPlot, Place
 from app.problems.stage import Stage
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
-from solvers.ring.exact import OUTER
+from solvers.ring import exact
+from solvers.ring.exact import INNER, OUTER
 from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
@@ -16,6 +19,7 @@ RADIUS = 0.46  # of the outermost the ring should come, on the stage
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
 FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gone bad are drawn at most
+FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
@@ -23,6 +27,7 @@ class RingStage(Stage[RingScene]):
     """Draws frames of the ring in one client's scene."""
 
     SILENCE_WIDTH = 22  # it stands in the ring's hole
+    RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, drawing.RECTANGLE[3])
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale):
         super().__init__(client, scale, "ring")
@@ -39,6 +44,7 @@ class RingStage(Stage[RingScene]):
                           drawing.label(s, "/ring/silence2", " ", MIDDLE[0] + 0.015, MIDDLE[1], "center-left", 0.85)]
         self._size_note = drawing.label(s, "/ring/l3", "", 0.0, -0.05, "bottom-left", 0.85)
         drawing.label(s, "/ring/l4", "magenta dots: crossing a cell boundary", 1.0, -0.05, "bottom-right", 0.85)
+        self._field = FieldPlot(s, "ring", FIELD, 0.005)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""
@@ -55,9 +61,12 @@ class RingStage(Stage[RingScene]):
             half.points = self._images(x, mirrors)
             half.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1))
         steps = arrays.steps_since_crossing
-        crossing = x[(steps >= 0) & (steps < BRIEF * speed / scene.time_step)]
+        just_crossed = (steps >= 0) & (steps < BRIEF * speed / scene.time_step)
+        crossing = x[just_crossed]
         self._flashes.points = self._images(crossing if len(crossing) else np.full((1, 2), drawing.AWAY), MIRRORS, 0.02)
         self._draw_domains(scene, arrays, x)
+        if self.plotted:
+            self._field.draw(scene, self.plotted, self.magnified, self._radii, arrays.plotted, t, just_crossed)
 
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Positions in metres (n, 2) as points of the stage (n, 3)."""
@@ -91,7 +100,9 @@ class RingStage(Stage[RingScene]):
         for half in self._halves:
             half.point_size = 0.58 * width
         self._flashes.point_size = max(0.22 * width, 0.0025)
-        self._edges = particle_layout(scene).edges if scene.particles <= MOST_DOMAINS else None
+        layout = particle_layout(scene)
+        self._radii = layout.radii[layout.radius]
+        self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
         self._size_note.text = f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
     def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:

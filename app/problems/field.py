@@ -1,0 +1,138 @@
+"""The field plot: the quantity whose error is shown, of the particles and exact, against where they were at rest."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+
+from app import drawing
+from app.axis import ROOM, Axis
+from app.colours import TRUTH
+from app.scale import largest
+from app.words import QUANTITIES, with_unit
+from solvers.effects import EFFECTS
+from solvers.scene import Scene
+
+MAGNIFICATIONS = (1, 10, 100, 1000)
+CURVE_POINTS = 121
+INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a plot stands, from x = 0 to 1 of the stage: ``middle`` and ``height`` (of the upper half) of its axis.
+
+    It is plotted against a coordinate at rest from ``start`` to ``end`` in metres, in words ``ends``;
+    ``exact(scene, quantity, coordinates, t)`` is what the particles should have, and ``component`` what of it.
+    """
+
+    middle: float
+    height: float
+    start: float
+    end: float
+    ends: tuple[str, str]
+    exact: Callable[[Any, str, np.ndarray, float], np.ndarray]
+    component: str = ""
+
+
+class FieldPlot:
+    """Particles as dots on the exact curve, those that have just crossed a cell boundary in magenta."""
+
+    def __init__(self, s: viser.SceneApi, problem: str, place: Place, size: float):
+        def name(part: str) -> str:
+            return f"/{problem}/field/{part}"
+
+        self._place, self._axis = place, Axis()
+        self._drawn: tuple[Scene, str, int] | None = None
+        self._time = 0.0
+        self._curve = drawing.lines(s, name("exact"), drawing.rgb(TRUTH), 3.0)
+        self._dots = drawing.points(s, name("particles"), size)
+        self._crossed = drawing.points(s, name("crossed"), 1.6 * size)
+        for cloud, colour in ((self._dots, drawing.DOT), (self._crossed, drawing.FLASH)):
+            cloud.colors = np.array(colour, np.uint8)  # of all: one each would cost a fifth of the bytes
+        high, low = place.middle + place.height, place.middle - place.height
+        ends = place.middle + ROOM * place.height * np.array([0, 0, -1, 1])
+        drawing.lines(s, name("axes"), drawing.FAINT, 1.0).points = drawing.in_plane(
+            np.array([0.0, 1.0, 0.0, 0.0]), ends, -0.01).reshape(2, 2, 3)
+        self._numbers = [drawing.label(s, name(f"number{k}"), " ", -0.01, y, "center-right", 0.85)
+                         for k, y in enumerate((low, high))]
+        drawing.label(s, name("zero"), "0", -0.01, place.middle, "center-right", 0.85)
+        below = low - 0.035
+        drawing.label(s, name("start"), place.ends[0], 0.0, below, "top-center", 0.85)
+        drawing.label(s, name("end"), place.ends[1], 1.0, below, "top-center", 0.85)
+        self._caption = drawing.label(s, name("caption"), " ", 0.5, below, "top-center")
+
+    def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
+             crossed: np.ndarray) -> None:
+        """Show the ``field`` (P, 2) of particles at rest ``at`` (P,) in metres: values and their deviations from the
+        exact, which are drawn ``magnified`` times. ``crossed`` (P,) says which have just crossed a cell boundary."""
+        if (scene, quantity, magnified) != self._drawn or t < self._time:
+            self._axis.forget()
+            self._begin(scene, quantity)
+        self._drawn, self._time = (scene, quantity, magnified), t
+        values = seen(field, magnified if scene.solution_known else 1)
+        known = np.isfinite(values)
+        sizes = np.abs(values)
+        self._axis.follow(largest(sizes), self._reach)
+        self._caption_it(scene, quantity, magnified, int(np.count_nonzero(~known)))
+        self._number(QUANTITIES[quantity].unit)
+        points = self._points(at, values)
+        points[~known, 1] = drawing.AWAY
+        self._dots.points = points
+        shown = points[crossed]
+        shown[:, 2] = 0.015
+        self._crossed.points = shown if len(shown) else np.full((1, 3), drawing.AWAY, np.float32)
+        if scene.solution_known:
+            curve = self._points(self._line, self._place.exact(scene, quantity, self._line, t))
+            self._curve.points = drawing.joined(curve[:-1], curve[1:])
+
+    def _begin(self, scene: Scene, quantity: str) -> None:
+        """Another scene or quantity: how far the exact field reaches."""
+        place = self._place
+        self._line = np.linspace(place.start, place.end, CURVE_POINTS)
+        self._curve.visible = scene.solution_known
+        self._reach = 0.0
+        if scene.solution_known:
+            times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
+            self._reach = max(largest(np.abs(place.exact(scene, quantity, self._line, t))) for t in times)
+
+    def _points(self, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Points of the stage (n, 3) for values at coordinates (n,)."""
+        place, out = self._place, np.empty((len(values), 3), np.float32)
+        with np.errstate(invalid="ignore"):
+            out[:, 0] = (at - place.start) / (place.end - place.start)
+            out[:, 1] = place.middle + place.height / self._axis.top * values
+        out[:, 2] = 0.01
+        return out
+
+    def _number(self, unit: str) -> None:
+        top = with_unit(self._axis.top, unit)
+        for handle, text in zip(self._numbers, (f"−{top.split()[0]}", top), strict=True):  # little room: the unit once
+            drawing.write(handle, text)
+
+    def _caption_it(self, scene: Scene, quantity: str, magnified: int, unknown: int) -> None:
+        name = f"{self._place.component} {field_name(quantity)}".strip()
+        if quantity == "a" and not scene.has("acceleration"):
+            text = f"{name} not computed: the effect \"{EFFECTS['acceleration'].label}\" is off"
+        elif not scene.solution_known:
+            text = f"{name} of the particles (no exact curve is known)"
+        elif magnified > 1:
+            text = f"{name}: particles' deviation from exact × {magnified}"
+        else:
+            text = f"{name}: particles (dots) on the exact curve"
+        if unknown and not text.endswith("off"):
+            text += f"; {unknown} without a number"
+        drawing.write(self._caption, text)
+
+
+def field_name(quantity: str) -> str:
+    """What is plotted for a quantity whose error is shown: the field of positions x is the displacement u."""
+    return "displacement u" if quantity == "x" else str(QUANTITIES[quantity])
+
+
+def seen(field: np.ndarray, magnified: int) -> np.ndarray:
+    """Values (P,) as they are drawn: exact plus ``magnified`` times the deviation of a ``field`` (P, 2)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return field[:, 0] if magnified == 1 else field[:, 0] + (magnified - 1) * field[:, 1]

@@ -1,0 +1,17 @@
+"""The field that a frame brings for a plot: one quantity of the bar's particles, and how far it is from the exact."""
+
+import numpy as np
+
+from solvers.bar import exact
+from solvers.bar.scene import BarScene
+from solvers.bar.state import WatchedBar
+
+
+def field(scene: BarScene, a: WatchedBar, quantity: str, t: float) -> np.ndarray:
+    """The quantity and its deviation from ``exact.field`` (P, 2), NaN where one is not known."""
+    X = a.material_position
+    with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+        values = {"x": a.position - X, "v": a.velocity, "sigma": scene.modulus * (a.deformation_gradient - 1),
+                  "a": a.acceleration if scene.has("acceleration") else np.nan}[quantity]
+        deviation = values - exact.field(scene, quantity, X, t) if scene.solution_known else np.nan
+    return np.stack(np.broadcast_arrays(values, deviation, X)[:2], axis=1)

@@ -1,0 +1,161 @@
+"""The field plot: what a frame brings for it, and an axis that holds what is there. No web server, no engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.axis import ROOM, Axis
+from app.problems.bar.stage import FIELD as BAR_FIELD
+from app.problems.field import FieldPlot, seen
+from app.problems.ring.stage import FIELD as RING_FIELD
+from solvers.bar.scene import BarScene
+from solvers.ring.layout import particle_layout
+from solvers.ring.scene import RingScene
+from solvers.run import build
+from solvers.samples import QUANTITIES
+
+BAR, RING = BarScene(cells=10, ppc=2, periods=1), RingScene(cells=12, periods=1)
+
+
+@pytest.fixture(scope="module", params=[BAR, RING, replace(RING, layout="cartesian")], ids=["bar", "ring", "cartesian"])
+def solver(request):
+    solver = build(request.param)
+    solver.advance(40)
+    return solver
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_values_less_deviations_are_the_exact_curve(solver, quantity):
+    """To rounding of the values; each particle on the curve at its own coordinate at rest, and none all zero."""
+    scene, field = solver.scene, solver.snapshot(plotted=quantity).plotted
+    layout = particle_layout(scene) if scene.problem == "ring" else None
+    at = layout.radii[layout.radius] if layout else (np.arange(scene.particles) + 0.5) / scene.particles
+    place = RING_FIELD if layout else BAR_FIELD
+    exact = place.exact(scene, quantity, at, solver.time)
+    np.testing.assert_allclose(field[:, 0] - field[:, 1], exact, rtol=0, atol=1e-13 * np.abs(field).max())
+    assert np.abs(field[:, 1]).max() > 0 and place.start <= at.min() < at.max() <= place.end
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_deviations_are_the_true_errors(solver, quantity):
+    """The bar's are the errors with their sign; the ring's radial ones are no larger than its errors' sizes."""
+    shot = solver.snapshot(plotted=quantity)
+    error, deviation = shot.error[:, QUANTITIES.index(quantity)], shot.plotted[:, 1]
+    rounding = 1e-13 * np.abs(shot.plotted).max()
+    if solver.scene.problem == "bar":
+        np.testing.assert_allclose(deviation, error, rtol=0, atol=rounding)
+    else:
+        assert (np.abs(deviation) <= error + rounding).all()
+        assert np.linalg.norm(deviation) > 0.3 * np.linalg.norm(error)  # most of it is radial
+
+
+def test_without_an_exact_solution_the_values_are_there_alone():
+    solver = build(replace(BAR, body_force="two-tone"))
+    solver.advance(20)
+    for quantity in QUANTITIES:
+        values, deviations = solver.snapshot(plotted=quantity).plotted.T
+        assert np.isfinite(values).all() and np.abs(values).max() > 0 and np.isnan(deviations).all()
+
+
+@pytest.mark.parametrize("scene", [BAR, replace(RING, body_force="none")])
+def test_what_is_off_is_not_zero(scene):
+    """Accelerations are kept with their effect alone. Nothing is computed for a plot that nobody asked for."""
+    solver = build(replace(scene, effects=()))
+    solver.advance(5)
+    assert np.isnan(solver.snapshot(plotted="a").plotted).all()
+    values, deviations = solver.snapshot(plotted="v").plotted.T
+    assert np.isfinite(values).all() and (np.isfinite(deviations) == scene.solution_known).all()
+    assert solver.snapshot().plotted is None
+
+
+def test_magnified_is_exact_plus_so_many_deviations():
+    field = np.array([[5.0, 0.25], [2.0, -0.5]])
+    np.testing.assert_array_equal(seen(field, 1), [5, 2])
+    np.testing.assert_array_equal(seen(field, 10), [4.75 + 2.5, 2.5 - 5])
+
+
+def test_axis_ends_at_round_numbers_and_holds_everything():
+    """For 1,000 random peaks one after the other, in either direction."""
+    axis = Axis()
+    for peak in 10 ** np.random.default_rng(0).uniform(-12, 12, 1000):
+        axis.follow(peak, 0.0)
+        assert peak <= ROOM * axis.top * (1 + 1e-12)
+        assert float(f"{axis.top:.2g}") == pytest.approx(axis.top, rel=1e-12)
+
+
+def test_axis_is_calm():
+    """A vibration, and a peak that comes and goes by a hair around a round number, do not move it after the first."""
+    axis, tops = Axis(), []
+    for frame in range(600):
+        axis.follow(abs(np.sin(0.05 * frame)) * (1 + 0.002 * np.sin(0.3 * frame)), 0.0)
+        tops.append(axis.top)
+    assert len(set(tops[60:])) == 1
+    axis.forget()
+    axis.follow(1e-6, 2.0)
+    assert axis.top == 2
+
+
+def test_axis_comes_back_once_a_peak_is_gone():
+    axis = Axis()
+    axis.follow(1000.0, 1.0)
+    for _ in range(600):
+        axis.follow(0.5, 1.0)
+    assert 1 / ROOM <= axis.top < 3
+
+
+def plot():
+    """A plot on a stage that sends nothing: its handles are what it shows."""
+    made = {}
+
+    class Scene:
+        def __getattr__(self, kind):
+            return lambda name, *a, **k: made.setdefault(name.rsplit("/", 1)[1], SimpleNamespace(text="", points=None))
+
+    return FieldPlot(Scene(), "bar", BAR_FIELD, 0.006), made
+
+
+def test_a_run_gone_bad_breaks_nothing_and_is_said():
+    """What is beyond every number is away and counted, what is large is on the axis, the curve is still there."""
+    drawn, made = plot()
+    field = np.zeros((20, 2), np.float32)
+    field[:, 1] = field[:, 0] = [*np.linspace(0, 1e9, 17), np.nan, np.inf, 1e38]
+    at, crossed = (np.arange(20) + 0.5) / 20, np.arange(20) == 3
+    drawn.draw(BAR, "v", 1000, at, field, 0.1, crossed)
+    heights = made["particles"].points[:, 1]
+    assert (heights[17:] < -1).all() and "; 3 without a number" in made["caption"].text
+    assert np.abs(heights[:17] - BAR_FIELD.middle).max() <= 1.001 * ROOM * BAR_FIELD.height  # single precision
+    assert "deviation from exact × 1000" in made["caption"].text and made["number1"].text == "1.00e+12 m/s"
+    assert np.isfinite(made["exact"].points).all()
+    np.testing.assert_array_equal(made["crossed"].points[:, :2], made["particles"].points[crossed][:, :2])
+
+
+def test_the_axis_begins_anew_with_the_run():
+    """A restart after a bad end does not wait for its axis to fade."""
+    drawn, made = plot()
+    at, crossed, field = (np.arange(20) + 0.5) / 20, np.zeros(20, bool), np.full((20, 2), 1e6, np.float32)
+    drawn.draw(BAR, "x", 1, at, field, 0.5, crossed)
+    assert made["number1"].text == "1 Mm"
+    drawn.draw(BAR, "x", 1, at, 0 * field, 0.0, crossed)
+    assert made["number1"].text == "30 mm" and made["number0"].text == "−30"
+
+
+def test_captions_say_what_is_drawn():
+    drawn, made = plot()
+    at, crossed = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
+
+    def caption(scene, quantity, magnified=1, value=0.0):
+        drawn.draw(scene, quantity, magnified, at, np.full((20, 2), value, np.float32), 0.1, crossed)
+        return made["caption"].text
+
+    assert caption(BAR, "x") == "displacement u: particles (dots) on the exact curve"
+    assert made["exact"].visible
+    assert caption(BAR, "sigma", 100) == "stress σ: particles' deviation from exact × 100"
+    alone = replace(BAR, body_force="two-tone")
+    assert caption(alone, "v", 10) == "velocity v of the particles (no exact curve is known)"
+    assert not made["exact"].visible
+    off = replace(BAR, effects=("truth",))
+    assert caption(off, "a", value=np.nan) == "acceleration a not computed: the effect \"acceleration error\" is off"
