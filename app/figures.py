@@ -27,9 +27,15 @@ def line_style(estimator: str) -> Any:
     return (0, tuple(DASH_SCALE * length for length in dashes)) if dashes else "-"
 
 
-def styled(result: Result) -> list[tuple[str, Any]]:
-    """Each active estimator with its line style."""
-    return [(name, line_style(name)) for name in result.scene.active_estimators]
+def styled(result: Result) -> list[tuple[str, str, Any]]:
+    """Each active estimator with its colour and line style."""
+    return [(name, ESTIMATORS[name].colour, line_style(name)) for name in result.scene.active_estimators]
+
+
+def moment(result: Result) -> str:
+    """In words, when the particles are shown."""
+    why = "" if result.moment is None else " (last peak of the motion)"
+    return f"at t = {result.shown.time:.4g} s{why}"
 
 
 def thinned(count: int) -> np.ndarray:

@@ -67,12 +67,18 @@ class Result:
     steps: int
     series: dict[str, np.ndarray]
     final: Snapshot
+    moment: Snapshot | None  # on the way, where the end has little to see (``solvers.run.shown_step``)
     bytes: int
     not_valid: dict[str, str]  # estimators that do not hold here, each with a sentence that says why
     seconds: Seconds
     arch: str
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
+
+    @property
+    def shown(self) -> Snapshot:
+        """The particles at the moment that a picture shows."""
+        return self.moment or self.final
 
     @property
     def particles(self) -> int:

@@ -1,5 +1,6 @@
 """run(scene) -> Result: the one way to run anything without a page."""
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,12 +9,13 @@ import numpy as np
 
 from solvers import samples
 from solvers.problems import PROBLEMS
-from solvers.result import Result, Seconds
+from solvers.result import Result, Seconds, Snapshot
 from solvers.scene import Scene
 from solvers.solver import Solver
 from solvers.soundness import find, verdict
 from solvers.timing import estimator_shares
 
+SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
 
 
@@ -22,11 +24,13 @@ def build(scene: Scene) -> Solver:
     return PROBLEMS[scene.problem].solver(scene)
 
 
-def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = True) -> Result:
+def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = True,
+        moment: bool = True) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
     ``on_progress`` is called several times a second with the part done, 0 to 1. With ``prices`` the estimators' shares
-    of the time are measured half way, which takes a few tenths of a second beside the run.
+    of the time are measured half way, which takes a few tenths of a second beside the run. With ``moment`` the
+    particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`).
     """
     solver = build(scene)
     begun = time.perf_counter()
@@ -35,12 +39,17 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     rows = [solver.measure()]
     shares: dict[str, float] = {}
     ran, slice_steps = 0.0, 64
+    shown_at = shown_step(scene) if moment else scene.steps
+    kept: Snapshot | None = None
     while solver.step < scene.steps and solver.sound:
-        steps = min(slice_steps, scene.steps - solver.step, solver.longest_advance)
+        stop = shown_at if solver.step < shown_at else scene.steps
+        steps = min(slice_steps, stop - solver.step, solver.longest_advance)
         begun = time.perf_counter()
         rows.append(solver.advance(steps))
         took = time.perf_counter() - begun
         ran += took
+        if solver.step == shown_at < scene.steps and solver.sound:
+            kept = solver.snapshot()
         slice_steps = max(1, int(min(2.0, SLICE_SECONDS / took) * steps)) if took > 0 else 2 * slice_steps
         if prices and 2 * solver.step >= scene.steps:
             shares, prices = estimator_shares(solver), False
@@ -57,8 +66,18 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     status, reason, broken_at = _verdict(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
-                  series=series, final=final, bytes=solver.bytes, not_valid=not_valid, seconds=seconds,
-                  arch=solver.arch, threads=solver.threads, plan=solver.plan)
+                  series=series, final=final, moment=kept if solver.sound else None, bytes=solver.bytes,
+                  not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan)
+
+
+def shown_step(scene: Scene) -> int:
+    """The step at which the particles show something: the last, unless the exact motion, A sin(w t), is small there, as
+    after whole periods; then the one of its last largest displacement."""
+    turns = scene.end_time / (0.5 * scene.period)
+    largest = math.floor(turns - 0.5) + 0.5  # in half periods
+    if abs(math.sin(math.pi * turns)) >= SMALL_MOTION or largest < 0:
+        return scene.steps
+    return min(scene.steps, round(largest * 0.5 * scene.period / scene.time_step))
 
 
 def _verdict(solver: Solver, series: dict[str, np.ndarray],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import re
 import signal
 import threading
 from dataclasses import replace
@@ -15,9 +16,10 @@ import pytest
 
 from app.page.cost import jobs as jobs_module
 from app.page.cost import words
-from app.page.cost.jobs import Jobs, JobStatus, search, small_sweep, timings
+from app.page.cost.jobs import Jobs, JobStatus, Slots, question, search, small_sweep, timings
 from app.page.cost.live import LiveRows, live_row
 from app.page.cost.picture import Axis, picture
+from app.page.cost.quiet import QuietStage
 from app.page.cost.runs import LIVE, SWEEP, Runs, csv_bytes
 from app.page.history import History
 from app.page.page import Page
@@ -41,15 +43,14 @@ def frames(scene, steps=100):
     """A live run's frames as the page hears them: report and history."""
     solver = build(scene)
     solver.compile()
-    verdict, history, fresh, rows = Verdict(solver), History(scene, scene.particles), True, solver.measure()
+    verdict, history, fresh, rows = Verdict(scene), History(scene, scene.particles), True, solver.measure()
     while True:
         history.add(rows)
         verdict.look(rows, scene.particles)
-        status, reason, since = verdict.tell({})
-        yield FrameReport(session=1, number=1, memory="", scene=scene, fresh=fresh, playing=True,
-                          particles=scene.particles,
+        status, reason, since = verdict.tell(solver, {})
+        yield FrameReport(session=1, number=1, scene=scene, fresh=fresh, playing=True, particles=scene.particles,
                           step=solver.step, time=solver.time, rows=rows, rate=10.0, real_speed=None, arch=solver.arch,
-                          reason=reason, status=status, since=since, not_valid=solver.not_valid()), history
+                          reason=reason, status=status, since=since, not_valid=solver.not_valid(), memory=""), history
         fresh, rows = False, solver.advance(steps) if solver.sound else rows[:0]
 
 
@@ -72,7 +73,7 @@ def alive(process_id):
 
 @pytest.fixture
 def jobs():
-    jobs = Jobs(Runs(), threading.BoundedSemaphore(1))
+    jobs = Jobs(Runs(), Slots(1))
     yield jobs
     jobs.close()
 
@@ -217,8 +218,7 @@ def test_process_that_dies_is_said(jobs):
     os.kill(jobs.process_id, signal.SIGKILL)
     wait(lambda: not jobs.status.running)
     assert "SIGKILL" in words.going(jobs.status)
-    assert jobs._slots.acquire(blocking=False)
-    jobs._slots.release()
+    assert jobs._slots.taken == 0
 
 
 def test_process_that_cannot_start_is_said(jobs, monkeypatch):
@@ -228,8 +228,7 @@ def test_process_that_cannot_start_is_said(jobs, monkeypatch):
     monkeypatch.setattr(jobs_module, "BackgroundJob", refuse)
     jobs.sweep(small_sweep(SCENE))
     assert "temporarily unavailable" in words.going(jobs.status) and not jobs.status.running
-    assert jobs._slots.acquire(blocking=False)
-    jobs._slots.release()
+    assert jobs._slots.taken == 0
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs):
@@ -264,7 +263,7 @@ def test_search_finds_a_scene_that_can_be_loaded(jobs):
 def test_scene_too_large_to_watch_is_not_loaded():
     """It would freeze the visitor's browser: the page gives the command instead."""
     loaded, tab = [], CostTab.__new__(CostTab)
-    tab._load = loaded.append
+    tab._load, tab._input = loaded.append, tuple
     tab._put(RingScene(cells=396, periods=1), "The advice")
     assert not loaded and "too many to watch" in tab._remark and "mpm-lab run ring" in tab._remark
     tab._put(SCENE, "Run 1")
@@ -300,3 +299,101 @@ def test_axis_holds_its_values_and_has_ticks(values):
     axis = Axis(values, 40, 318)
     assert all(40 <= axis.at(value) <= 318 for value in values)
     assert len(axis.ticks()) >= 1 and np.all(np.diff([axis.at(value) for value, _ in axis.ticks()]) > 0)
+
+
+class Stage:
+    """As much of a session as a job takes note of."""
+
+    def __init__(self, playing=True, others=False):
+        self.scene, self.playing, self.others_playing = SCENE, playing, others
+
+    def play(self, playing):
+        self.playing = playing
+
+
+def test_stage_stands_still_while_a_job_runs():
+    """It goes on afterwards if it moved before, and is left alone once its visitor has pressed Play."""
+    stage = Stage()
+    quiet = QuietStage(stage)
+    for running, playing in [(False, True), (True, False), (True, False), (False, True)]:
+        quiet.follow(running)
+        assert stage.playing == playing and quiet.paused == (running and not playing)
+    quiet.follow(True)
+    stage.play(True)  # by the visitor
+    quiet.follow(True)
+    assert stage.playing and not quiet.paused
+    stage.play(False)
+    quiet.follow(False)
+    assert not stage.playing
+    quiet.follow(True)
+    quiet.follow(False)
+    assert not stage.playing  # it did not move before
+
+
+def test_tab_says_what_disturbs_the_times_and_gives_way_to_it():
+    tab, ways = CostTab.__new__(CostTab), []
+    tab.jobs = SimpleNamespace(status=JobStatus("sweep", running=True), others=False, give_way=lambda: ways.append(1))
+    tab._session = Stage()
+    tab._quiet = QuietStage(tab._session)
+    tab._quiet.follow(True)
+    assert "paused" in tab._stage_word() and not ways and "paused" in tab.notice().sentence
+    tab._session.others_playing = True
+    assert "Other visitors" in tab._stage_word() and ways
+    tab._session.play(True)
+    tab._quiet.follow(True)
+    assert tab._stage_word().startswith("Your stage runs") and tab.notice() is None
+    tab.jobs.status = JobStatus("sweep")
+    assert tab._stage_word() == ""
+
+
+def test_job_gives_way_when_told_to(jobs):
+    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
+    before = os.getpriority(os.PRIO_PROCESS, jobs.process_id)
+    assert before == os.getpriority(os.PRIO_PROCESS, 0) and not jobs.others
+    jobs.give_way()
+    assert os.getpriority(os.PRIO_PROCESS, jobs.process_id) > before or before == 19
+    assert Jobs(Runs(), jobs._slots).others
+
+
+def box(value):
+    return SimpleNamespace(value=value)
+
+
+def test_advice_goes_when_what_was_asked_changes():
+    """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
+    tab = CostTab.__new__(CostTab)
+    tab.jobs, tab._session, tab._tolerance, tab._budget = Jobs(Runs(), Slots(1)), Stage(), box("1e-2"), box("10")
+    tab.jobs.status, tab._asked = JobStatus("search", advice={"met": True}), tab._question()
+    tab._say("Run 1 is on the stage.")
+    tab._drop_what_is_old()
+    assert tab.jobs.status.advice and tab._remark
+    tab._session.scene = replace(SCENE, method="cpgimp", cells=28, ppc=3, cfl=0.5, effects=(), estimators=())
+    tab._drop_what_is_old()
+    assert tab.jobs.status.advice and not tab._remark
+    tab._tolerance.value = "1e-3"
+    tab._drop_what_is_old()
+    assert tab.jobs.status == JobStatus()
+    for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
+        assert question(replace(SCENE, **change)) != question(SCENE)
+
+
+def test_search_ends_when_what_was_asked_changes(jobs):
+    tab = CostTab.__new__(CostTab)
+    tab.jobs, tab._session, tab._tolerance, tab._budget, tab._remark = jobs, Stage(), box("1e-2"), box("10"), ""
+    jobs.search(search(SCENE, 1e-2, 10.0))
+    tab._asked = tab._question()
+    tab._session.scene = replace(SCENE, amplitude=0.01)
+    tab._drop_what_is_old()
+    wait(lambda: not jobs.status.running)
+    tab._drop_what_is_old()
+    assert words.going(jobs.status) == "The search was cancelled." and tab._remark == "What it was to find has changed."
+
+
+def test_label_of_the_errors_crosses_no_tick():
+    """It stands above the highest of them."""
+    runs = Runs()
+    runs.add(made_up(), SWEEP)
+    drawing = picture(runs.all())
+    label = re.search(r"<text x='4' y='(\d+)'>error of x / A", drawing)
+    heights = [float(y) for y in re.findall(r"y='([\d.]+)' text-anchor='end'", drawing)]
+    assert heights and int(label[1]) < min(heights) - 10 and "rotate" not in drawing

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from solvers.bar.scene import BarScene
 from solvers.estimators.registry import ESTIMATORS, Estimator
 from solvers.result import Result
 from solvers.ring.scene import RingScene
-from solvers.run import run
+from solvers.run import run, shown_step
 
 SCENE = BarScene(cells=8, ppc=2, periods=0.3)
 RING = RingScene(cells=12, periods=0.1)
@@ -226,3 +227,43 @@ def test_estimate_and_truth_differ_in_lightness_too():
     def luminance(colour: str) -> float:
         return float(np.dot(np.power(to_rgb(colour), 2.2), (0.2126, 0.7152, 0.0722)))
     assert luminance(ESTIMATE) > 1.25 * luminance(TRUTH)
+
+
+@pytest.mark.parametrize(("scene", "share"), [
+    (replace(SCENE, periods=1), 0.75), (replace(RING, periods=1), 0.75), (replace(SCENE, periods=1.5), 1.25 / 1.5),
+    (replace(SCENE, periods=1.2), 1), (replace(SCENE, periods=0.05), 1), (replace(SCENE, cfl=10, periods=0.5), None)],
+    ids=["bar", "ring", "three halves", "large at its end", "too short", "few steps"])
+def test_the_moment_shown_has_something_to_see(scene, share):
+    """Not the end of whole and half periods, where u = 0; never a step beyond the run."""
+    step = shown_step(scene)
+    assert 0 < step <= scene.steps and (share is None or step == pytest.approx(share * scene.steps, abs=1))
+
+
+@pytest.mark.parametrize("scene", [replace(SCENE, periods=1), replace(RING, periods=0.5)], ids=["bar", "ring"])
+def test_the_moment_changes_no_bit_of_the_result(scene):
+    """The picture's particles are those of a run that ends there, and the rest is as without."""
+    scene = replace(scene, estimators=("companion",))
+    kept, without = run(scene, prices=False), run(scene, prices=False, moment=False)
+    for name, values in without.series.items():
+        np.testing.assert_array_equal(values, kept.series[name])
+    np.testing.assert_array_equal(kept.final.estimate["companion"], without.final.estimate["companion"])
+    np.testing.assert_array_equal(kept.final.position, without.final.position)
+    assert without.shown is without.final and kept.shown.step == shown_step(scene) < kept.final.step
+    ended = run(replace(scene, periods=None, t_end=kept.shown.time, sample_every=scene.sample_interval), prices=False)
+    assert ended.steps == kept.shown.step
+    np.testing.assert_array_equal(kept.shown.position, ended.final.position)
+    figure = run_figure(kept)
+    at = f"at t = {kept.shown.time:.4g} s (last peak of the motion)"
+    assert sum(at in axes.get_title() for axes in figure.axes) == 2
+
+
+def test_a_run_that_breaks_is_shown_at_its_end():
+    unstable = run(replace(SCENE, cells=40, cfl=1.5, periods=5.0), prices=False)
+    assert unstable.status == "unstable" and unstable.shown is unstable.final
+
+
+def test_estimators_are_told_apart_by_lightness_too():
+    def luminance(colour: str) -> float:
+        return float(np.dot(np.power(to_rgb(colour), 2.2), (0.2126, 0.7152, 0.0722)))
+    lightness = sorted(luminance(estimator.colour) for estimator in ESTIMATORS.values())
+    assert all(0.05 + after > 1.25 * (0.05 + before) for before, after in pairwise(lightness))

@@ -15,6 +15,7 @@ from app.cli import main
 from app.commands import tables as command
 from app.commands.tables_text import markdown
 from app.pictures.tables import figure
+from app.words import QUANTITIES
 from solvers.estimators.registry import ESTIMATORS
 from solvers.tables import paper, plan, rows
 from solvers.tables.digits import digits, short
@@ -149,6 +150,27 @@ def test_several_estimators_are_told_apart(results):
     assert text.count("[^1]: recovered: not valid here: a wall") == 1
     assert any("no index: recovered" in words.get_text() for axes in figure(table).subfigs[0].axes
                for words in axes.texts)
+
+
+def test_pictures_have_a_colour_an_estimator_and_no_dead_panel(results):
+    """A quantity without any index has no row of panels, and a part without one has words and no axes."""
+    row = CUT["3"].rows[0]
+    runs = {name: {**result, "scene": {**result["scene"], "estimator": ["transport", "companion"]}, "not_valid": {},
+                   "index": {"transport": result["index"], "companion": {**result["index"], "sigma": None}},
+                   "distance": dict.fromkeys(("transport", "companion"), result["distance"])}
+            for name, result in results[row.name].items()}
+    table = document(plan.Table("3", "t", "c", (), (row,)), {row.name: runs})
+    assert table["rows"][0]["estimators"]["transport"]["index"]["sigma"] is None
+    panels = figure(table).subfigs[0].axes
+    assert [panel.get_ylabel() for panel in panels] == [f"index of {QUANTITIES[q]}" for q in ("x", "v", "a")]
+    colours = {line.get_label(): line.get_color() for line in panels[0].get_lines()}
+    assert {name: colours[name] for name in runs["errors"]["index"]} == {
+        name: ESTIMATORS[name].colour for name in runs["errors"]["index"]}
+    stressed = {**table["rows"][0], "inputs": {**table["rows"][0]["inputs"], "method": "ugimp"}, "estimators": {
+        "companion": {"index": dict.fromkeys(QUANTITIES, 1.0)}}}
+    panels = figure({**table, "rows": [*table["rows"], stressed]}).subfigs[0].axes
+    dead = [panel for panel in panels if not panel.axison]
+    assert [text.get_text() for panel in dead for text in panel.texts] == ["no index of σ here"]
 
 
 # ---- Markdown and pictures ------------------------------------------------------------------------------------

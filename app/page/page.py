@@ -123,7 +123,7 @@ class Page:
         if self._last is not None and self._view is not None:
             self._worst.look(*self._last, self._view)
         self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst)
-        notice = self._session.notice()
+        notice = self._session.notice() or self._cost.notice()
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
             f"{escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")

@@ -46,6 +46,11 @@ class PageLinks(ExitStack):
     def open(self, listener: Listener) -> SessionLink:
         return self.enter_context(closing(self._pool.open(listener)))
 
+    @property
+    def playing(self) -> int:
+        """The number of stages that move, of all visitors."""
+        return self._pool.playing
+
 
 class Session:
     """Holds the wished scene (the latest wins), the last frame and the run's history."""
@@ -61,7 +66,7 @@ class Session:
         self._start(scene)
         self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
-        self._link = pool.open(self)
+        self._pool, self._link = pool, pool.open(self)
         self._ask()
 
     def set(self, **fields: object) -> None:
@@ -123,6 +128,11 @@ class Session:
 
     def close(self) -> None:
         self._link.close()
+
+    @property
+    def others_playing(self) -> bool:
+        """Whether other visitors' stages move on this server."""
+        return self._pool.playing > self.playing
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:

@@ -6,7 +6,6 @@ from matplotlib.axes import Axes
 from app.colours import ESTIMATE, TRUTH
 from app.figures import positive, say, styled
 from app.words import QUANTITIES
-from solvers.estimators.registry import ESTIMATORS
 from solvers.result import Result
 
 DRAWN = ("x", "v", "sigma")
@@ -20,7 +19,8 @@ MOST_DECADES = 8  # nor its errors everything that came before
 def draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     """The truth and each estimate of one quantity's error norm over time."""
     lines = [("truth", f"error_{quantity}", TRUTH, "-")]
-    lines += [(f"estimate ({name})", f"{name}/estimate_{quantity}", ESTIMATE, style) for name, style in styled(result)]
+    lines += [(f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
+              for name, colour, style in styled(result)]
     drawn = []
     for label, key, colour, style in lines:
         values = positive(result.series[key])
@@ -52,7 +52,7 @@ def draw_index(axes: Axes, result: Result) -> None:
     axes.axhline(1.0, color=TRUTH, linewidth=1.2)
     highest, silent = 1.0, []
     several = len(result.scene.active_estimators) > 1
-    for name, _ in styled(result):
+    for name, colour, _ in styled(result):
         for quantity, style in INDEX_STYLES.items():
             symbol = QUANTITIES[quantity].symbol
             ratio = _running_ratio(result, name, quantity)
@@ -60,7 +60,7 @@ def draw_index(axes: Axes, result: Result) -> None:
                 silent += [f"{symbol} by {name}"] * (name in not_estimated(result, quantity))
                 continue
             highest = max(highest, float(np.nanpercentile(ratio, 90)))
-            axes.plot(result.series["time"], ratio, color=ESTIMATORS[name].colour if several else INDEX_COLOUR,
+            axes.plot(result.series["time"], ratio, color=colour if several else INDEX_COLOUR,
                       linestyle=style, linewidth=1.4, label=f"{symbol} ({name})" if several else symbol,
                       marker=_marker(ratio), markersize=4)
     _time_axis(axes, result)

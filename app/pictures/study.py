@@ -80,8 +80,9 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     """Estimated against true error, a row of panels for each estimator; on the line they are equal."""
     title = "Can the estimate be believed? Estimated against true error (largest RMS of each run)"
     rows = measured(rows)
-    names = list(dict.fromkeys(name for row in rows for name in row["estimate"]))
     shown = parts.known(rows)
+    names = list(dict.fromkeys(name for row in rows for name, norms in row["estimate"].items()
+                               if any(norms.get(quantity, {}).get("max") for quantity in shown)))
     if not names or not shown:
         return parts.nothing(title, NO_TRUTH if names else "no row has an estimate")
     figure, axes = parts.frame(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
@@ -146,7 +147,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         if true and estimated:
             points.append((true, estimated, row["scene"]["method"], row["status"] in BROKEN))
     if not points:
-        axes.set(xticks=[], yticks=[])
+        axes.set_axis_off()
         say(axes, "not estimated" if any(row["estimate"].get(estimator) for row in rows) else "not valid here")
         return
     low, high = _common_range(points)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE, TRUTH
-from app.figures import Look, line_style
+from app.figures import Look, line_style, say
 from app.words import EXTRA_NORMS, QUANTITIES, method_name
 from solvers.estimators.registry import ESTIMATORS
 from solvers.tables.digits import short
@@ -75,21 +75,35 @@ def _ring_indices(figure: SubFigure, table: dict) -> None:
 
 
 def _indices(figure: SubFigure, columns: dict[str, list[dict]]) -> None:
-    """A row of panels for each quantity, which share its axis, its numbers and the words at the outer edge."""
-    axes = figure.subplots(len(QUANTITIES), len(columns), squeeze=False, sharey="row")
+    """A row of panels for each quantity that has an index; they share its axis, its numbers and the words outside."""
+    every = [row for rows in columns.values() for row in rows]
+    known = [quantity for quantity in QUANTITIES if any(_has_index(row, quantity) for row in every)]
+    if not known:
+        say(figure.subplots(), "no estimator gives an index here")
+        return
+    axes = figure.subplots(len(known), len(columns), squeeze=False, sharey="row")
     for panels, (title, rows) in zip(axes.T, columns.items(), strict=True):
-        _draw_indices(panels, rows)
+        _draw_indices(panels, rows, known)
         panels[0].set_title(title, fontsize=10)
-    for across, name in zip(axes, QUANTITIES.values(), strict=True):
+    for across, name in zip(axes, (QUANTITIES[quantity] for quantity in known), strict=True):
         values = [value for panel in across for line in panel.get_lines() for value in line.get_ydata()]
         low = max(MOST_SPAN[0], min(LEAST_SPAN[0], min(values) / 1.4))
         high = min(MOST_SPAN[1], max(LEAST_SPAN[1], max(values) * 1.4))
         bottom = low * (low / high) ** 0.08  # room for words
-        across[0].set(yscale="log", ylim=(bottom, high), ylabel=f"index of {name}")
-        _number(across[0])
-    for panel in axes[-1]:
-        panel.set_xlabel("cells")
-    _legend(figure, axes[0, 0])
+        outer = next(panel for panel in across if panel.axison)
+        outer.set(yscale="log", ylim=(bottom, high), ylabel=f"index of {name}")
+        outer.tick_params(labelleft=True)
+        _number(outer)
+    for panels in axes.T:
+        for panel in [panel for panel in panels if panel.axison][-1:]:
+            panel.set_xlabel("cells")
+    _legend(figure, next(panel for panel in axes.flat if panel.axison))
+
+
+def _has_index(row: dict, quantity: str) -> bool:
+    """Whether any estimator gives one, or the paper prints one."""
+    ours = any(estimator["index"][quantity] for estimator in row["estimators"].values())
+    return ours or bool(row["paper"].get(f"index_{quantity}"))
 
 
 def _by(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
@@ -128,10 +142,14 @@ def _draw_slopes(axes: Axes, largest: float) -> None:
         axes.annotate(f" {order}", (largest, high), fontsize=8, color="0.4", va="center")
 
 
-def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
+def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -> None:
     """Each quantity's index against the cells, on a logarithmic axis with the band that may be trusted."""
     cells = [row["inputs"]["cells"] for row in rows]
-    for axes, quantity in zip(panels, QUANTITIES, strict=True):
+    for axes, quantity in zip(panels, quantities, strict=True):
+        if not any(_has_index(row, quantity) for row in rows):
+            axes.set_axis_off()
+            say(axes, f"no index of {QUANTITIES[quantity].symbol} here")
+            continue
         axes.set(xscale="log", xlim=(cells[0] / 1.25, cells[-1] * 1.25))
         axes.axhspan(*BAND, color=TRUTH, alpha=0.13, linewidth=0, label="0.8 to 1.25")
         axes.axhline(1.0, color=TRUTH, linewidth=1.2, label="1, perfect")
@@ -139,8 +157,9 @@ def _draw_indices(panels: list[Axes], rows: list[dict]) -> None:
         for k, name in enumerate(rows[0]["estimators"]):
             points = _points((row["inputs"]["cells"], row["estimators"][name]["index"][quantity]) for row in rows)
             silent += [name] * (not points[1])
-            axes.plot(*points, color=ESTIMATE, linestyle=line_style(name), marker=ESTIMATORS[name].symbol,
-                      markersize=5.5, markerfacecolor="white" if k % 2 else ESTIMATE, linewidth=1.3, label=name)
+            look = ESTIMATORS[name]
+            axes.plot(*points, color=look.colour, linestyle=line_style(name), marker=look.symbol, markersize=5.5,
+                      markerfacecolor="white" if k % 2 else look.colour, linewidth=1.3, label=look.title)
         axes.plot(*_points((row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows), **PAPER)
         _ticks(axes, {n: str(n) for n in cells})
         axes.grid(alpha=0.3)

@@ -50,6 +50,12 @@ class EnginePool:
         return all(engine.ready.wait(timeout) for engine in self._engines)
 
     @property
+    def playing(self) -> int:
+        """The number of sessions that are to move."""
+        links = [link for engine in self._engines for link in list(engine.links.values())]
+        return sum(link.wish is not None and link.wish.playing for link in links)
+
+    @property
     def process_ids(self) -> list[int]:
         return [engine.process_id for engine in self._engines]
 

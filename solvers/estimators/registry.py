@@ -28,10 +28,10 @@ class ExtensionError(Exception):
 class Estimator:
     """One estimator, whatever the problem.
 
-    ``colour`` is its shade of the estimate's colour, ``dashes`` are pixels drawn and left out (none: unbroken),
-    ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``, ``P``, ``X``, ``*``). ``summary`` is a line,
-    ``page`` is html that explains it in full, by default that of the file ``explanations/NAME.html``. ``hooks`` are
-    given here only where they are not in a file of the problem's folder.
+    ``colour`` is a warm one, for the truth is blue, and differs from the others' in lightness too; ``dashes`` are
+    pixels drawn and left out (none: unbroken), ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``,
+    ``P``, ``X``, ``*``). ``summary`` is a line, ``page`` is html that explains it in full, by default that of the file
+    ``explanations/NAME.html``. ``hooks`` are given here only where they are not in a file of the problem's folder.
     """
 
     name: str
@@ -109,10 +109,10 @@ for _estimator in (
     Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
               colour="#D55E00", symbol="o", judges=False),  # its size is often off by several times
     Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
-              colour="#8A3C00", dashes=(9, 4), symbol="s"),
+              colour="#6B2A00", dashes=(9, 4), symbol="s"),
     Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
-              "against", colour="#F08A24", dashes=(3, 3), symbol="^"),
+              "against", colour="#EC9A1E", dashes=(3, 3), symbol="^"),
     Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
-              colour="#A85A3A", dashes=(9, 3, 2, 3), symbol="D"),
+              colour="#B0156B", dashes=(9, 3, 2, 3), symbol="D"),
 ):
     register(_estimator)

@@ -1,7 +1,7 @@
-"""A whole sweep or search in the background: one process of low priority that does one job and says how it goes.
+"""A whole sweep or search in the background: one process that does one job and says how it goes.
 
-The page keeps moving while a visitor's job runs, so that runs in a process that gives way to every other, ends when it
-is done, when it is cancelled, or when whoever started it is gone. Its messages::
+The page goes on while a visitor's job runs, so that runs in a process of its own, which gives way to others when told
+to, and ends when it is done, when it is cancelled, or when whoever started it is gone. Its messages::
 
     {"row": a row}                                   of a sweep
     {"look": n, "coarse": m, "task": a task}         of a search: run n begins; the first m are on coarse grids
@@ -42,7 +42,6 @@ def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
     """What the process of a sweep does: measure tasks in their order."""
     from solvers.study.row import measure
 
-    _give_way()
     for task in tasks:
         tell({"row": measure(Task(**task))})
 
@@ -52,7 +51,6 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
     from solvers.study.advise import COARSE, Goal, advise, families
     from solvers.study.family import ESTIMATOR
 
-    _give_way()
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
     choices = families(base, job.methods, job.ppc, job.courant_numbers, job.quantity)
@@ -72,11 +70,6 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
                      "looks": advice.looks}})
 
 
-def _give_way() -> None:
-    with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
-        os.nice(NICENESS)
-
-
 class BackgroundJob(WorkerProcess):
     """A job under way: a ``"sweep"`` of a list of tasks or a ``"search"`` with the fields of a :class:`SearchJob`.
     ``on_message`` hears every message, from a thread of its own; the last has ``done``. That comes in every case, after
@@ -88,6 +81,12 @@ class BackgroundJob(WorkerProcess):
         threading.Thread(target=self._follow, args=(question, on_message), name=kind, daemon=True).start()
 
     cancel = WorkerProcess.kill  # from any thread, also when it has ended
+
+    def give_way(self) -> None:
+        """Have the process wait for whatever else wants a processor, from now on: there is no way back."""
+        if process_id := self.process_id:
+            with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
+                os.setpriority(os.PRIO_PROCESS, process_id, NICENESS)
 
     def _follow(self, question: list | dict, on_message: Callable[[dict], None]) -> None:
         last: dict = {"done": True}

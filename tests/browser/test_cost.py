@@ -35,18 +35,28 @@ def value(page, label):
 
 
 def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
-    """The stage's own run is a dot; a sweep adds more while the stage moves on; a dot, a row and the file."""
+    """The stage's own run is a dot; a sweep adds more while the stage pauses, or moves if its visitor wishes; then the
+    stage goes on. A dot, a row and the file."""
     begin(page, server)
     until(lambda: dots(page) == 1, "the run on the stage as a dot")
-    before = time(page)
     click(page, "Small sweep")
     until(page.get_by_role("button", name="Find the cheapest run").is_disabled, "no second job")
     # Three rows of kernels that are compiled for the first time, in a process of low priority: work, not waiting.
     until(lambda: dots(page) >= 4, "dots of the sweep", patience=4 * PATIENCE)
     with held(job_processes(server[1])):  # else it might be done before it is cancelled
+        shown(page, "The stage is paused while your sweep takes times")
         between = time(page)
-        assert between > before
+        page.wait_for_timeout(500)
+        assert time(page) == between
+        page.get_by_role("tab", name="Explore").click()
+        click(page, "Play")
         until(lambda: time(page) > between, "the stage moving on")
+        open_cost(page)
+        shown(page, "Your stage runs beside it")
+        page.get_by_role("tab", name="Explore").click()
+        click(page, "Pause")
+        until(lambda: "paused" in readout(page), "the stage paused by its visitor")
+        open_cost(page)
         click(page, "Cancel")
         shown(page, "The sweep was cancelled")
     until(lambda: not job_processes(server[1]), "the process gone")
@@ -76,6 +86,13 @@ def test_search_is_refused_in_words_cancelled_and_left(page, server, chromium):
     tolerance.fill("1e-5")
     click(page, "Find the cheapest run")
     shown(page, "on coarse grids")
+    until(lambda: "paused" in readout(page), "the stage paused")
+    tolerance.fill("1e-4")
+    shown(page, "What it was to find has changed.")
+    shown(page, "The search was cancelled")
+    until(lambda: "paused" not in readout(page), "the stage going on")
+    click(page, "Find the cheapest run")
+    shown(page, "Search")
     click(page, "Cancel")
     shown(page, "The search was cancelled")
     click(page, "Small sweep")

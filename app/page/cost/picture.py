@@ -15,8 +15,8 @@ from app.page.cost.words import sentence
 from app.words import METHODS, power_text
 from solvers.soundness import BROKEN
 
-WIDTH, HEIGHT = 330, 216
-LEFT, RIGHT, TOP, BOTTOM = 46, 318, 10, 182
+WIDTH, HEIGHT = 330, 226
+LEFT, RIGHT, TOP, BOTTOM = 46, 318, 20, 192
 MOST_NUMBERS = 40  # dots that have their number beside them; of more it is in their title only
 ROOM = 0.15  # decades around the dots
 FEW = 1.7  # decades below which 2 and 5 have a tick as well
@@ -71,10 +71,9 @@ def _frame(across: Axis, up: Axis) -> str:
         y = up.at(value)
         parts.append(f"<path d='M{LEFT} {y}H{RIGHT}' class='lab-grid'/>"
                      f"<text x='{LEFT - 4}' y='{y + 3.5}' text-anchor='end'>{label}</text>")
-    middle = (TOP + BOTTOM) / 2
     parts.append(f"<path d='M{LEFT} {TOP}V{BOTTOM}H{RIGHT}' class='lab-axis'/>"
                  f"<text x='{(LEFT + RIGHT) / 2}' y='{HEIGHT - 6}' text-anchor='middle'>seconds for one run</text>"
-                 f"<text transform='translate(9 {middle}) rotate(-90)' text-anchor='middle'>error of x / A</text>")
+                 f"<text x='4' y='{TOP - 8}'>error of x / A</text>")  # above the axis, where no tick is
     return "".join(parts)
 
 

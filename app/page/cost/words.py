@@ -124,6 +124,19 @@ def going(status: JobStatus) -> str:
     return f"The sweep is done: {status.done} runs." if status.kind == "sweep" else ""
 
 
+def stage(paused: bool, playing: bool, others: bool) -> str:
+    """What the stages do to the times while a job runs: the visitor's own and those of ``others``."""
+    own = "Your stage is paused meanwhile, so that it does not disturb the times." if paused else \
+        "Your stage runs beside it: times come out longer. Pause makes them true." if playing else ""
+    theirs = "Other visitors use this server at the same time: times may come out longer." if others else ""
+    return f"{own} {theirs}".strip()
+
+
+def pause(kind: str) -> str:
+    """On a stage that has been paused."""
+    return f"The stage is paused while your {kind} takes times, and goes on by itself. Play lets it go on now."
+
+
 def found(advice: dict) -> str:
     """The recommendation."""
     scene = Task(**advice["task"]).scene()

@@ -6,12 +6,13 @@ from collections.abc import Callable
 import viser
 
 from app.page.cost import words
-from app.page.cost.jobs import Jobs, JobStatus, search, small_sweep, timings
+from app.page.cost.jobs import Jobs, JobStatus, question, search, small_sweep, timings
 from app.page.cost.live import LiveRows
 from app.page.cost.picture import picture
+from app.page.cost.quiet import QuietStage
 from app.page.cost.runs import LIVE, Runs, csv_bytes
 from app.page.history import History
-from app.page.session import Session
+from app.page.session import Notice, Session
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
 from solvers.study.grid import Task
@@ -34,9 +35,11 @@ class CostTab:
         self._client, self._session, self._load = client, session, load
         self.runs = Runs()
         self.jobs = Jobs(self.runs)
-        self._live = LiveRows()
+        self._live, self._quiet = LiveRows(), QuietStage(session)
         self._shown: tuple | None = None
+        self._asked: tuple | None = None  # what the last search was asked
         self._remark = ""
+        self._remarked_on: tuple | None = None
         self._build(client.gui)
 
     def follow(self, report: FrameReport, history: History) -> None:
@@ -46,12 +49,50 @@ class CostTab:
 
     def refresh(self) -> None:
         """Show what has changed."""
-        problem, status = self._session.scene.problem, self.jobs.status
-        shown = (self.runs.version, problem, status, self._remark)
+        self._quiet.follow(self.jobs.status.running)
+        self._drop_what_is_old()
+        problem, status, stage = self._session.scene.problem, self.jobs.status, self._stage_word()
+        shown = (self.runs.version, problem, status, self._remark, stage)
         if shown != self._shown:
             self._shown = shown
             self._show_runs(problem)
-            self._show_status(status)
+            self._show_status(status, stage)
+
+    def notice(self) -> Notice | None:
+        """Why the stage stands still, if that is for a job's sake."""
+        return Notice("wait", words.pause(self.jobs.status.kind)) if self._quiet.paused else None
+
+    def _stage_word(self) -> str:
+        """What disturbs the job that runs, which gives way to every stage that moves."""
+        if not self.jobs.status.running:
+            return ""
+        others = self.jobs.others or self._session.others_playing
+        if others or self._session.playing:
+            self.jobs.give_way()
+        return words.stage(self._quiet.paused, self._session.playing, others)
+
+    def _drop_what_is_old(self) -> None:
+        """An advice and a remark hold for the input that they were given on; a search for another is of no use."""
+        if self._remark and self._remarked_on != self._input():
+            self._remark = ""
+        if self._asked is None or self._asked == (asked := self._question()):
+            return
+        if self.jobs.status.running:
+            self._asked = asked
+            self.jobs.cancel()
+            self._say("What it was to find has changed.")
+        else:
+            self._asked = None
+            self.jobs.forget()
+
+    def _input(self) -> tuple:
+        return self._tolerance.value, self._budget.value, self._session.scene
+
+    def _question(self) -> tuple:
+        return self._tolerance.value, self._budget.value, question(self._session.scene)
+
+    def _say(self, remark: str) -> None:
+        self._remarked_on, self._remark = self._input(), remark
 
     def _build(self, gui: viser.GuiApi) -> None:
         gui.add_html(PICKED)
@@ -78,7 +119,7 @@ class CostTab:
         self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._take.on_click(lambda _: self._load_advice())
         self._table = gui.add_html("")
-        self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True, color="gray")
+        self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True)
         self._download.on_click(lambda _: self._client.send_file_download(
             FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True))
 
@@ -92,14 +133,14 @@ class CostTab:
         self._download.disabled = not runs
         self._time.visible = bool(timings(runs))
 
-    def _show_status(self, status: JobStatus) -> None:
+    def _show_status(self, status: JobStatus, stage: str) -> None:
         self._sweep.disabled = self._time.disabled = self._search.disabled = status.running
         self._cancel.visible = self._bar.visible = status.running
         if status.running:
             share = status.done / status.total if status.total else 0.0
             self._bar.value = min(100.0, 100.0 * share)  # type: ignore[misc]
         self._take.visible = bool(status.advice) and not status.running
-        texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(status), self._remark) if text]
+        texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(status), stage, self._remark) if text]
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     def _pick(self, text: str) -> None:
@@ -109,7 +150,7 @@ class CostTab:
             self._put(run.scene, f"Run {run.number}")
 
     def _start_sweep(self, tasks: list[Task]) -> None:
-        self._remark = ""
+        self._remark, self._asked = "", None
         self.jobs.sweep(tasks)
 
     def _start_search(self) -> None:
@@ -117,9 +158,9 @@ class CostTab:
             job = search(self._session.scene, words.typed("Tolerance", self._tolerance.value),
                          words.typed("Longest run", self._budget.value, words.LONGEST_BUDGET))
         except words.NoNumber as refusal:
-            self._remark = str(refusal)
+            self._say(str(refusal))
             return
-        self._remark = ""
+        self._remark, self._asked = "", self._question()
         self.jobs.search(job)
 
     def _load_advice(self) -> None:
@@ -129,10 +170,10 @@ class CostTab:
     def _put(self, scene: Scene, name: str) -> None:
         """Put a scene on the stage if a browser can show it."""
         if scene.particles > words.MOST_WATCHED:
-            self._remark = words.too_large(scene)
+            self._say(words.too_large(scene))
             return
         self._load(scene)
-        self._remark = f"{name} is on the stage."
+        self._say(f"{name} is on the stage.")
 
 
 def _clickable(content: str) -> str:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, colour_bar, drawable, robust_size, say, shared_scale, styled, thinned
+from app.figures import MOST_CELL_LINES, colour_bar, drawable, moment, robust_size, say, shared_scale, thinned
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
 from solvers.result import Result
@@ -22,15 +22,15 @@ def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) ->
 
 def _draw_curve(axes: Axes, result: Result) -> None:
     """Where the particles went, on the exact displacement."""
-    final, scene = result.final, cast(BarScene, result.scene)
+    shown, scene = result.shown, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
-    curve = exact.displacement(scene, fine, final.time)
+    curve = exact.displacement(scene, fine, shown.time)
     axes.plot(fine, curve, color=TRUTH, linewidth=1.2, label="exact", zorder=4)
-    few = thinned(len(final.position))
-    moved = drawable((final.position - final.material_position)[few])
+    few = thinned(len(shown.position))
+    moved = drawable((shown.position - shown.material_position)[few])
     size = float(np.clip(5000 / len(few), 3.0, 30.0))
-    axes.scatter(final.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
-    axes.set_title(f"displacement at t = {final.time:.4g} s", fontsize=10)
+    axes.scatter(shown.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
+    axes.set_title(f"displacement {moment(result)}", fontsize=10)
     limit = 1.4 * max(abs(curve).max(), robust_size(moved)) or scene.amplitude
     axes.set(xlabel="material coordinate X (m)", ylabel="displacement u (m)", xlim=(0, 1), ylim=(-limit, limit))
     axes.ticklabel_format(axis="y", scilimits=(-2, 3))
@@ -39,20 +39,21 @@ def _draw_curve(axes: Axes, result: Result) -> None:
 
 
 def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
-    """The bar at the end: a lane for each estimate and one for the truth, on one colour scale."""
-    final, cells = result.final, result.scene.cells
-    lanes = [("truth", None if final.error is None else np.abs(final.error[:, 0]), TRUTH)]
-    lanes += [(f"estimate\n({name})", np.abs(final.estimate[name][:, 0]), ESTIMATE) for name, _ in styled(result)]
+    """The bar: a lane for each estimate and one for the truth, on one colour scale."""
+    shown, cells = result.shown, result.scene.cells
+    lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH)]
+    lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE)
+              for name in result.scene.active_estimators]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
-    few = thinned(len(final.position))
-    few = few[(final.position[few] >= 0) & (final.position[few] <= 1)]  # an unstable run leaves NaN and worse
+    few = thinned(len(shown.position))
+    few = few[(shown.position[few] >= 0) & (shown.position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
-    truth = known.pop(0) if final.error is not None else None
+    truth = known.pop(0) if shown.error is not None else None
     scale = shared_scale(truth, known)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):
         look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
-        strokes = axes.vlines(final.position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
+        strokes = axes.vlines(shown.position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
     if not len(few):
         say(axes, "no particle is left on the bar")
     lined = cells <= MOST_CELL_LINES
@@ -64,6 +65,6 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
         tick.set_color(colour)
     axes.set(xlabel=f"position x (m){'; grey lines: cell boundaries' if lined else ''}", xlim=(-0.01, 1.01),
              ylim=(-0.5, len(lanes) - 0.5))
-    axes.set_title(f"particles at t = {final.time:.4g} s, coloured by the size of the position's error", fontsize=10)
+    axes.set_title(f"particles {moment(result)}, coloured by the size of the position's error", fontsize=10)
     if len(few) and lanes[0][1] is not None:
         colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)

@@ -13,6 +13,7 @@ from app.figures import (
     MOST_CELL_LINES,
     colour_bar,
     drawable,
+    moment,
     positive,
     robust_size,
     say,
@@ -39,13 +40,13 @@ def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) ->
 
 
 def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
-    """The ring at the end, once an estimator: the estimate mirrored about x = 0, the truth beside it, one scale."""
-    final = result.final
-    few = thinned(len(final.position))
-    few = few[np.isfinite(final.position[few]).all(axis=1)]  # an unstable run leaves NaN
-    x, y = drawable(final.position[few]).T
-    truth = None if final.error is None else final.error[few, 0]
-    estimates = {name: final.estimate[name][few, 0] for name, _ in styled(result)}
+    """The ring, once an estimator: the estimate mirrored about x = 0, the truth beside it, one scale."""
+    shown = result.shown
+    few = thinned(len(shown.position))
+    few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
+    x, y = drawable(shown.position[few]).T
+    truth = None if shown.error is None else shown.error[few, 0]
+    estimates = {name: shown.estimate[name][few, 0] for name in result.scene.active_estimators}
     scale = shared_scale(truth, list(estimates.values()))
     names = list(estimates) or [""]
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
@@ -63,7 +64,7 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
         if not len(few):
             say(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
-        axes.set_title(f"particles at t = {final.time:.4g} s{coloured}", fontsize=10)
+        axes.set_title(f"particles {moment(result)}{coloured}", fontsize=10)
     panels[0].set_ylabel("y (m)")
     if len(few) and (estimates or truth is not None):
         colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
@@ -72,10 +73,10 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
 
 def _draw_profile(axes: Axes, result: Result) -> None:
     """Where between the inner and the outer surface the error is: each particle, and the RMS over a thin shell."""
-    final = result.final
-    radius = np.linalg.norm(final.material_position, axis=1)
-    lines = [] if final.error is None else [("truth", final.error[:, 0], TRUTH, "-")]
-    lines += [(f"estimate ({name})", final.estimate[name][:, 0], ESTIMATE, style) for name, style in styled(result)]
+    at = result.shown
+    radius = np.linalg.norm(at.material_position, axis=1)
+    lines = [] if at.error is None else [("truth", at.error[:, 0], TRUTH, "-")]
+    lines += [(f"estimate ({name})", at.estimate[name][:, 0], colour, style) for name, colour, style in styled(result)]
     few, drawn = thinned(len(radius)), []
     for label, sizes, colour, style in lines:
         shown = positive(sizes)
@@ -85,7 +86,7 @@ def _draw_profile(axes: Axes, result: Result) -> None:
         axes.scatter(radius[few], shown[few], s=size, color=colour, alpha=0.25, linewidths=0)
         axes.plot(*_shells(result, radius, shown), color=colour, linestyle=style, linewidth=1.6, label=label, zorder=3)
         drawn.append(shown)
-    axes.set_title(f"error of the position at t = {final.time:.4g} s, over the thickness", fontsize=10)
+    axes.set_title(f"error of x {moment(result)}, over the thickness", fontsize=10)
     axes.set(xlabel=f"material radius R (m), from the inner surface {exact.INNER} to the outer {exact.OUTER}",
              ylabel="|error of x| (m)", xlim=(exact.INNER, exact.OUTER))
     if not drawn:
@@ -117,9 +118,9 @@ def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray) -> tuple[np.n
 
 def _frame(axes: Axes, result: Result) -> None:
     """Cell lines, the exact surfaces and the plane of mirroring; equal scales, so that a circle is one."""
-    scene, final = cast(RingScene, result.scene), result.final
-    outer = exact.OUTER + abs(float(exact.displacement(scene, np.array([[exact.OUTER, 0.0]]), final.time)[0, 0]))
-    reach = float(np.clip(robust_size(np.hypot(*drawable(final.position).T)), outer, 2 * outer)) * 1.06
+    scene, shown = cast(RingScene, result.scene), result.shown
+    outer = exact.OUTER + abs(float(exact.displacement(scene, np.array([[exact.OUTER, 0.0]]), shown.time)[0, 0]))
+    reach = float(np.clip(robust_size(np.hypot(*drawable(shown.position).T)), outer, 2 * outer)) * 1.06
     if scene.cells <= MOST_CELL_LINES:
         lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing
         lines = lines[np.abs(lines) <= reach]
@@ -128,7 +129,7 @@ def _frame(axes: Axes, result: Result) -> None:
         axes.hlines(lines[lines >= 0], -reach, reach, color="0.8", linewidth=width, zorder=0)
     for R in (exact.INNER, exact.OUTER):
         rim = R * np.stack([np.cos(RIM_ANGLES), np.sin(RIM_ANGLES)], axis=1)
-        x, y = (rim + exact.displacement(scene, rim, final.time)).T
+        x, y = (rim + exact.displacement(scene, rim, shown.time)).T
         for side in (LEFT, RIGHT):
             axes.plot(side * x, y, color="0.25", linewidth=0.9, zorder=3)
     axes.axvline(0, color="0.25", linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
