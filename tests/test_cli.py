@@ -225,9 +225,9 @@ def test_words_for_effects(text, effects, monkeypatch):
 def test_bare_command_and_flags_without_command_serve(monkeypatch):
     from app.commands.serve import Serve
     seen = []
-    monkeypatch.setattr(Serve, "execute", lambda self: seen.append((self.host, self.port, self.max_sessions)) or 0)
-    assert main([]) == 0 and main(["--port", "9000"]) == 0 and main(["serve", "--max-sessions", "3"]) == 0
-    assert seen == [("127.0.0.1", 8080, 40), ("127.0.0.1", 9000, 40), ("127.0.0.1", 8080, 3)]
+    monkeypatch.setattr(Serve, "execute", lambda self: seen.append((self.host, self.port, self.warm_up)) or 0)
+    assert main([]) == 0 and main(["--port", "9000"]) == 0 and main(["serve", "--no-warm-up"]) == 0
+    assert seen == [("127.0.0.1", 8080, True), ("127.0.0.1", 9000, True), ("127.0.0.1", 8080, False)]
 
 
 def test_table_is_printed_without_json(printed):

@@ -16,6 +16,8 @@ class Serve:
     """Port to listen on."""
     max_sessions: NumberFlag = 40
     """Visitors served at the same time; one more is asked to wait."""
+    warm_up: bool = True
+    """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
     def execute(self) -> int:
         """Serve until stopped."""
@@ -26,7 +28,7 @@ class Serve:
         require_whole("max_sessions", self.max_sessions, 1, 10_000)
         from app.page.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
         try:
-            serve(self.host, self.port, self.max_sessions)
+            serve(self.host, self.port, self.max_sessions, self.warm_up)
         except ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

@@ -91,11 +91,14 @@ class Visitors:
             self._show(client, "The page could not be made. Reload it, or see the terminal for the reason.")
 
 
-def serve(host: str, port: int, max_sessions: int) -> None:
-    """Serve the page until interrupted. Raises :class:`ServeError` when host and port cannot be had."""
+def serve(host: str, port: int, max_sessions: int, warm_up: bool = True) -> None:
+    """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it.
+
+    Raises :class:`ServeError` when host and port cannot be had.
+    """
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
-    pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes()), None
+    pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else ()), None
     try:
         server = _start_server(host, port, pool, max_sessions)
         address = f"{'127.0.0.1' if host in ('', '0.0.0.0') else host}:{server.get_port()}"

@@ -36,11 +36,12 @@ def _browser() -> str:
 
 @contextmanager
 def serving(environment=None, arguments=()):
-    """Address and process id of a page served by the command line itself, with further ``arguments``."""
+    """Address and process id of a page served by the command line itself, with further ``arguments``. Nothing is
+    compiled unasked: the tests need the processor."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         port = str(trial.getsockname()[1])
-    command = [sys.executable, "-m", "app", "serve", "--port", port, *arguments]
+    command = [sys.executable, "-m", "app", "serve", "--port", port, "--no-warm-up", *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2],
                                env={**os.environ, **(environment or {})})
     line = process.stderr.readline()

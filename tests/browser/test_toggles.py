@@ -1,0 +1,57 @@
+"""Whatever is switched, the stage goes on: what must be compiled first is compiled beside it."""
+
+from __future__ import annotations
+
+from tests.browser.driving import choose, engine_processes, readout, steps, until
+from tests.listening import PATIENCE
+from tests.processes import children, held
+
+MARK = "compiling …"
+
+
+def compilers(server):
+    """Ids of the forks of the engines that are at work."""
+    return [child for engine in engine_processes(server[1]) for child in children(engine, "spawn_main")]
+
+
+def tick(page, *names):
+    """Switches, each a function that clicks one box."""
+    return [lambda name=name: page.get_by_label(name, exact=True).click() for name in names]
+
+
+def test_the_stage_goes_on_beside_the_compiler(page, server):
+    """A compiler that is held still takes as long as the test likes: a word stands beside what was switched, the run
+    before goes on, and when the compiler is done, the word goes. One may be too quick to be held: then the next.
+    """
+    until(lambda: steps(page) > 20, "a run under way")
+    switches = [*tick(page, "companion", "two-grid", "transport"), lambda: choose(page, "Method", "B-spline"),
+                *tick(page, "transport", "two-grid", "companion"), lambda: choose(page, "Method", "cpGIMP")]
+    for switch in switches:
+        switch()
+        for _ in range(100):
+            page.wait_for_timeout(5)
+            if found := compilers(server):
+                break
+        with held(found):
+            if found and compilers(server) == found:
+                until(page.get_by_text(MARK).is_visible, "the word")
+                before = steps(page)
+                until(lambda: steps(page) > before, "the run before going on")  # noqa: B023
+                break
+    else:
+        raise AssertionError("no compiler was caught")
+    until(lambda: page.get_by_text(MARK).count() == 0, "no word left", PATIENCE)
+
+
+def test_a_dozen_toggles_in_a_row_are_all_met(page):
+    """Faster than anything can be compiled: the last state is on the stage in the end, and the run has not stopped."""
+    until(lambda: steps(page) > 20, "a run under way")
+    page.get_by_text("Effects: compute only").click()
+    for switch in [*tick(page, "companion", "energy", "two-grid", "energy", "step margin", "energy"),
+                   lambda: choose(page, "Method", "B-spline"), *tick(page, "two-grid", "companion", "step margin"),
+                   lambda: choose(page, "Method", "cpGIMP"), *tick(page, "companion")]:
+        switch()
+    until(lambda: page.get_by_text(MARK).count() == 0 and "companion" in readout(page)
+          and not {"two-grid", "energy"} & set(readout(page).split()), "what was wished last", PATIENCE)
+    before = steps(page)
+    until(lambda: steps(page) != before, "a run that goes on")
