@@ -21,7 +21,14 @@ from tests.processes import HANG, STARVED, until
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+         "--disable-gpu-compositing",  # by the renderer: a third of the time, which the processors that simulate spend
          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
+# However cheap a picture is, the browser would draw as many as it can, beside the simulation: a few a second will do.
+FEW_FRAMES = """
+    const soon = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 150);
+    window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
+"""
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 
 
@@ -65,6 +72,7 @@ def visit(chromium, address):
     errors = []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
+    page.add_init_script(FEW_FRAMES)
     page.goto(f"{address}/?fixedDpr=1")
     until(page.get_by_text("periods").first.is_visible, "the first numbers")
     yield page
