@@ -65,7 +65,7 @@ def units(work):
 
 
 def test_a_snapshot_is_cheap(frame):
-    """33 units, 0.85 ms, and a tenth more for the field of a plot. With exact fields worked out anew and products of small
+    """33 units, 0.85 ms, and the field of a plot a tenth more. With exact fields worked out anew and products of small
     matrices it was 280 and more.
 
     Three times the present cost: other processors weigh the operations differently, but not by so much.
@@ -74,7 +74,8 @@ def test_a_snapshot_is_cheap(frame):
 
 
 def test_a_redraw_is_cheap(frame):
-    """16 units, 0.4 ms, without the viewer's part; 45 when every image was made by itself. Twice the present cost."""
+    """12 units without the viewer's part, 20 with the field plot; it was 45 when every image was made by itself and
+    nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
     stage = RingStage(SimpleNamespace(scene=Scene()), scale)
@@ -85,7 +86,7 @@ def test_a_redraw_is_cheap(frame):
         scale.follow(estimated, true)
         stage.draw(SCENE, arrays, estimated, true, 0.0, 0.004)
 
-    assert units(draw) < 32
+    assert units(draw) < 40
 
 
 def test_images_are_mirrored(frame):
