@@ -252,7 +252,6 @@ def test_goodbye_overtakes_a_wish_that_waits(pool):
         assert link.session not in engine._wishes
 
 
-@pytest.mark.parametrize("scene", [SCENE, RingScene(cells=12, periods=1)], ids=["bar", "ring"])
 def test_the_field_that_is_asked_for_comes(session):
     """One quantity of the particles and its deviation, and no more once nobody plots it; a paused session answers."""
     link, listener = session
@@ -267,6 +266,7 @@ def test_the_field_that_is_asked_for_comes(session):
         np.testing.assert_array_equal(arrays.plotted, solver.snapshot(plotted=quantity).plotted.astype(np.float32))
 
 
+@pytest.mark.parametrize("scene", [SCENE, RingScene(cells=12, periods=1)], ids=["bar", "ring"])
 def test_differences_come_on_request(pool, scene):
     """A frame holds the size of estimate minus truth only when asked, and it is the distance of the samples."""
     listener = Listener()

@@ -74,7 +74,8 @@ def test_a_snapshot_is_cheap(frame):
 
 
 def test_a_redraw_is_cheap(frame):
-    """16 units, 0.4 ms, without the viewer's part; 45 when every image was made by itself. Twice the present cost."""
+    """12 units without the viewer's part, 20 with the field plot; it was 45 when every image was made by itself and
+    nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
     stage = RingStage(SimpleNamespace(scene=Scene()), scale)
@@ -85,7 +86,7 @@ def test_a_redraw_is_cheap(frame):
         scale.follow(estimated, true, 0.0)
         stage.draw(SCENE, arrays, estimated, true, 0.0, 0.004)
 
-    assert units(draw) < 32
+    assert units(draw) < 40
 
 
 def test_images_are_mirrored(frame):
