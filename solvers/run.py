@@ -77,7 +77,7 @@ def shown_step(scene: Scene) -> int:
     largest = math.floor(turns - 0.5) + 0.5  # in half periods
     if abs(math.sin(math.pi * turns)) >= SMALL_MOTION or largest < 0:
         return scene.steps
-    return min(scene.steps, round(largest * 0.5 * scene.period / scene.time_step))
+    return min(scene.steps, max(1, round(largest * 0.5 * scene.period / scene.time_step)))
 
 
 def _verdict(solver: Solver, series: dict[str, np.ndarray],
