@@ -107,14 +107,14 @@ def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
     row = np.full((2, len(names)), np.nan)
     row[:, 0] = 10, 20
     row[0, names.index("recovered/estimate_x")] = 4 * SCENE.amplitude**2
-    verdict = Verdict(solver)
+    verdict = Verdict(scene)
     verdict.look(row[:1], 4)
-    assert verdict.tell({})[0] == "lost" and "recovered" in verdict.tell({})[1]
-    assert verdict.tell({"recovered": "it rains"}) == ("ok", None, None)
+    assert verdict.tell(solver, {})[0] == "lost" and "recovered" in verdict.tell(solver, {})[1]
+    assert verdict.tell(solver, {"recovered": "it rains"}) == ("ok", None, None)
     row[1, names.index("apart")] = SCENE.amplitude
     verdict.look(row[1:], 4)
-    assert verdict.tell({"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
-    assert verdict.tell({})[2] == pytest.approx(10 * SCENE.time_step)
+    assert verdict.tell(solver, {"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
+    assert verdict.tell(solver, {})[2] == pytest.approx(10 * SCENE.time_step)
 
 
 def test_frames_say_what_is_not_valid(monkeypatch):

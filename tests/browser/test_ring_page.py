@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, coloured, number, press, readout, row, shown, stage, step_size, time, until
+from tests.browser.driving import choose, coloured, number, press, readout, row, stage, step_size, time, until
 
 
 @pytest.fixture
