@@ -102,7 +102,7 @@ def test_a_row_holds_the_run_and_what_it_cost():
 def test_the_timed_run_computes_nothing_but_the_method(monkeypatch):
     import solvers.run
     seen, real = [], solvers.run.run
-    monkeypatch.setattr(solvers.run, "run", lambda scene: seen.append(scene) or real(scene))
+    monkeypatch.setattr(solvers.run, "run", lambda scene, **options: seen.append(scene) or real(scene, **options))
     row.time_bare(BarScene(cells=8), 2)
     assert len(seen) > 2 and seen[0].steps < seen[1].steps  # warmed up first
     assert {(scene.effects, scene.estimators) for scene in seen} == {((), ())}

@@ -57,6 +57,12 @@ def choose(page, label, option):
     page.get_by_role("option", name=option).click()
 
 
+def to_the_ring(page):
+    """Choose the ring, and wait for its controls: what is clicked among those of the bar goes with them."""
+    choose(page, "Problem", "expanding ring")
+    page.get_by_text("Cells, h = 1.2/24").wait_for()
+
+
 def press(page, label, key, times=1):
     row(page, label).get_by_role("slider").focus()
     for _ in range(times):

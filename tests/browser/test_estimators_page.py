@@ -9,7 +9,7 @@ import pytest
 
 from app.page.session import FIRST_SCENE
 from solvers.estimators.registry import ESTIMATORS
-from tests.browser.driving import choose, click, coloured, drawn, number, readout, row, stage, time, until
+from tests.browser.driving import choose, click, coloured, drawn, number, readout, row, stage, time, to_the_ring, until
 
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
 
@@ -28,7 +28,7 @@ def test_table_names_index_distance_and_worst_region(page):
     """The truth and the estimator have a line each, and the worst region by each of them."""
     until(lambda: re.search("transport" + LINE, readout(page)), "norm, index and distance")
     until(lambda: len(re.findall(r"X = 0\.\d\d–\d\.\d\d m", readout(page))) == 2, "two regions")
-    choose(page, "Problem", "expanding ring")
+    to_the_ring(page)
     until(lambda: len(re.findall(r"(inner|middle|outer) third, \d+–\d+°", readout(page))) == 2, "regions of the ring")
 
 
@@ -49,7 +49,7 @@ def test_difference_takes_the_upper_lane(page):
 def test_without_an_exact_solution(page, problem):
     """The estimate stands alone: no truth, no index, and in words why."""
     if problem != "vibrating bar":
-        choose(page, "Problem", problem)
+        to_the_ring(page)
     page.get_by_text("Method details").click()
     choose(page, "Body force", "two-tone")
     until(lambda: "no exact solution is built in" in readout(page), "the truth missing in words")
@@ -94,7 +94,7 @@ def test_several_at_once(page):
 
 def test_not_valid_is_said_instead_of_a_number(page):
     """An estimator that does not hold has a sentence in the table, no curve and no colours; the truth stays."""
-    choose(page, "Problem", "expanding ring")
+    to_the_ring(page)
     tick(page, "companion")
     until(lambda: re.search("companion" + LINE, readout(page)), "the companion running")
     choose(page, "On the stage", "companion")

@@ -5,14 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, coloured, number, press, readout, row, stage, step_size, time, until
+from tests.browser.driving import (
+    choose,
+    coloured,
+    number,
+    press,
+    readout,
+    row,
+    stage,
+    step_size,
+    time,
+    to_the_ring,
+    until,
+)
 
 
 @pytest.fixture
 def ring(page):
     """The page with the ring running."""
-    choose(page, "Problem", "expanding ring")
-    page.get_by_text("Cells, h = 1.2/24").wait_for()
+    to_the_ring(page)
     until(lambda: number(page, r"time\s+(\S+) s") > 1e-4 and "estimate" in readout(page), "the ring running")
     return page
 
