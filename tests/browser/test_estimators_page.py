@@ -101,7 +101,7 @@ def test_not_valid_is_said_instead_of_a_number(page):
     row(page, "Amplitude A").get_by_role("slider").focus()
     for _ in range(90):
         page.keyboard.press("ArrowRight")
-    until(lambda: "not valid here: " in readout(page), "the sentence")
+    until(lambda: "companion: not valid here: " in readout(page), "the sentence")
     assert not re.search("companion" + LINE, readout(page)) and number(page, r"true\s+([\d.]+)") >= 0
     until(lambda: drawn(page)[1:] == [1, 1], "the truth and the other estimate drawn")
 
