@@ -72,7 +72,7 @@ def _start(start: dict) -> str:
              _line("start of Taichi", f"{start['taichi']:.2f}"), _line("compiling the default scene", "cold", "warm")]
     lines += [_line(f"  {problem}", f"{cold:.2f}", f"{start['warm'][problem]:.2f}")
               for problem, cold in start["cold"].items()]
-    return "\n".join([*lines, "  cold: with Taichi's cache of compiled kernels empty; compiling in seconds of the processor"])
+    return "\n".join([*lines, "  cold: with Taichi's cache of compiled kernels empty; in seconds of the processor"])
 
 
 def _scene(row: dict) -> str:
