@@ -7,8 +7,6 @@ compared at that step's time, one step before the others'.
 import taichi as ti
 
 from solvers.bar import soundness
-from solvers.bar.state import HOOKS
-from solvers.estimators import running
 from solvers.samples import BASE, EACH, column
 
 
@@ -52,7 +50,6 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
         for q in ti.static(range(3 + on.acceleration)):  # what is off stays NaN
             out[row, ti.static(column("error_x")) + q] = squares[q]
         out[row, ti.static(column("error_extra"))] = extra
-    running.report(bar, step, HOOKS, on)
     for e in range(ti.static(len(on.estimators))):
         squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(bar.particles):

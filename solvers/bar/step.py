@@ -7,7 +7,7 @@ from solvers.bar.phases import find_weights, nodes_to_particles, update_grid
 from solvers.bar.samples import sample
 from solvers.bar.state import HOOKS, BarState
 from solvers.estimators import running
-from solvers.solver import CRUSHED, ESCAPED, INVERTED, MEASURE, SOUND, STEP
+from solvers.solver import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
 FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
@@ -46,7 +46,8 @@ def one_step(bar: ti.template(), step, on: ti.template()):
 @ti.kernel
 def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti.template()):
     """From step ``start`` on take ``turns`` steps and sample the norms every ``sample_interval`` of them (``STEP``); or
-    in one turn, wherever the run stands, check and sample it (``MEASURE``) or sample it alone (``REPORT``), into row 0.
+    in one turn, wherever the run stands, check and sample it into row 0 (``MEASURE``) or only bring the estimates up to
+    date (``REPORT``).
 
     One kernel for all three: what samples is most of the code, and the compiler's time goes with the code.
     """
@@ -63,7 +64,9 @@ def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti
             if (purpose == STEP and step % CHECK_EVERY == 0) or (purpose == MEASURE and bar.verdict[0] == SOUND):
                 check(bar, step)
             if due:
-                sample(bar, row, step, looks, on)
+                running.report(bar, step, HOOKS, on)
+                if purpose != REPORT:
+                    sample(bar, row, step, looks, on)
 
 
 @ti.kernel

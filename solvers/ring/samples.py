@@ -7,12 +7,10 @@ time. ``error_extra`` is the paper's "Err A": the error of the acceleration at t
 
 import taichi as ti
 
-from solvers.estimators import running
 from solvers.ring import soundness
 from solvers.ring.exact import C1, C2, C3, INNER
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
-from solvers.ring.state import HOOKS
 from solvers.samples import BASE, EACH, column
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
@@ -128,7 +126,6 @@ def sample_truth(ring: ti.template(), row, step, on: ti.template()):
 @ti.func
 def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth."""
-    running.report(ring, step, HOOKS, on)
     expansion, speed, before = phase(ring, step)
     for e in range(ti.static(len(on.estimators))):
         squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])

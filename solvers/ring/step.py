@@ -50,8 +50,8 @@ def one_step(ring: ti.template(), step, on: ti.template()):
 @ti.kernel
 def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, ring: RingState, on: ti.template()):
     """On one thread: from step ``start`` on take ``turns`` steps and sample every ``sample_interval`` of them
-    (``STEP``); or in one turn, wherever the run stands, check and sample it (``MEASURE``) or sample it alone
-    (``REPORT``), into line 0.
+    (``STEP``); or in one turn, wherever the run stands, check and sample it into line 0 (``MEASURE``) or only bring
+    the estimates up to date (``REPORT``).
 
     One kernel for all three: what samples is most of the code, and the compiler's time goes with the code.
     """
@@ -68,7 +68,9 @@ def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, ring: RingState, on: 
             if (purpose == STEP and step % CHECK_EVERY == 0) or (purpose == MEASURE and ring.verdict[0] == SOUND):
                 check(ring, step)
             if due:
-                sample(ring, line, step, looks, on)
+                running.report(ring, step, HOOKS, on)
+                if purpose != REPORT:
+                    sample(ring, line, step, looks, on)
 
 
 @ti.kernel
@@ -111,7 +113,9 @@ def inspect(step: ti.i32, line: ti.i32, purpose: ti.i32, ring: RingState, on: ti
         if purpose != REPORT and ring.verdict[0] == SOUND:
             check(ring, step)
         if line >= 0:
-            sample(ring, line, step, purpose == MEASURE or (purpose == STEP and step % ring.look_interval == 0), on)
+            running.report(ring, step, HOOKS, on)
+        if line >= 0 and purpose != REPORT:
+            sample(ring, line, step, purpose == MEASURE or step % ring.look_interval == 0, on)
 
 
 @ti.kernel

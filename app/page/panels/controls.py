@@ -80,7 +80,7 @@ class Controls:
         buttons = gui.add_button_group("Run", tuple(acts), hint="Step pauses and takes one time step")
         buttons.on_click(lambda event: acts[event.target.value]())
         view = VIEWS[session.scene.problem]
-        self._size(Size("Speed", "periods/s", view.reach.speed, view.speed,
+        self._size(Size("Speed", "", view.reach.speed, view.speed,
                         "periods of the exact vibration in a second of yours"), session.speed, session.set_speed)
 
     def _scene(self) -> None:

@@ -40,7 +40,8 @@ class SizeControl:
         decades = range(int(np.ceil(low)), int(np.floor(high)) + 1)
         gui.add_html(LOGARITHMIC)
         self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint,
-                                      marks=tuple((float(d), f"{10.0**d:g}") for d in decades))
+                                      marks=tuple((float(d), f"{10.0**d:g}" if abs(d) < 4 else f"1e{d}")
+                                                  for d in decades))
         gui.add_html(TYPED)
         self._text = gui.add_text(f"{size.name}, typed", self._shown(value), hint=f"{size.hint}. Type a number"
                                   + f" in {size.unit}, or with a prefix: {self._shown(size.default)}" * bool(size.unit))

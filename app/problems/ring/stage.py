@@ -27,7 +27,7 @@ class RingStage(Stage[RingScene]):
     """Draws frames of the ring in one client's scene."""
 
     SILENCE_WIDTH = 22  # it stands in the ring's hole
-    RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, drawing.RECTANGLE[3])
+    RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, 1.21)  # two lines of a sentence stand above
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale):
         super().__init__(client, scale, "ring")
