@@ -24,4 +24,4 @@ class Axis:
         begun, need = self._peak > 0, max(largest, least)
         self._peak = max(need, FADE * self._peak)
         if self._peak > SMALLEST and (not begun or need > ROOM * self.top or self._peak < SLACK * self.top):
-            self.top = round_up(self._peak / ROOM, STEPS)
+            self.top, _ = round_up(self._peak / ROOM, STEPS)

@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -41,7 +42,8 @@ class ColourScale:
             top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
             self._remember(top, periods)
             if self._peaks[0][1] > SMALLEST:
-                self.top, self._parts = round_top(self._peaks[0][1])
+                self.top, step = round_up(self._peaks[0][1], TOPS)
+                self._parts = TOPS[step]
         self.exceeded = max(truth, estimate) > self.top
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
@@ -87,13 +89,7 @@ def largest(sizes: np.ndarray | None) -> float:
     return top if math.isfinite(top) else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 
-def round_top(value: float) -> tuple[float, int]:
-    """The next of the tops, times a power of ten, and the parts into which its ticks divide it."""
+def round_up(value: float, steps: Iterable[float]) -> tuple[float, float]:
+    """The next of ``steps`` times a power of ten, and that step: a scale that moves in few, round steps, from 1 on."""
     power = 10.0 ** math.floor(math.log10(value))
-    return next(((m * power, parts) for m, parts in TOPS.items() if value <= m * power), (10 * power, TOPS[1.0]))
-
-
-def round_up(value: float, steps: tuple[float, ...]) -> float:
-    """The next of ``steps`` times a power of ten: a scale that moves in few, round steps."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return next((m * power for m in steps if value <= m * power), 10 * power)
+    return next(((step * power, step) for step in steps if value <= step * power), (10 * power, 1.0))

@@ -1,5 +1,6 @@
 """Switches: what of a scene is compiled into its kernels."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from solvers.effects import EFFECTS
@@ -34,6 +35,7 @@ def switches(scene: Scene) -> Switches:
                     tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators, scene.remedies)
 
 
+@lru_cache(maxsize=256)  # asked again and again while somebody waits for the compiler
 def combination(scene: Scene) -> tuple:
     """What makes the compiler work: two scenes with equal combinations run the same kernels on the same processor."""
     plan = getattr(scene, "plan", None)  # of a problem that has several

@@ -12,9 +12,11 @@ import pytest
 from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
 
+from solvers.engine.pool import EnginePool
 from solvers.result import Result
 from solvers.run import run
 from solvers.scene import Scene
+from tests.listening import PATIENCE, SCENE, Listener
 
 # A shell that starts a job in the background has it ignore Ctrl-C, and its children with it; some tests send one.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -63,3 +65,21 @@ def _simulate(scene: Scene) -> Result:
 def simulate():
     """``simulate(scene)`` is ``run(scene)``, run once for all tests that ask for the same scene, prices aside."""
     return _simulate
+
+
+@pytest.fixture(scope="module")
+def pool():
+    """The engines of a file's tests."""
+    pool = EnginePool(SCENE)
+    assert pool.wait_ready(PATIENCE)
+    yield pool
+    pool.close()
+
+
+@pytest.fixture
+def session(pool):
+    """A session of ``pool``, and what it hears."""
+    listener = Listener()
+    link = pool.open(listener)
+    yield link, listener
+    link.close()

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import threading
 
+from solvers.bar.scene import BarScene
+
+SCENE = BarScene(cells=20, periods=1)  # what the engines of the tests start with
 PATIENCE = 120.0  # seconds; a loaded machine may need to compile
 
 

@@ -10,10 +10,10 @@ import pytest
 
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
-from solvers.bar.step import CHECK_EVERY
 from solvers.effects import EFFECTS
 from solvers.run import run
 from solvers.timing import estimator_shares
+from solvers.turn import CHECK_EVERY
 
 SCENE = BarScene(amplitude=0.05, cells=20, periods=1)
 STATE = ("position", "velocity", "deformation_gradient")

@@ -16,14 +16,11 @@ import pytest
 from solvers import samples
 from solvers.bar.scene import BarScene
 from solvers.engine.messages import Wish
-from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
 from solvers.ring.scene import RingScene
 from solvers.run import build
-from tests.listening import PATIENCE, Listener
+from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import Watch, held, until
-
-SCENE = BarScene(cells=20, periods=1)
 
 
 class Deadly(BarScene):
@@ -38,22 +35,6 @@ class Failing(BarScene):
 
     def __reduce__(self):
         return str, ("no scene",)
-
-
-@pytest.fixture(scope="module")
-def pool():
-    pool = EnginePool(SCENE)
-    assert pool.wait_ready(PATIENCE)
-    yield pool
-    pool.close()
-
-
-@pytest.fixture
-def session(pool):
-    listener = Listener()
-    link = pool.open(listener)
-    yield link, listener
-    link.close()
 
 
 def test_page_process_stays_free_of_taichi():

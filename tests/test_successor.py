@@ -9,36 +9,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
 from solvers.engine import successor
 from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
 from solvers.ring.scene import RingScene
 from solvers.run import build
-from tests.listening import PATIENCE, Listener
+from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import children, ended, held, state, until
 
 pytestmark = pytest.mark.skipif(not successor.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
-SCENE = BarScene(cells=20, periods=1)
 #: Each compiled by one test only: the engines of this file have one more combination after each.
 OTHERS = iter([replace(SCENE, method=method, estimators=estimators) for method in ("ugimp", "cpgimp", "bspline")
                for estimators in (("companion",), ("recovered",), ("companion", "recovered"))])
-
-
-@pytest.fixture(scope="module")
-def pool():
-    pool = EnginePool(SCENE)
-    assert pool.wait_ready(PATIENCE)
-    yield pool
-    pool.close()
-
-
-@pytest.fixture
-def session(pool):
-    listener = Listener()
-    link = pool.open(listener)
-    yield link, listener
-    link.close()
 
 
 def compilers(pool):

@@ -117,7 +117,9 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
     from app.page.index import own_index
     from app.page.page import Page
     from app.page.panels.head import set_up
+    from app.page.wire import mend
 
+    mend()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     with contextlib.redirect_stdout(io.StringIO()), own_index():  # it would announce itself in a box of its own

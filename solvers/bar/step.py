@@ -7,10 +7,10 @@ from solvers.bar.phases import find_weights, nodes_to_particles, update_grid
 from solvers.bar.samples import sample
 from solvers.bar.state import HOOKS, BarState
 from solvers.estimators import running
-from solvers.solver import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
+from solvers.solver import CRUSHED, ESCAPED, INVERTED
+from solvers.turn import Phases, take_turn
 
 FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
-CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
 
 
 @ti.func
@@ -43,30 +43,15 @@ def one_step(bar: ti.template(), step, on: ti.template()):
     running.after_step(bar, step, HOOKS, on)
 
 
+PHASES = Phases(one_step, check, sample, HOOKS)
+
+
 @ti.kernel
 def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti.template()):
-    """From step ``start`` on take ``turns`` steps and sample the norms every ``sample_interval`` of them (``STEP``); or
-    in one turn, wherever the run stands, check and sample it into row 0 (``MEASURE``) or only bring the estimates up to
-    date (``REPORT``).
-
-    One kernel for all three: what samples is most of the code, and the compiler's time goes with the code.
-    """
+    """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.turn.take_turn`."""
     ti.loop_config(serialize=True)
-    for k in range(turns):
-        if purpose != STEP or bar.verdict[0] == SOUND:
-            step, row, due, looks = start, 0, True, purpose == MEASURE
-            if purpose == STEP:
-                step += k + 1
-                one_step(bar, step, on)
-                row = step // bar.sample_interval - start // bar.sample_interval - 1
-                due = step % bar.sample_interval == 0
-                looks = step % bar.look_interval == 0
-            if (purpose == STEP and step % CHECK_EVERY == 0) or (purpose == MEASURE and bar.verdict[0] == SOUND):
-                check(bar, step)
-            if due:
-                running.report(bar, step, HOOKS, on)
-                if purpose != REPORT:
-                    sample(bar, row, step, looks, on)
+    for turn in range(turns):
+        take_turn(bar, turn, start, purpose, PHASES, on)
 
 
 @ti.kernel

@@ -11,9 +11,10 @@ from solvers.arrays import part_of, part_types
 from solvers.bar.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
 from solvers.bar.solver import BarSolver
 from solvers.bar.state import WatchedBar
-from solvers.bar.step import CHECK_EVERY, check
+from solvers.bar.step import check
 from solvers.shapes import gimp, stencil
 from solvers.solver import SOUND
+from solvers.turn import CHECK_EVERY
 
 StrippedBarState = part_types(WatchedBar, (
     "particles", "cells", "cells_per_length", "dt", "modulus", "density", "volume", "half_width", "farthest",

@@ -10,9 +10,10 @@ from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
 from solvers.ring.field import field
 from solvers.ring.scene import RESONANCE, RingScene
 from solvers.ring.state import HOOKS, RingState, WatchedRing, allocate, farthest
-from solvers.ring.step import CHECK_EVERY, advance, find_margin, freeze, inspect, step_in_slabs
+from solvers.ring.step import advance, find_margin, freeze, inspect, step_in_slabs
 from solvers.solver import MEASURE, REPORT, SOUND, STEP, Solver
 from solvers.switches import switches
+from solvers.turn import CHECK_EVERY
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
 

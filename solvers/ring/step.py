@@ -11,10 +11,10 @@ from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
 from solvers.ring.samples import sample
 from solvers.ring.state import HOOKS, RingState
-from solvers.solver import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
+from solvers.solver import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND
+from solvers.turn import Phases, take_turn
 
 FLATTEST = 1e-3  # det F below which a particle counts as crushed
-CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
 TASK = 512  # indices that a parallel loop never splits between threads
 
 
@@ -47,30 +47,15 @@ def one_step(ring: ti.template(), step, on: ti.template()):
     running.after_step(ring, step, HOOKS, on)
 
 
+PHASES = Phases(one_step, check, sample, HOOKS)
+
+
 @ti.kernel
 def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, ring: RingState, on: ti.template()):
-    """On one thread: from step ``start`` on take ``turns`` steps and sample every ``sample_interval`` of them
-    (``STEP``); or in one turn, wherever the run stands, check and sample it into line 0 (``MEASURE``) or only bring
-    the estimates up to date (``REPORT``).
-
-    One kernel for all three: what samples is most of the code, and the compiler's time goes with the code.
-    """
+    """On one thread, from step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.turn.take_turn`."""
     ti.loop_config(serialize=True)
-    for k in range(turns):
-        if purpose != STEP or ring.verdict[0] == SOUND:
-            step, line, due, looks = start, 0, True, purpose == MEASURE
-            if purpose == STEP:
-                step += k + 1
-                one_step(ring, step, on)
-                line = step // ring.sample_interval - start // ring.sample_interval - 1
-                due = step % ring.sample_interval == 0
-                looks = step % ring.look_interval == 0
-            if (purpose == STEP and step % CHECK_EVERY == 0) or (purpose == MEASURE and ring.verdict[0] == SOUND):
-                check(ring, step)
-            if due:
-                running.report(ring, step, HOOKS, on)
-                if purpose != REPORT:
-                    sample(ring, line, step, looks, on)
+    for turn in range(turns):
+        take_turn(ring, turn, start, purpose, PHASES, on)
 
 
 @ti.kernel

@@ -14,8 +14,9 @@ from solvers.ring.material import radial_force_at
 from solvers.ring.phases import EMPTY, fold, fold_sums, mirror_motion
 from solvers.ring.solver import RingSolver
 from solvers.ring.state import WatchedRing
-from solvers.ring.step import CHECK_EVERY, check
+from solvers.ring.step import check
 from solvers.solver import SOUND
+from solvers.turn import CHECK_EVERY
 
 
 class Bare(NamedTuple):

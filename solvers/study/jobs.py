@@ -21,7 +21,7 @@ from solvers.processes import ProcessDied, WorkerProcess
 from solvers.scene import Scene
 from solvers.study.grid import Task, task_of
 
-NICENESS = 10
+NICENESS = 10  # more than that of the process that asks
 NO_CHOICE = "no method makes a valid scene with these settings"
 
 
@@ -86,7 +86,7 @@ class BackgroundJob(WorkerProcess):
         """Have the process wait for whatever else wants a processor, from now on: there is no way back."""
         if process_id := self.process_id:
             with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
-                os.setpriority(os.PRIO_PROCESS, process_id, NICENESS)
+                os.setpriority(os.PRIO_PROCESS, process_id, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
 
     def _follow(self, question: list | dict, on_message: Callable[[dict], None]) -> None:
         last: dict = {"done": True}

@@ -17,10 +17,12 @@ class QuietStage:
         """A job of the visitor runs, or none does. One thread calls this again and again."""
         session, begins, ends = self._session, running and not self._running, self._running and not running
         self._running = running
-        if begins and session.playing:
+        playing = session.playing  # read once: the visitor may press Pause between two looks, and must not be undone
+        if begins and playing:
             self.paused = True
             session.play(False)
-        elif self.paused and (ends or session.playing):
+        elif self.paused and playing:
             self.paused = False
-            if not session.playing:
-                session.play(True)
+        elif self.paused and ends:
+            self.paused = False
+            session.play(True)
