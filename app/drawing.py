@@ -2,6 +2,7 @@
 
 import textwrap
 from typing import Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import viser
@@ -9,13 +10,15 @@ import viser
 from app.scale import MOST_TICKS, ColourScale
 from app.words import power_text
 
-RECTANGLE = (-0.105, 1.055, -0.11, 1.13)  # x0, x1, y0, y1 of the stage; every problem is drawn to fit
+RECTANGLE = (-0.105, 1.055, -0.11, 1.09)  # x0, x1, y0, y1 of the stage; every problem is drawn to fit
 COLOUR_BAR, COLOUR_BAR_HEIGHT = 1.015, 0.024
 TICK_GAP = 0.024  # labels have a white ground, which must stay clear of the colours
 FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
 DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
 UNKNOWN = 225  # grey of a particle whose error nobody knows
 AWAY = -50.0  # where points that are not shown wait, far outside the view
+
+_LABELS: WeakKeyDictionary[viser.SceneApi, list[tuple[viser.LabelHandle, float]]] = WeakKeyDictionary()
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
                  "bottom-center", "bottom-right"]
@@ -76,7 +79,16 @@ def lines(s: viser.SceneApi, name: str, colour: tuple[int, int, int], thickness:
 
 def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: Anchor,
           size: float = 1.0) -> viser.LabelHandle:
-    return s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=size)
+    handle = s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=size)
+    _LABELS.setdefault(s, []).append((handle, size))
+    return handle
+
+
+def enlarge(s: viser.SceneApi, factor: float) -> None:
+    """Write all labels of a scene so many times as large as usual."""
+    for handle, size in _LABELS.get(s, []):
+        if handle.font_screen_scale != factor * size:
+            handle.font_screen_scale = factor * size
 
 
 def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:

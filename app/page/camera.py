@@ -44,6 +44,12 @@ class FlatCamera:
             self._next_fit = now + REPEAT_SECONDS
             self.fit(force=True)
 
+    @property
+    def scale(self) -> float:
+        """Pixels that a length of one on the stage takes."""
+        camera = self._client.camera
+        return camera.image_height / self._height(camera.image_width / max(1, camera.image_height))
+
     def on_stage(self, screen: tuple[float, float]) -> tuple[float, float]:
         """The point of the plane z = 0 at a place of the canvas, (0, 0) top left to (1, 1) bottom right."""
         camera = self._client.camera
@@ -70,7 +76,7 @@ class FlatCamera:
     def _look(self, aspect: float) -> None:
         x0, x1, y0, y1 = self._rectangle
         self._hair = (self._hair + 1) % 7
-        height = max(y1 - y0, (x1 - x0) / aspect) * (MARGIN + 1e-4 * self._hair)
+        height = self._height(aspect) * (MARGIN + 1e-4 * self._hair)
         distance = 0.5 * height / math.tan(FIELD_OF_VIEW / 2)
         x, y = (x0 + x1) / 2, (y0 + y1) / 2
         self._target = np.array((x, y, distance))
@@ -80,3 +86,8 @@ class FlatCamera:
             camera.min_orbit_distance, camera.max_orbit_distance = distance / 20, 3 * distance
             camera.up_direction = (0.0, 1.0, 0.0)
             camera.position, camera.look_at = (x, y, distance), (x, y, 0.0)
+
+    def _height(self, aspect: float) -> float:
+        """Of what is looked at, at least the rectangle, on a canvas so many times as wide as high."""
+        x0, x1, y0, y1 = self._rectangle
+        return max(y1 - y0, (x1 - x0) / aspect)

@@ -8,12 +8,13 @@ from time import monotonic
 import numpy as np
 import viser
 
-from app.drawing import RECTANGLE, ColourBar
+from app.drawing import RECTANGLE, ColourBar, enlarge
 from app.page.camera import FlatCamera
 from app.page.panels.controls import Controls
 from app.page.panels.cost import CostTab
 from app.page.panels.head import add_head, set_up
 from app.page.panels.measurements import Measurements
+from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.texts import add_about, add_lessons
 from app.page.probe import Probe
 from app.page.session import FIRST_SCENE, PageLinks, Session
@@ -26,6 +27,7 @@ from app.words import QUANTITIES
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 
+ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 
 
@@ -41,6 +43,7 @@ class Page:
         self._scale = ColourScale()
         set_up(client.gui)
         add_head(client.gui)
+        self._presenter = Presenter(client.gui)
         self._notice, self._says, self._pace = client.gui.add_html(""), client.gui.add_html(""), Pace()
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
         self._colour_bar = ColourBar(client.scene, self._scale)
@@ -122,7 +125,7 @@ class Page:
     def _refresh(self) -> None:
         if self._last is not None and self._view is not None:
             self._worst.look(*self._last, self._view)
-        self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst)
+        self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst, self._presenter.on)
         notice = self._session.notice() or self._cost.notice()
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
@@ -131,6 +134,8 @@ class Page:
         self._controls.refresh()
         self._cost.refresh()
         self._camera.settle()
+        fitting = max(LEAST_TEXT, min(1.0, self._camera.scale / ROOMY))
+        enlarge(self._client.scene, fitting * (ENLARGED if self._presenter.on else 1.0))
 
     def _say(self) -> None:
         """Say what is seen, now and then; that there is something to see lifts the page's ground (``ground.html``)."""

@@ -64,8 +64,8 @@ def serving(environment=None, arguments=()):
 
 
 @contextmanager
-def visit(chromium, address):
-    """A fresh visitor at 1280x720. Any error in the browser's console fails the test."""
+def visit(chromium, address, query=""):
+    """A fresh visitor at 1280x720, with more in the address. Any error in the browser's console fails the test."""
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
@@ -73,8 +73,8 @@ def visit(chromium, address):
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.add_init_script(FEW_FRAMES)
-    page.goto(f"{address}/?fixedDpr=1")
-    until(page.get_by_text("periods").first.is_visible, "the first numbers")
+    page.goto(f"{address}/?fixedDpr=1{query}")
+    until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
     yield page
     page.close()
     assert errors == []

@@ -74,9 +74,16 @@ def click(page, button):
 
 
 def stage(page):
-    """The stage between the panels, as an array of colours."""
-    shot = page.screenshot(clip={"x": 330, "y": 0, "width": 580, "height": 720})
+    """The stage between the panels and what is above and below it, as an array of colours."""
+    box = stage_box(page)
+    shot = page.screenshot(clip={"x": box["x"], "y": 0, "width": box["width"],
+                                 "height": page.viewport_size["height"]})
     return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+
+
+def stage_box(page):
+    """Where the stage is in the window, in pixels."""
+    return page.locator("[data-dock-root] > div:first-child").bounding_box()
 
 
 def plotted(page):

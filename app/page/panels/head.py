@@ -20,7 +20,8 @@ HALF_WIDE = "<i class='lab-half'></i>"
 WIDE_LABEL = "<i class='lab-wide'></i>"
 
 _PIXEL = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///ywAAAAAAQABAAACAUwAOw=="
-_STYLE = (Path(__file__).parents[1] / "style.css").read_text(encoding="utf-8")
+_STYLE = "".join((Path(__file__).parents[1] / name).read_text(encoding="utf-8")
+                 for name in ("style.css", "room.css", "present.css"))
 # An image's onload is the one moment in a page's life that html alone can hook. The viewer's own buttons (its server,
 # its scene tree, its share link) are of no use to a visitor, and its warning of slow graphics, which would cover the
 # colour bar, does not hold for so light a picture.

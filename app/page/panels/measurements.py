@@ -11,7 +11,7 @@ from app.page.view import why_no_truth
 from app.page.worst import WorstRegions
 from solvers.engine.messages import FrameReport
 
-READOUT_HEIGHT = 434  # pixels of the window that are not plot: heading, numbers, titles and axes, with one estimator
+READOUT_HEIGHT = 362  # pixels more than the stage that readout, titles and axes need, with one estimator
 MOST_HEIGHT = 240  # of a plot
 
 
@@ -27,8 +27,9 @@ class Measurements:
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
 
-    def refresh(self, session: Session, controls: Controls, probed: str | None, worst: WorstRegions) -> None:
-        """Show what has come in since the last time."""
+    def refresh(self, session: Session, controls: Controls, probed: str | None, worst: WorstRegions,
+                presented: bool) -> None:
+        """Show what has come in since the last time; ``presented``: one plot, large."""
         report, history = session.report, session.history
         if report is None or report.scene != history.scene:
             return
@@ -36,7 +37,8 @@ class Measurements:
         self._readout.content = readout(session, report, quantity, controls.estimators.drawn, probed, worst)
         # The three plots share what the window leaves below the readout.
         left = self._client.camera.image_height - READOUT_HEIGHT - LINE * extra_lines(report, history.series, quantity)
-        self._plots.have(report.scene.active_estimators, max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3)))
+        height = MOST_HEIGHT if presented else max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3))
+        self._plots.have(report.scene.active_estimators, height)
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()
         else:

@@ -59,7 +59,8 @@ class Plots:
         estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid else nothing
                      for name in self._estimators]
         power = power_of_ten(max(largest(values) for values in (*estimated, true)))
-        self._headings[0].content = _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}")
+        self._headings[0].content = _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}",
+                                             kind="lab-presented")
         self._plots[0].data = _finite(time, *(values / 10.0**power for values in (true, *estimated)))
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
         self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", beyond)
@@ -132,6 +133,7 @@ def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     return (time, *drawn)
 
 
-def _heading(text: str, remark: str = "") -> str:
-    """A plot's title, and below why it is empty. Not the plot's own: the viewer builds a plot anew when it changes."""
-    return f"<div class='lab-heading'>{text}{f'<br><span>{remark}</span>' if remark else ''}</div>"
+def _heading(text: str, remark: str = "", kind: str = "") -> str:
+    """A plot's title, and below why it is empty; one of ``kind`` "lab-presented" stays in the presenter's view. Not the
+    plot's own: the viewer builds a plot anew when it changes."""
+    return f"<div class='lab-heading {kind}'>{text}{f'<br><span>{remark}</span>' if remark else ''}</div>"

@@ -112,7 +112,7 @@ def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str)
 def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     """Where the error is worst, by the estimate on the stage and by the truth, with both errors there."""
     by = [(drawn, worst.by_estimate)] if drawn else []
-    rows = [_row("head", "worst region, by", "", "estimated", "true"),
+    rows = [_row("head", "worst region", "", "estimated", "true"),
             *(_row("", html.escape(name), *_region(region, QUANTITIES[quantity].unit))
               for name, region in (*by, (TRUE, worst.by_truth)))]
     return _table("".join(rows), "lab-numbers lab-worst")

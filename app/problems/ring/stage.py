@@ -15,7 +15,7 @@ from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
 MIDDLE = (0.5, 0.44)
-RADIUS = 0.46  # of the outermost the ring should come, on the stage
+RADIUS = 0.44  # of the outermost the ring should come, on the stage
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
 FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gone bad are drawn at most
@@ -27,7 +27,7 @@ class RingStage(Stage[RingScene]):
     """Draws frames of the ring in one client's scene."""
 
     SILENCE_WIDTH = 22  # it stands in the ring's hole
-    RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, 1.21)  # two lines of a sentence stand above
+    RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, drawing.RECTANGLE[3])
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale):
         super().__init__(client, scale, "ring")
@@ -38,12 +38,12 @@ class RingStage(Stage[RingScene]):
         self._outlines = drawing.lines(s, "/ring/domains", (120, 125, 132), 0.8)
         self._flashes = drawing.points(s, "/ring/crossings", 0.01)
         self._flashes.colors = np.array(drawing.FLASH, np.uint8)  # of all: one each would cost a fifth of the bytes
-        self._titles = [drawing.label(s, "/ring/l1", " ", 0.02, 0.89, "top-left"),
-                        drawing.label(s, "/ring/l2", " ", 0.98, 0.89, "top-right")]
+        self._titles = [drawing.label(s, "/ring/l1", " ", 0.0, 0.955, "top-left"),
+                        drawing.label(s, "/ring/l2", " ", 1.0, 0.955, "top-right")]
         self._silences = [drawing.label(s, "/ring/silence1", " ", MIDDLE[0] - 0.015, MIDDLE[1], "center-right", 0.85),
                           drawing.label(s, "/ring/silence2", " ", MIDDLE[0] + 0.015, MIDDLE[1], "center-left", 0.85)]
-        self._size_note = drawing.label(s, "/ring/l3", "", 0.0, -0.05, "bottom-left", 0.85)
-        drawing.label(s, "/ring/l4", "magenta dots: crossing a cell boundary", 1.0, -0.05, "bottom-right", 0.85)
+        self._size_note = drawing.label(s, "/ring/l3", "", 0.0, -0.06, "bottom-left", 0.85)
+        drawing.label(s, "/ring/l4", "magenta: crossing a cell boundary", 1.0, -0.06, "bottom-right", 0.85)
         self._field = FieldPlot(s, "ring", FIELD, 0.005)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:

@@ -1,0 +1,36 @@
+// Names for those who hear the page instead of seeing it: the viewer's widgets, panels and plots come without.
+(() => {
+  const set = (element, name, value) => {
+    if (element && value && element.getAttribute(name) !== value) element.setAttribute(name, value);
+  };
+  const row = label => label.closest(".mantine-Flex-root")?.querySelectorAll("[role=slider], input:not([type=hidden])");
+  const all = (selector, act) => document.querySelectorAll(selector).forEach(act);
+
+  function name() {
+    all("label[for]", label => row(label)?.forEach(input => set(input, "aria-label", label.innerText)));
+    all("div:has(> .lab-typed)", mark => {  // the text beside a slider: its label is there, but cannot be seen
+      const next = mark.nextElementSibling, label = next?.querySelector("label");
+      set(next?.querySelector("input"), "aria-label", label?.textContent);
+    });
+    all("[role=slider]", slider => {  // a logarithm is no number that anybody wants to hear
+      const text = slider.closest("div:has(> .lab-logarithmic) + div")?.nextElementSibling?.nextElementSibling;
+      set(slider, "aria-valuetext", text?.querySelector("input")?.value);
+    });
+    all(".uplot-container", plot => {
+      const heading = plot.closest("div:has(> .uplot-container)")?.previousElementSibling?.innerText;
+      set(plot, "role", "img");
+      set(plot, "aria-label", `plot over time: ${heading || ""}`);
+    });
+    all("[data-scrollarea-viewport], pre", area => set(area, "tabindex", "0"));
+    set(document.querySelector("[data-dock-root] > div:first-child"), "role", "main");
+    all("[data-dock-region=left]", area => { set(area, "role", "region"); set(area, "aria-label", "measurements"); });
+    all("[data-dock-region=right]", area => { set(area, "role", "region"); set(area, "aria-label", "controls"); });
+  }
+
+  let waiting = false;  // numbers change all the time, names seldom
+  new MutationObserver(() => {
+    if (waiting) return;
+    waiting = true;
+    setTimeout(() => { waiting = false; name(); }, 300);
+  }).observe(document.getElementById("root"), {childList: true, subtree: true});
+})();

@@ -1,0 +1,111 @@
+"""Room: the stage is the largest thing in every window, nothing lies over anything else, and a projector is served."""
+
+from __future__ import annotations
+
+from axe_playwright_python.sync_playwright import Axe
+
+from tests.browser.conftest import visit
+from tests.browser.driving import click, coloured, row, shown, stage, stage_box, to_the_ring, until
+
+LARGE, LAPTOP, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (800, 1100), (390, 844)
+
+
+def resize(page, size):
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+
+
+def boxes(page):
+    """Stage, sentence and panels that are to be seen, as (left, top, right, bottom)."""
+    return page.evaluate("""() => ["[data-dock-root] > div:first-child", "#lab-summary", "[data-dock-region=left]",
+        "[data-dock-region=right]", ".mantine-Paper-root[style*='position: fixed']"]
+        .map(s => document.querySelector(s)).filter(e => e && e.getBoundingClientRect().width > 0)
+        .map(e => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; })""")
+
+
+def overlap(a, b):
+    """How many pixels two boxes share in each direction."""
+    return min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
+
+
+def test_everything_has_a_place_of_its_own(page):
+    """The stage has three fifths of the width or all of it, and 400 pixels where the window has as many. Names of
+    controls stand in one line, and no panel has more to its right than can be seen."""
+    to_the_ring(page)  # its labels are the longest
+    for size in (LARGE, LAPTOP, UPRIGHT, PHONE):
+        resize(page, size)
+        until(lambda size=size: stage_box(page)["width"] >= 0.6 * size[0], "a broad stage")
+        until(lambda: coloured(stage(page)) > 0.02, "a stage with colours")
+        assert stage_box(page)["height"] >= min(0.38 * size[1], 400)
+        places = boxes(page)
+        assert len(places) == (3 if size == PHONE else 4)
+        for k, a in enumerate(places):
+            assert a[0] >= -1 and a[1] >= -1 and a[2] <= size[0] + 1 and a[3] <= size[1] + 1
+            assert not any(min(overlap(a, b)) > 1 for b in places[:k])
+        until(lambda: labels_that_wrap(page) == [], "labels in one line")
+        assert page.evaluate("""() => [...document.querySelectorAll('.mantine-ScrollArea-viewport')]
+            .filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1).length""") == 0
+
+
+def labels_that_wrap(page):
+    return page.evaluate("""() => [...document.querySelectorAll('label, .mantine-Button-label')]
+        .filter(e => e.offsetParent && e.innerText.trim() && !e.closest('div:has(> .lab-typed) + div'))
+        .filter(e => { const range = document.createRange(); range.selectNodeContents(e);
+                       return new Set([...range.getClientRects()].map(r => Math.round(r.top / 8))).size > 1; })
+        .map(e => e.innerText)""")
+
+
+def test_a_phone_finds_the_measurements(page):
+    """Folded below the controls, they open."""
+    resize(page, PHONE)
+    page.get_by_role("button", name="Expand panel Measurements").click()
+    until(page.get_by_text("periods/s").first.is_visible, "the readout")
+
+
+def test_a_folded_panel_gives_its_room_to_the_stage(page):
+    before = stage_box(page)["width"]
+    page.get_by_role("button", name="Collapse panel area").first.click()
+    until(lambda: stage_box(page)["width"] > before + 150, "a broader stage")
+
+
+def test_presenter_sees_stage_and_one_plot(page):
+    """No controls, one plot, large text; Escape brings all back, and so does the button."""
+    until(lambda: coloured(stage(page)) > 0.02, "a stage with colours")
+
+    def plots():
+        return page.evaluate("() => [...document.querySelectorAll('.lab-heading')].filter(e => e.offsetParent).length")
+
+    def text():
+        return page.locator("#lab-summary").evaluate("e => parseFloat(getComputedStyle(e).fontSize)")
+
+    usual = text()
+    click(page, "Present")
+    until(lambda: plots() == 1, "one plot")
+    assert text() > 1.4 * usual and stage_box(page)["width"] >= 0.6 * LAPTOP[0]
+    assert not row(page, "Method").first.is_visible()
+    page.keyboard.press("Escape")
+    until(lambda: plots() == 3, "three plots")
+    assert text() == usual and row(page, "Method").first.is_visible()
+
+
+def test_an_address_asks_for_the_presenters_view(server, chromium):
+    with visit(chromium, server[0], "&present") as page:
+        until(lambda: page.get_by_role("button", name="End", exact=True).is_visible(), "the presenter's view")
+        click(page, "End")
+        until(lambda: row(page, "Method").first.is_visible(), "the controls")
+
+
+def test_axe_finds_nothing_serious(page):
+    """In the page as it comes, with all folders open, and in the tab of costs."""
+    for folder in ("Method details", "Effects: compute"):
+        page.get_by_text(folder).first.click()
+    shown(page, "Remedies for long")
+    until(lambda: serious(page) == [], "names for all in Explore")
+    for tab in ("Lessons", "Cost", "About"):
+        page.get_by_role("tab", name=tab).click()
+        until(lambda: serious(page) == [], f"names for all in {tab}")
+
+
+def serious(page):
+    found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
+    return [(violation["id"], [node["html"][:160] for node in violation["nodes"]]) for violation in found
+            if violation["impact"] in ("serious", "critical")]
