@@ -2,37 +2,43 @@
 
 from __future__ import annotations
 
+import re
+
 from tests.browser.driving import choose, click, number, plotted, press, readout, row, time, to_the_ring, until
+
+
+def field(page):
+    return row(page, "Trace particle").get_by_role("textbox")
 
 
 def traced(page):
     """What the field says, and how many plots there are."""
-    return page.get_by_label("Trace particle", exact=True).input_value(), len(plotted(page))
+    return field(page).input_value(), len(plotted(page))
 
 
 def test_a_click_traces_a_particle(page):
     """A plot of its own from the first frames on, until it is said that it is enough; by its number too."""
     until(lambda: time(page) > 0.3, "frames to look back at")
     page.mouse.click(550, 290)  # a third along the bar, in the lower lane
-    page.get_by_text("particle 5").first.wait_for()
-    until(lambda: traced(page)[0].startswith("5"), "its number")
+    title = page.get_by_text(re.compile(r"particle \d+, X = 0\.3\d* m"))
+    title.wait_for()
+    until(lambda: f"particle {traced(page)[0]}, " in title.inner_text(), "its number")
     until(lambda: len(plotted(page)) == 4 and plotted(page)[-1][0] > 3, "its plot")
     first = page.evaluate("Math.min(...Object.values(window.__viserTestpoints.uplots).map(u => u.chart.data[0][0]))")
     assert first < 0.3  # the past is there too
     page.get_by_role("button", name="Trace no more").click()
     until(lambda: traced(page) == ("", 3), "nothing traced")
-    field = page.get_by_label("Trace particle", exact=True)
-    field.fill("17")
+    field(page).fill("17")
     page.get_by_text("particle 17, X = 0.1094 m").wait_for()
-    field.fill("160")
+    field(page).fill("160")
     page.get_by_text("'160' is not the number of one; give one from 0 to 159, or nothing").wait_for()
-    field.fill("")
+    field(page).fill("")
     until(lambda: traced(page) == ("", 3), "nothing traced")
 
 
 def test_looking_back_goes_back_and_play_goes_on_from_now(page):
     until(lambda: time(page) > 0.5, "frames to look back at")
-    slider = row(page, "Look back").get_by_role("slider")
+    slider = row(page, "Look back").locator("[role=slider]")  # hidden while it is out of use
     click(page, "Pause")
     until(lambda: "paused" in readout(page), "paused")
     until(lambda: float(slider.get_attribute("aria-valuemin")) < -3, "frames that are kept")
@@ -44,6 +50,7 @@ def test_looking_back_goes_back_and_play_goes_on_from_now(page):
     assert time(page) < now and "paused" in readout(page)
     click(page, "Play")
     until(lambda: time(page) > now and "periods back" not in readout(page), "on from now")
+    until(lambda: slider.get_attribute("aria-disabled") == "true", "the slider out of use")
     until(lambda: slider.get_attribute("aria-valuenow") == "0", "the slider at now")
 
 
