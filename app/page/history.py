@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
+from app.page.course import LAST_PERIODS, Course
 from solvers import samples
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
-MOST_ROWS = 800  # then every other row is dropped: a long run keeps its whole course, more coarsely
 CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are counted
 
 
@@ -17,12 +17,20 @@ class History:
 
     def __init__(self, scene: Scene, particles: int):
         self.scene, self._particles = scene, particles
-        #: Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35) and the pointwise
-        #: distance as ``transport/index_x`` and ``transport/distance_x``.
-        self.series: dict[str, np.ndarray] = {}
+        self._whole, self._latest = Course(), Course(LAST_PERIODS * scene.period)
         self.margin = math.nan  # of the step, as last looked at: few samples do
-        self._seen, self._stride = 0, 1
         self._sums: dict[str, float] = {}
+
+    @property
+    def series(self) -> dict[str, np.ndarray]:
+        """Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35) and the pointwise
+        distance as ``transport/index_x`` and ``transport/distance_x``."""
+        return self._whole.series
+
+    @property
+    def latest(self) -> dict[str, np.ndarray]:
+        """The same over the last periods only, and finer where the run is long."""
+        return self._latest.series
 
     def add(self, rows: np.ndarray) -> None:
         """Append rows of samples (``solvers.samples``)."""
@@ -39,17 +47,12 @@ class History:
                             true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
         looked = np.flatnonzero(np.isfinite(new["margin"]))
         self.margin = float(new["margin"][looked[-1]]) if len(looked) else self.margin
-        kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
-        self._seen += len(rows)
-        series = {name: np.concatenate([self.series.get(name, v[:0]), v[kept]]) for name, v in new.items()}
-        while len(series["time"]) > MOST_ROWS:
-            series = {name: values[::2] for name, values in series.items()}
-            self._stride *= 2
-        self.series = series  # at once, so that whoever plots sees series of equal length
+        for course in (self._whole, self._latest):
+            course.add(new)
 
-    def crossings_per_second(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times and grid crossings per second of simulated time, each over a twentieth of a period or more."""
-        series = self.series
+    def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Times and grid crossings per second of simulated time, each over a twentieth of a period or more, from
+        :attr:`series` or :attr:`latest`."""
         if len(series.get("time", ())) < 2:
             return np.zeros(0), np.zeros(0)
         time, count = series["time"], series["crossings"]

@@ -10,15 +10,19 @@ import viser
 
 from app.drawing import RECTANGLE, ColourBar, enlarge
 from app.page.camera import FlatCamera
+from app.page.mark import Mark
 from app.page.panels.controls import Controls
 from app.page.panels.cost import CostTab
 from app.page.panels.head import add_head, set_up
+from app.page.panels.looking import Looking
 from app.page.panels.measurements import Measurements
 from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.texts import add_about, add_lessons
 from app.page.probe import Probe
+from app.page.recent import Recent
 from app.page.session import FIRST_SCENE, PageLinks, Session
 from app.page.summary import Pace, summary
+from app.page.trace import Trace
 from app.page.view import View, look
 from app.page.worst import WorstRegions
 from app.problems.views import VIEWS
@@ -37,7 +41,8 @@ class Page:
     def __init__(self, client: viser.ClientHandle, pool: PageLinks):
         self._client, self._ready = client, False
         self._closed, self._drawing = threading.Event(), threading.Lock()
-        self._last: tuple[FrameReport, FrameArrays] | None = None
+        self._recent = Recent()
+        self._trace = Trace(self._recent)
         self._view: View | None = None
         self._shown: tuple[str, str | None, bool] | None = None  # quantity, estimator, and whether it is compared
         self._scale = ColourScale()
@@ -51,6 +56,7 @@ class Page:
         self._show_stage(FIRST_SCENE.problem)
         self._camera = FlatCamera(client, RECTANGLE)
         self._probe = Probe(client, self._camera)
+        self._mark = Mark(client, self._camera, self._trace)
         self._worst = WorstRegions()
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
@@ -68,7 +74,8 @@ class Page:
     def _tabs(self, client: viser.ClientHandle) -> None:
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
-            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw)
+            looking = Looking(self._session, self._recent, self._trace, self._redraw)
+            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, looking)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
             add_lessons(client.gui)
         with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
@@ -79,29 +86,39 @@ class Page:
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         if report.fresh:
             self._scale.forget()
-        self._last = (report, arrays)
+        self._recent.add(report, arrays)
+        self._trace.follow(report, arrays)
         self._redraw()
         if self._ready:
             self._cost.follow(report, self._session.history)
+
+    @property
+    def _last(self) -> tuple[FrameReport, FrameArrays] | None:
+        """The frame to show: the newest, unless the visitor looks back."""
+        return self._recent.shown
 
     def _show_stage(self, problem: str) -> None:
         for name, stage in self._stages.items():
             stage.root.visible = name == problem
 
     def _redraw(self) -> None:
-        if self._last is None or not self._ready or self._closed.is_set():
+        if not self._ready or self._closed.is_set():
             return
         with self._drawing:
-            report, arrays = self._last
+            if (last := self._last) is None:
+                return
+            (report, arrays), back = last, self._recent.back
             scene, controls, choice = report.scene, self._controls, self._controls.estimators
             view = look(report, arrays, controls.quantity, choice.drawn, choice.difference)
-            if choice.difference and scene.has("truth") and scene.active_estimators and not report.differences:
+            if choice.difference and scene.has("truth") and scene.active_estimators and not report.differences and \
+                    not back:
                 return  # the frame is one from before they were asked for; the next is on its way
             shown = controls.quantity, choice.drawn, choice.difference
-            if shown != self._shown:
+            if changed := shown != self._shown:
                 self._scale.forget()
                 self._shown = shown
-            self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period)
+            if changed or not back:  # looking back keeps the colours, to compare frames by
+                self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period)
             stage = self._stages[scene.problem]
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
             with self._client.atomic():
@@ -109,6 +126,7 @@ class Page:
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
                            self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
+                self._mark.look(stage, arrays)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
             self._camera.show(stage.RECTANGLE)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
@@ -125,7 +143,8 @@ class Page:
     def _refresh(self) -> None:
         if self._last is not None and self._view is not None:
             self._worst.look(*self._last, self._view)
-        self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst, self._presenter.on)
+        self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst, self._recent,
+                                   self._trace.traced, self._presenter.on)
         notice = self._session.notice() or self._cost.notice()
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
@@ -143,6 +162,6 @@ class Page:
             return
         controls = self._controls
         sentence = summary(*self._last, self._view, self._worst, self._session.history.series, controls.quantity,
-                           controls.estimators.drawn)
+                           controls.estimators.drawn, self._recent.ago)
         if self._pace.lets(sentence, monotonic()):
             self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from app.page.course import until
 from app.page.history import CROSSING_WINDOW
 from app.page.view import View
 from app.page.worst import WorstRegions
@@ -29,19 +30,21 @@ class Pace:
 
 
 def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
-            series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
+            series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0) -> str:
     """The sentence for a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
-    ``quantity`` is a key, ``drawn`` the estimator on the stage.
+    ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame was.
     """
     if report is None or arrays is None or view is None:
         return WAITING
+    series = until(series, report.time)
     if report.status == UNSTABLE:
         return f"The run went unstable and has stopped at t = {number(report.time)} s; this is its last picture."
     parts = [_errors(view, series, quantity, drawn), *_where(worst), *_crossings(report, arrays)]
     if report.status == LOST:
         parts.insert(0, f"the run is lost from t = {number(report.since or 0.0)} s on")
-    before = "" if report.playing else f"paused at t = {number(report.time)} s: "
+    when = f"{ago:.2f} periods back" if ago else f"paused at t = {number(report.time)} s"
+    before = "" if report.playing else f"{when}: "
     sentence = before + "; ".join(parts) + "."
     return sentence[:1].upper() + sentence[1:]
 

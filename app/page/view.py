@@ -19,6 +19,8 @@ ESTIMATE_OFF = f"not estimated: the effect \"{EFFECTS['estimate'].label}\" is of
 NONE_CHOSEN = "no estimator is chosen"
 ACCELERATION_OFF = f"not computed: the effect \"{EFFECTS['acceleration'].label}\" is off"
 
+NOT_COMPARED = "not compared when this frame was made"
+
 
 @dataclass(frozen=True)
 class View:
@@ -45,7 +47,7 @@ def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str
     left = Half(f"estimated error{named}", estimated, no_estimate)
     if difference:
         measures = f"size of the error, and of estimate − truth, of {QUANTITIES[quantity]}"
-        silence = no_estimate or no_truth
+        silence = no_estimate or no_truth or NOT_COMPARED * (estimator not in arrays.difference)
         sizes = arrays.difference[estimator][:, column] if estimator in arrays.difference and not silence else None
         left = Half(f"estimate{named} − truth", sizes, silence)
     return View(left, Half("true error", true, no_truth), measures, estimated, true)

@@ -88,6 +88,11 @@ class FieldPlot:
             curve = self._points(self._line, self._place.exact(scene, quantity, self._line, t))
             self._curve.points = drawing.joined(curve[:-1], curve[1:])
 
+    def places(self, particles: slice, count: int) -> np.ndarray:
+        """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
+        dots = self._dots.points[particles]
+        return dots if len(dots) == count else np.full((count, 3), drawing.AWAY, np.float32)
+
     def _begin(self, scene: Scene, quantity: str) -> None:
         """Another scene or quantity: how far the exact field reaches."""
         place = self._place

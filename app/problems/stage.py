@@ -13,6 +13,7 @@ from solvers.engine.frames import FrameArrays
 from solvers.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
+TOUCH = 0.03  # of the stage, within which a click means a particle: as much as a finger needs
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,16 @@ class Stage(ABC, Generic[AnyScene]):
     @abstractmethod
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage."""
+
+    def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
+        """The particle drawn nearest to a point of the stage; None in an empty place."""
+        apart = np.linalg.norm(self.images(arrays, slice(None))[:, :, :2] - point, axis=2)
+        image, particle = np.unravel_index(np.argmin(np.nan_to_num(apart, nan=np.inf)), apart.shape)
+        return int(particle) if apart[image, particle] < TOUCH else None
+
+    @abstractmethod
+    def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
+        """Everywhere that n particles are drawn: points of the stage (images, n, 3)."""
 
     @abstractmethod
     def _draw_grid(self, scene: AnyScene) -> None:

@@ -9,6 +9,7 @@ import viser
 from app import words
 from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.head import WIDE_LABEL
+from app.page.panels.looking import Looking
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
 from app.page.session import Session, first_scene
@@ -29,10 +30,11 @@ class Controls:
     """Widgets of one visitor, bound to the session. ``on_view`` is called when only the drawing changes."""
 
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, session: Session, scale: ColourScale,
-                 on_view: Callable[[], None]):
+                 on_view: Callable[[], None], looking: Looking):
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
         self.domains, self.magnified = False, 1
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
+        self.looking = looking
         self._turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
         self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self._patience = Patience()
@@ -82,6 +84,7 @@ class Controls:
         view = VIEWS[session.scene.problem]
         self._size(Size("Speed", "", view.reach.speed, view.speed,
                         "periods of the exact vibration in a second of yours"), session.speed, session.set_speed)
+        self.looking.build_slider(gui)
 
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
@@ -125,6 +128,7 @@ class Controls:
         """
         self._patience.show(self._session.compiling)
         with self._loading, self._turn:
+            self.looking.refresh()
             scene = self._session.scene
             if scene.dt == AUTO and scene.courant_number != self._shown_step:
                 self._shown_step = scene.courant_number
@@ -161,6 +165,7 @@ class Controls:
         kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), hint="of estimate and truth alike",
                                 initial_value="logarithmic" if scale.logarithmic else "linear")
         hold = gui.add_checkbox("Hold colours", scale.held, hint="keep the colour scale while settings change")
+        self.looking.build_trace(gui)
 
         def changed(_: viser.GuiEvent) -> None:
             scale.logarithmic, scale.held = kind.value == "logarithmic", hold.value

@@ -1,4 +1,4 @@
-"""The left panel: numbers of the run and three plots over time."""
+"""The left panel: numbers of the run and plots over time."""
 
 import viser
 
@@ -6,12 +6,15 @@ from app.page.panels.controls import Controls
 from app.page.panels.head import MEASUREMENTS_WIDTH
 from app.page.panels.plots import LEAST_HEIGHT, Plots
 from app.page.panels.readout import LINE, extra_lines, readout
+from app.page.recent import Recent
 from app.page.session import Session
+from app.page.trace import Traced
 from app.page.view import why_no_truth
 from app.page.worst import WorstRegions
 from solvers.engine.messages import FrameReport
 
 READOUT_HEIGHT = 362  # pixels more than the stage that readout, titles and axes need, with one estimator
+TRACE_HEADING = 40  # and with a particle traced: the title of its plot
 MOST_HEIGHT = 240  # of a plot
 
 
@@ -27,23 +30,30 @@ class Measurements:
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
 
-    def refresh(self, session: Session, controls: Controls, probed: str | None, worst: WorstRegions,
-                presented: bool) -> None:
-        """Show what has come in since the last time; ``presented``: one plot, large."""
-        report, history = session.report, session.history
-        if report is None or report.scene != history.scene:
+    def refresh(self, session: Session, controls: Controls, probed: str | None, worst: WorstRegions, recent: Recent,
+                traced: Traced | None, presented: bool) -> None:
+        """Show what has come in since the last time: the numbers of the frame that is shown, plots of all, or one
+        large one if the page is ``presented``."""
+        shown, history = recent.shown, session.history
+        if shown is None or shown[0].scene != history.scene:
             return
+        report = shown[0]
         quantity = controls.quantity
-        self._readout.content = readout(session, report, quantity, controls.estimators.drawn, probed, worst)
-        # The three plots share what the window leaves below the readout.
+        self._readout.content = readout(session, report, quantity, controls.estimators.drawn, probed, worst,
+                                        recent.ago)
+        # The plots share what the window leaves below the readout.
         left = self._client.camera.image_height - READOUT_HEIGHT - LINE * extra_lines(report, history.series, quantity)
-        height = MOST_HEIGHT if presented else max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3))
-        self._plots.have(report.scene.active_estimators, height)
+        height = left // 3 if traced is None else (left - TRACE_HEADING) // 4
+        height = MOST_HEIGHT if presented else max(LEAST_HEIGHT, min(MOST_HEIGHT, height))
+        self._plots.have(report.scene.active_estimators, height, traced is not None)
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()
         else:
             valid = session.valid_estimators
-            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity))
+            latest = controls.looking.latest
+            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity), latest)
+            if traced is not None and traced.scene == history.scene:
+                self._plots.show_trace(traced, valid, quantity, latest, report.time)
 
 
 def _why_no_index(report: FrameReport, valid: tuple[str, ...], quantity: str) -> str:

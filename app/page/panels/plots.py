@@ -1,4 +1,4 @@
-"""The three plots over time of the left panel: error norms, error indices and grid crossings.
+"""The plots over time of the left panel: a traced particle, error norms, error indices and grid crossings.
 
 The truth and every estimator has a line of its own, the truth's broad and beneath. A chart that is given other series
 forgets its range, and one that is removed may still be sent data: so each set of estimators has plots of its own, made
@@ -11,6 +11,7 @@ from viser import uplot
 
 from app.colours import TRUTH
 from app.page.history import History
+from app.page.trace import Traced
 from app.scale import BEYOND, largest
 from app.words import QUANTITIES, number, power_of_ten, power_text
 from solvers.estimators.registry import ESTIMATORS
@@ -37,37 +38,60 @@ class Plots:
         self._gui, self._tab = client.gui, tab
         self._sets: dict[tuple[str, ...], list[HeadedPlot]] = {}
         self._estimators: tuple[str, ...] = ()
-        self.have((), LEAST_HEIGHT)
+        self.have((), LEAST_HEIGHT, False)
 
-    def have(self, estimators: tuple[str, ...], height: int) -> None:
-        """Have a line for each of these estimators, in plots of this height in pixels."""
+    def have(self, estimators: tuple[str, ...], height: int, traced: bool) -> None:
+        """Have a line for each of these estimators, in plots of this height in pixels, one of a traced particle."""
         if estimators not in self._sets:
             self._sets[estimators] = self._build(estimators, height)
         for names, pairs in self._sets.items():
-            for heading, plot in pairs:
-                heading.visible = plot.visible = names == estimators
+            for k, (heading, plot) in enumerate(pairs):
+                heading.visible = plot.visible = names == estimators and (traced or k > 0)
         self._estimators = estimators
-        self._headings, self._plots = zip(*self._sets[estimators], strict=True)
-        for plot, label_height in zip(self._plots, (0, 0, LABEL_HEIGHT), strict=True):
+        (self._trace, *pairs) = self._sets[estimators]
+        self._headings, self._plots = zip(*pairs, strict=True)
+        for plot, label_height in zip((self._trace[1], *self._plots), (0, 0, 0, LABEL_HEIGHT), strict=True):
             plot.height = height + label_height
 
-    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str) -> None:
-        """Draw a run: the truth and the ``valid`` ones of its estimators; ``no_index`` says why there is no index."""
-        series, words = history.series, QUANTITIES[quantity]
-        time, true = series["time"], series[f"error_{quantity}"]
+    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool) -> None:
+        """Draw a run, or its ``latest`` periods: the truth and the ``valid`` ones of its estimators; ``no_index`` says
+        why there is no index."""
+        series, words = history.latest if latest else history.series, QUANTITIES[quantity]
+        time = series["time"]
         nothing = np.full(len(time), np.nan)
-        estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid else nothing
-                     for name in self._estimators]
-        power = power_of_ten(max(largest(values) for values in (*estimated, true)))
-        self._headings[0].content = _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}",
-                                             kind="lab-presented")
-        self._plots[0].data = _finite(time, *(values / 10.0**power for values in (true, *estimated)))
+        errors, unit = self._errors(series, valid, quantity)
+        self._headings[0].content = _heading(f"error norm of {words.symbol} / {unit}", kind="lab-presented")
+        self._plots[0].data = _finite(time, *errors)
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
         self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
         self._plots[1].data = _finite(time, np.ones(len(time)), *indices)
-        self._show_crossings(history)
+        self._show_crossings(history, series)
+
+    def show_trace(self, traced: Traced, valid: tuple[str, ...], quantity: str, latest: bool, shown: float) -> None:
+        """Draw a particle's errors, with marks on the first line that has values: where it has crossed, and of the
+        time in s that is ``shown``."""
+        series, (heading, plot) = traced.latest if latest else traced.series, self._trace
+        time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
+        if len(time) < 2:
+            plot.data = _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:]))
+            return
+        first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
+        crossed = np.where(traced.crossed(time), first, np.nan)
+        at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
+        heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}")
+        plot.data = (*_finite(time, *errors), crossed, at)
+
+    def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...],
+                quantity: str) -> tuple[list[np.ndarray], str]:
+        """The true and every estimated error, counted in a power of ten of the quantity's unit, and that in words."""
+        true = series[f"error_{quantity}"]
+        estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
+                     else np.full(len(true), np.nan) for name in self._estimators]
+        errors = [true, *estimated]
+        power = power_of_ten(max(largest(values) for values in errors))
+        return [values / 10.0**power for values in errors], f"{power_text(power)}{QUANTITIES[quantity].unit}"
 
     def clear(self) -> None:
         """Show nothing: no time has passed."""
@@ -78,13 +102,15 @@ class Plots:
         lines = [_line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
         true, perfect = _line("true", TRUTH, 3.5), _line("perfect", PERFECT, 2.5)
         crossings = _line("crossings", CROSSINGS, 1.5)
+        marks = _marks("crossed", CROSSINGS, 7), _marks("shown", "black", 5)
         with self._tab:
-            return [self._plot("error norm", (true, *lines), height),
+            return [self._plot("particle", (true, *lines, *marks), height),
+                    self._plot("error norm", (true, *lines), height),
                     self._plot("error index", (perfect, *lines), height, _RATIOS, _RATIO_MARKS),
                     self._plot("grid crossings per second", (crossings,), height, x_label="t / s")]
 
-    def _show_crossings(self, history: History) -> None:
-        time, rate = history.crossings_per_second()
+    def _show_crossings(self, history: History, series: dict[str, np.ndarray]) -> None:
+        time, rate = history.crossings_per_second(series)
         power = power_of_ten(largest(rate))
         self._headings[2].content = _heading(
             f"grid crossings per second{' / ' * bool(power)}{power_text(power)}",
@@ -113,6 +139,12 @@ def _beyond(indices: dict[str, float]) -> str:
 
 def _line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
     return {"label": label, "stroke": colour, "width": width, "dash": dashes, "points": {"show": False}}
+
+
+def _marks(label: str, colour: str, size: float) -> uplot.Series:
+    """Points alone, which leave the plot's range to the lines: there may be none."""
+    return {"label": label, "stroke": colour, "width": 0, "auto": False,
+            "points": {"show": True, "size": size, "fill": colour, "stroke": colour}}
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:

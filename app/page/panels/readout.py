@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from app.colours import ESTIMATE, TRUTH
+from app.page.course import until
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.page.worst import WorstRegion, WorstRegions
@@ -27,6 +28,7 @@ HINTS = {
     "step": "the time step over the longest that the present configuration bears by linear theory; above 1 it breaks",
     "solver": "how fast the kernels run, waiting not counted, and on what",
     "speed": "periods of the vibration in a second of yours: asked for, and reached",
+    "shown": "an earlier frame, of those that the slider Look back goes through",
     "energy": "kinetic and strain energy less the work of the body force, over the largest energy",
     "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
     "norm": "root of the mean square over the particles, now",
@@ -36,11 +38,12 @@ HINTS = {
 
 
 def readout(session: Session, report: FrameReport, quantity: str, drawn: str | None, probed: str | None,
-            worst: WorstRegions) -> str:
-    """The readout as html, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage."""
-    series = session.history.series
-    return (f"<div class='lab-readout'>{_run(session, report, series, probed)}{_estimates(report, series, quantity)}"
-            f"{_worst(worst, drawn, quantity)}</div>")
+            worst: WorstRegions, ago: float = 0.0) -> str:
+    """The readout as html, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage, for
+    a frame ``ago`` periods before the newest."""
+    series = until(session.history.series, report.time)
+    return (f"<div class='lab-readout'>{_run(session, report, series, probed, ago)}"
+            f"{_estimates(report, series, quantity)}{_worst(worst, drawn, quantity)}</div>")
 
 
 def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> int:
@@ -51,17 +54,19 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
     return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known) + scene.has("margin")
 
 
-def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None) -> str:
+def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None, ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     real = NOTHING if speed is None else f"{speed:.3g}"
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
     state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE else " <b>paused</b>"
+    margin = _last(series.get("margin", np.zeros(0))) if ago else session.history.margin
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
             ("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
-            *([("step", _margin(session.history.margin))] if scene.has("margin") else []),
+            *([("step", _margin(margin))] if scene.has("margin") else []),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
+            ("shown", f"<b>{ago:.2f} periods back</b>") if ago else
             ("speed", f"asked {session.speed:.3g}, real {real} periods/s{capped}")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
@@ -69,6 +74,12 @@ def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], p
         rows.append(("energy", f"out of balance by {size}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
     return _table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+
+
+def _last(values: np.ndarray) -> float:
+    """The last finite one of some values (n,); NaN if there is none."""
+    known = values[np.isfinite(values)]
+    return float(known[-1]) if len(known) else math.nan
 
 
 def _margin(margin: float) -> str:

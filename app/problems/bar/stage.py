@@ -5,7 +5,7 @@ import viser
 
 from app import drawing
 from app.problems.field import FieldPlot, Place
-from app.problems.stage import Stage
+from app.problems.stage import TOUCH, Stage
 from app.scale import ColourScale
 from solvers.bar import exact
 from solvers.bar.scene import BarScene
@@ -41,9 +41,25 @@ class BarStage(Stage[BarScene]):
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
         return (arrays.position[:, 0] >= low[0]) & (arrays.position[:, 0] <= high[0])
 
+    def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
+        """In the lanes the particle nearest in x, however high the click; below, a dot of the field plot."""
+        x, y = point
+        if TRUTH_LANE - LANE_HEIGHT < y < ESTIMATE_LANE + LANE_HEIGHT:
+            return int(np.argmin(np.abs(self._across(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
+        return super().nearest(point, arrays)
+
+    def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
+        x = self._across(arrays)[particles]
+        lanes = [drawing.in_plane(x, lane) for lane in (ESTIMATE_LANE, TRUTH_LANE)]
+        return np.stack([*lanes, self._field.places(particles, len(x))])
+
+    def _across(self, arrays: FrameArrays) -> np.ndarray:
+        """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
+        return np.clip(np.nan_to_num(arrays.position[:, 0], nan=drawing.AWAY), -0.5, 1.5)
+
     def _draw_frame(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
                     true: np.ndarray | None, t: float, speed: float) -> None:
-        x = np.clip(np.nan_to_num(arrays.position[:, 0], nan=drawing.AWAY), -0.5, 1.5)
+        x = self._across(arrays)
         for lane, middle, sizes in zip(self._lanes, (ESTIMATE_LANE, TRUTH_LANE), (estimated, true), strict=True):
             lane.points = self._lane.points(x, middle)
             lane.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (self._lane.rows, 1))

@@ -54,9 +54,14 @@ class RingStage(Stage[RingScene]):
             inside |= ((place >= low) & (place <= high)).all(axis=1)
         return inside
 
+    def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
+        x = _in_view(arrays.position[particles])
+        return np.concatenate([self._images(x, MIRRORS).reshape(len(MIRRORS), -1, 3),
+                               self._field.places(particles, len(x))[None]])
+
     def _draw_frame(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None,
                     true: np.ndarray | None, t: float, speed: float) -> None:
-        x = np.fmax(np.fmin(arrays.position, FARTHEST), -FARTHEST)  # what is not a number becomes FARTHEST
+        x = _in_view(arrays.position)
         for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
             half.points = self._images(x, mirrors)
             half.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1))
@@ -115,6 +120,11 @@ class RingStage(Stage[RingScene]):
         corners = [x - first - second, x + first - second, x + first + second, x - first + second]
         placed = [self._images(corner, MIRRORS[::2], 0.01) for corner in corners]
         self._outlines.points = np.concatenate([drawing.joined(placed[k - 1], placed[k]) for k in range(4)])
+
+
+def _in_view(x: np.ndarray) -> np.ndarray:
+    """Positions (n, 2) in metres; what is not a number becomes FARTHEST."""
+    return np.fmax(np.fmin(x, FARTHEST), -FARTHEST)
 
 
 def _half_edges(scene: RingScene, arrays: FrameArrays, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

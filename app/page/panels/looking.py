@@ -1,0 +1,84 @@
+"""Looking back and closer: a slider through the last frames, the traced particle, and how much the plots show."""
+
+from collections.abc import Callable
+
+import viser
+
+from app.page.course import LAST_PERIODS
+from app.page.recent import Recent
+from app.page.session import Session
+from app.page.trace import Trace
+
+ALL, LATEST = "all", f"last {LAST_PERIODS} periods"
+
+
+class Looking:
+    """Widgets of one visitor among the controls. ``on_view`` is called when another frame or particle is shown."""
+
+    def __init__(self, session: Session, recent: Recent, trace: Trace, on_view: Callable[[], None]):
+        self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
+        self.latest = False  # whether plots show the last periods only
+        self._refused = False
+
+    def build_slider(self, gui: viser.GuiApi) -> None:
+        """Make the slider: to the left is the past."""
+        self._slider = gui.add_slider("Look back", -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
+        self._slider.on_update(self._moved)
+        self._at = 0
+
+    def build_trace(self, gui: viser.GuiApi) -> None:
+        """Make what belongs to the plots over time."""
+        show = gui.add_dropdown("Plots show", (ALL, LATEST), initial_value=LATEST if self.latest else ALL,
+                                hint="how much of the run the plots over time show")
+        self._number = gui.add_text("Trace particle", "", hint="its number, or click it on the stage: its error, its "
+                                    "estimates and its crossings are plotted over time; empty for none")
+        self._end = gui.add_button("Trace no more", visible=False, color="gray")
+        show.on_update(lambda _: setattr(self, "latest", show.value == LATEST))
+        self._number.on_update(self._typed)
+        self._end.on_click(lambda _: self._choose(None))
+        self._followed: int | None = None
+
+    def refresh(self) -> None:
+        """Show which particle is traced and how far back one can go, once each: see ``Controls.refresh``."""
+        report, (most, periods), back = self._session.report, self._recent.reach, self._recent.back
+        paused = report is not None and not report.playing and most > 0
+        self._slider.disabled = not paused
+        if paused:
+            self._slider.min, self._slider.hint = -most, _hint(most, periods)
+        if back != self._at:
+            self._at, self._slider.value = back, -back  # type: ignore[misc]
+        traced = self._trace.traced
+        followed = None if traced is None else traced.particle
+        self._end.visible = traced is not None
+        if followed != self._followed:
+            self._followed = followed
+            self._number.value = "" if followed is None else str(followed)  # type: ignore[misc]
+
+    def _moved(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:  # else it is the page that has shown where the run is
+            self._at = -round(event.target.value)
+            self._recent.go_back(self._at)
+            self._on_view()
+
+    def _typed(self, event: viser.GuiEvent) -> None:
+        if event.client is None or self._session.report is None:
+            return
+        text, particles = self._number.value.strip(), self._session.report.particles
+        if text and not (text.isdecimal() and int(text) < particles):
+            self._session.refuse(f"Trace particle: {text!r} is not the number of one; give one from 0 to "
+                                 f"{particles - 1}, or nothing")
+            self._refused = True
+            return
+        if self._refused:
+            self._session.refuse("")
+            self._refused = False
+        self._choose(int(text) if text else None)
+
+    def _choose(self, particle: int | None) -> None:
+        self._trace.choose(particle)
+        self._on_view()
+
+
+def _hint(frames: int, periods: float) -> str:
+    far = f" The last {frames} frames are kept, {periods:.2g} periods." if frames else ""
+    return f"while paused: earlier frames, numbered back from the last one, 0.{far}"

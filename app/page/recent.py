@@ -1,0 +1,92 @@
+"""The last frames of the present run, for whoever looks back once it has paused."""
+
+import threading
+from collections import deque
+from dataclasses import fields, replace
+
+import numpy as np
+
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+
+MOST_FRAMES = 200
+MOST_BYTES = 48_000_000  # of one visitor: a large scene is remembered for less long
+
+Frame = tuple[FrameReport, FrameArrays]
+
+
+class Recent:
+    """Frames and which of them is shown: ``back`` frames before the newest. One thread adds, any may look."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._frames: deque[Frame] = deque()
+        self._bytes = self._back = 0
+
+    def add(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """Take in the run's newest frame, and show it if the run has moved; a fresh one begins another run."""
+        report = replace(report, rows=report.rows[:0].copy())  # the history has them
+        with self._lock:
+            if report.fresh:
+                self._frames.clear()
+                self._bytes = 0
+            elif self._frames and self._frames[-1][0].step == report.step:  # asked for anew, to hold something else
+                self._bytes -= size(self._frames.pop()[1])
+            else:
+                self._back = 0
+            self._frames.append((report, arrays))
+            self._bytes += size(arrays)
+            while len(self._frames) > MOST_FRAMES or (self._bytes > MOST_BYTES and len(self._frames) > 1):
+                self._bytes -= size(self._frames.popleft()[1])
+            self._back = 0 if report.playing else min(self._back, len(self._frames) - 1)
+
+    def go_back(self, count: int) -> None:
+        """Show the frame so many before the newest, as long as the run stands still."""
+        with self._lock:
+            if self._frames and not self._frames[-1][0].playing:
+                self._back = max(0, min(count, len(self._frames) - 1))
+
+    @property
+    def back(self) -> int:
+        """How many frames before the newest the one that is shown is."""
+        return self._back
+
+    @property
+    def frames(self) -> list[Frame]:
+        """All of them, the oldest first."""
+        with self._lock:
+            return list(self._frames)
+
+    @property
+    def shown(self) -> Frame | None:
+        """The frame to draw, standing still if it is an earlier one; None before the first."""
+        with self._lock:
+            if not self._frames:
+                return None
+            report, arrays = self._frames[-1 - self._back]
+            return (replace(report, playing=False) if self._back else report), arrays
+
+    @property
+    def ago(self) -> float:
+        """How many periods before the newest frame the one that is shown is."""
+        return self._periods(self._back)
+
+    @property
+    def reach(self) -> tuple[int, float]:
+        """How far back one can go, in frames and in periods."""
+        most = max(0, len(self._frames) - 1)
+        return most, self._periods(most)
+
+    def _periods(self, back: int) -> float:
+        with self._lock:
+            if not 0 < back < len(self._frames):
+                return 0.0
+            newest, earlier = self._frames[-1][0], self._frames[-1 - back][0]
+            return (newest.time - earlier.time) / newest.scene.period
+
+
+def size(arrays: FrameArrays) -> int:
+    """Bytes of a frame's particles."""
+    values = (getattr(arrays, field.name) for field in fields(arrays))
+    return sum(array.nbytes for value in values
+               for array in (value.values() if isinstance(value, dict) else (value,)) if isinstance(array, np.ndarray))
