@@ -162,10 +162,12 @@ class Solver(ABC):
     def _advice(self) -> str:
         """What to change: the likeliest cause first."""
         scene = self.scene
+        lonely = scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen
         if scene.time_step > SAFE * scene.step_bound:
+            also = "; and give two or more particles per cell: one loses runs with short steps too" if lonely else ""
             return (f"take shorter steps (--dt auto takes {SAFE * scene.step_bound:.3g} s, this run took "
-                    f"{scene.time_step:.3g} s)")
-        if scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen:
+                    f"{scene.time_step:.3g} s){also}")
+        if lonely:
             return "one particle per cell is the cause: give two or more"
         if scene.velocity == "particle":
             return "moving the particles with their own velocity is the cause: give --velocity grid"

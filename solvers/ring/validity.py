@@ -27,7 +27,7 @@ def two_grid(scene: Any) -> str | None:
     if scene.layout == "cartesian":
         return "the staircase of the cartesian layout is another one on each grid, so their errors are not comparable"
     if scene.method != "cpdi":
-        return "the boxes of this method do not tile the ring, so its error does not fall with the cell size; use cpdi"
+        return "the boxes of this method do not tile the ring, so its error does not fall with the cell size; use CPDI"
     if scene.cells < needed:
         return f"the second run has half the cells, and half of {scene.cells} is too few; give {needed} or more"
     if scene.amplitude >= 0.6 - 2 * 1.2 / (scene.cells // 2):  # radius 0.6; two rows of cells lie below zero

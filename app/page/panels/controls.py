@@ -40,7 +40,7 @@ class Controls:
         self._patience = Patience()
         self.estimators = EstimatorChoice(session, on_view, self._patience)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
-                                         initial_value=session.scene.TITLE)
+                                         initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
         self._problem.on_update(lambda _: self._choose_problem())
         self._build()
 
