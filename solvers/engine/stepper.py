@@ -84,7 +84,8 @@ class Stepper:
     def resumed(cls, state: dict[str, Any]) -> "Stepper":
         """The stepper that had this state, to the bit."""
         stepper = cls.__new__(cls)
-        vars(stepper).update(state, solver=build(state["wish"].scene), partner=None, _block=_attach(state["wish"].memory))
+        vars(stepper).update(state, solver=build(state["wish"].scene), partner=None,
+                             _block=_attach(state["wish"].memory))
         stepper.solver.put(*state["solver"])
         return stepper
 

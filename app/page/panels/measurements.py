@@ -4,7 +4,7 @@ import viser
 
 from app.page.panels.controls import Controls
 from app.page.panels.head import MEASUREMENTS_WIDTH
-from app.page.panels.plots import LEAST_HEIGHT, Plots
+from app.page.panels.plots import LEAST_HEIGHT, Plots, grey_curves
 from app.page.panels.readout import LINE, extra_lines, readout
 from app.page.session import Session
 from app.page.view import why_no_truth
@@ -32,16 +32,18 @@ class Measurements:
         report, history = session.report, session.history
         if report is None or report.scene != history.scene:
             return
-        quantity = controls.quantity
-        self._readout.content = readout(session, report, quantity, controls.estimators.drawn, probed, worst)
+        quantity, drawn, pinned = controls.quantity, controls.estimators.drawn, session.pinned
+        self._readout.content = readout(session, report, quantity, drawn, probed, worst)
         # The three plots share what the window leaves below the readout.
-        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * extra_lines(report, history.series, quantity)
-        self._plots.have(report.scene.active_estimators, max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3)))
+        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * (
+            extra_lines(report, history.series, quantity) + bool(pinned))
+        self._plots.have(report.scene.active_estimators, max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3)), bool(pinned))
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()
         else:
             valid = session.valid_estimators
-            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity))
+            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity),
+                             grey_curves(pinned, history, quantity, drawn))
 
 
 def _why_no_index(report: FrameReport, valid: tuple[str, ...], quantity: str) -> str:

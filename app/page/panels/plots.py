@@ -9,14 +9,16 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.colours import TRUTH
+from app.colours import PINNED, TRUTH
 from app.page.history import History
+from app.page.pinned import PinnedRun
 from app.scale import BEYOND, largest
 from app.words import QUANTITIES, number, power_of_ten, power_text
 from solvers.estimators.registry import ESTIMATORS
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
+APART = 0.05  # periods by which a pinned run may be late without a gap at the end of its curves
 LEAST_HEIGHT, LABEL_HEIGHT = 76, 15  # pixels, of a plot and of the label below the last
 LEAST_SPACE = 16  # pixels between two numbers of an axis: the smallest plot has two
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
@@ -35,60 +37,67 @@ class Plots:
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle):
         self._gui, self._tab = client.gui, tab
-        self._sets: dict[tuple[str, ...], list[HeadedPlot]] = {}
+        self._sets: dict[tuple[tuple[str, ...], bool], list[HeadedPlot]] = {}
         self._estimators: tuple[str, ...] = ()
         self.have((), LEAST_HEIGHT)
 
-    def have(self, estimators: tuple[str, ...], height: int) -> None:
-        """Have a line for each of these estimators, in plots of this height in pixels."""
-        if estimators not in self._sets:
-            self._sets[estimators] = self._build(estimators, height)
-        for names, pairs in self._sets.items():
+    def have(self, estimators: tuple[str, ...], height: int, pinned: bool = False) -> None:
+        """Have a line for each of these estimators, and a pinned run's in grey, in plots of this height in pixels."""
+        wanted = estimators, pinned
+        if wanted not in self._sets:
+            self._sets[wanted] = self._build(estimators, height, pinned)
+        for which, pairs in self._sets.items():
             for heading, plot in pairs:
-                heading.visible = plot.visible = names == estimators
+                heading.visible = plot.visible = which == wanted
         self._estimators = estimators
-        self._headings, self._plots = zip(*self._sets[estimators], strict=True)
+        self._headings, self._plots = zip(*self._sets[wanted], strict=True)
         for plot, label_height in zip(self._plots, (0, 0, LABEL_HEIGHT), strict=True):
             plot.height = height + label_height
 
-    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str) -> None:
-        """Draw a run: the truth and the ``valid`` ones of its estimators; ``no_index`` says why there is no index."""
+    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str,
+             grey: list[list[np.ndarray]]) -> None:
+        """Draw a run: the truth and the ``valid`` ones of its estimators; ``no_index`` says why there is no index.
+        ``grey`` are the curves of a pinned run for each plot, none where there is no such run (:func:`grey_curves`)."""
         series, words = history.series, QUANTITIES[quantity]
         time, true = series["time"], series[f"error_{quantity}"]
         nothing = np.full(len(time), np.nan)
         estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid else nothing
                      for name in self._estimators]
-        power = power_of_ten(max(largest(values) for values in (*estimated, true)))
-        self._headings[0].content = _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}")
-        self._plots[0].data = _finite(time, *(values / 10.0**power for values in (true, *estimated)))
+        power = power_of_ten(max(largest(values) for values in (*grey[0], *estimated, true)))
+        self._headings[0].content = _heading(f"error norm of {words.symbol} / {power_text(power)}{words.unit}"
+                                             + ", grey: pinned" * bool(grey[0]))
+        self._plots[0].data = _finite(time, *(values / 10.0**power for values in (*grey[0], true, *estimated)))
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
         self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        self._plots[1].data = _finite(time, np.ones(len(time)), *indices)
-        self._show_crossings(history)
+        self._plots[1].data = _finite(time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey[1]),
+                                      np.ones(len(time)), *indices)
+        self._show_crossings(history, grey[2])
 
     def clear(self) -> None:
         """Show nothing: no time has passed."""
         for plot in self._plots:
             plot.data = _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:]))
 
-    def _build(self, estimators: tuple[str, ...], height: int) -> list[HeadedPlot]:
+    def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> list[HeadedPlot]:
+        grey = [_line("pinned, true", PINNED, 2.5), _line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
         lines = [_line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
         true, perfect = _line("true", TRUTH, 3.5), _line("perfect", PERFECT, 2.5)
         crossings = _line("crossings", CROSSINGS, 1.5)
         with self._tab:
-            return [self._plot("error norm", (true, *lines), height),
-                    self._plot("error index", (perfect, *lines), height, _RATIOS, _RATIO_MARKS),
-                    self._plot("grid crossings per second", (crossings,), height, x_label="t / s")]
+            return [self._plot("error norm", (*grey, true, *lines), height),
+                    self._plot("error index", (*grey[1:], perfect, *lines), height, _RATIOS, _RATIO_MARKS),
+                    self._plot("grid crossings per second", (*grey[:1], crossings), height, x_label="t / s")]
 
-    def _show_crossings(self, history: History) -> None:
+    def _show_crossings(self, history: History, grey: list[np.ndarray]) -> None:
         time, rate = history.crossings_per_second()
-        power = power_of_ten(largest(rate))
+        power = power_of_ten(max(map(largest, (*grey, rate))))
         self._headings[2].content = _heading(
             f"grid crossings per second{' / ' * bool(power)}{power_text(power)}",
             "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off")
-        self._plots[2].data = _finite(time, rate / 10.0**power) if len(time) > 1 else (_EMPTY, _EMPTY)
+        rates = [values / 10.0**power for values in (*grey, rate)]
+        self._plots[2].data = _finite(time, *rates) if len(time) > 1 else (_EMPTY, *(_EMPTY for _ in rates))
 
     def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
               y_axis: uplot.Axis | None = None, x_label: str = "") -> HeadedPlot:
@@ -101,6 +110,29 @@ class Plots:
             (start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
             axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
             height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0))
+
+
+def grey_curves(pinned: PinnedRun | None, history: History, quantity: str, drawn: str | None) -> list[list[np.ndarray]]:
+    """A pinned run's curves in each of the three plots, at the times of the other run's ``history``: norms of its true
+    and estimated error, index, crossings. Where the periods differ, at the same number of them."""
+    if pinned is None:
+        return [[], [], []]
+    run, estimator = pinned.history, pinned.estimator(drawn)
+    series, stretch = run.series, history.scene.period / run.scene.period
+    none = np.zeros(0)
+    own, true = series.get("time", none), series.get(f"error_{quantity}", none)
+
+    def put(times: np.ndarray, own: np.ndarray, values: np.ndarray) -> np.ndarray:
+        if not len(own) or len(values) != len(own):
+            return np.full(len(times), np.nan)
+        ended = times > stretch * own[-1] + APART * history.scene.period
+        return np.where(ended, np.nan, np.interp(times, stretch * own, values))
+
+    estimated = _bounded(series.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
+    time = history.series["time"]
+    return [[put(time, own, true), put(time, own, estimated)],
+            [put(time, own, series.get(f"{estimator}/index_{quantity}", none))],
+            [put(history.crossings_per_second()[0], *run.crossings_per_second())]]
 
 
 def _beyond(indices: dict[str, float]) -> str:

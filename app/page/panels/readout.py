@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 
-from app.colours import ESTIMATE, TRUTH
+from app.colours import ESTIMATE, PINNED, TRUTH
+from app.page.pinned import PinnedRun
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.page.worst import WorstRegion, WorstRegions
@@ -39,8 +40,8 @@ def readout(session: Session, report: FrameReport, quantity: str, drawn: str | N
             worst: WorstRegions) -> str:
     """The readout as html, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage."""
     series = session.history.series
-    return (f"<div class='lab-readout'>{_run(session, report, series, probed)}{_estimates(report, series, quantity)}"
-            f"{_worst(worst, drawn, quantity)}</div>")
+    return (f"<div class='lab-readout'>{_run(session, report, series, probed)}"
+            f"{_estimates(session, report, quantity, drawn)}{_worst(worst, drawn, quantity)}</div>")
 
 
 def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> int:
@@ -79,9 +80,10 @@ def _margin(margin: float) -> str:
     return f"<span class='lab-over'>{text}</span>" if margin > 1 else text
 
 
-def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> str:
-    """A line for the truth and one for each estimator: its norm now, its index and its distance so far."""
-    unit = QUANTITIES[key].unit
+def _estimates(session: Session, report: FrameReport, key: str, drawn: str | None) -> str:
+    """A line for the truth and one for each estimator: its norm now, its index and its distance so far; and a line for
+    a pinned run."""
+    unit, series = QUANTITIES[key].unit, session.history.series
     heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("norm", "index", "distance"))
     rows = [_row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
     for name, silence in _silences(report, series, key).items():
@@ -94,7 +96,20 @@ def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> 
         else:
             rows.append(_row("", _named(name), _norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
+    if session.pinned:
+        rows.append(_pinned(session.pinned, key, drawn))
     return _table("".join(rows), "lab-numbers lab-estimates")
+
+
+def _pinned(run: PinnedRun, key: str, drawn: str | None) -> str:
+    """A pinned run's true error now, with index and distance of the estimator on the stage; or why it has stopped."""
+    estimator, series = run.estimator(drawn), run.history.series
+    what = f"norm: its true error; index and distance: its estimate by {estimator}" if estimator else HINTS["norm"]
+    name = f"<span title='{html.escape(what)}'>{_line(PINNED)} pinned</span>"
+    if trouble := run.shortfall():
+        return _row("", f"<span class='lab-name'>{name}</span>: {html.escape(trouble)}")
+    return _row("", name, _norm(series, f"error_{key}", QUANTITIES[key].unit),
+                *(_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance")))
 
 
 def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
@@ -141,9 +156,12 @@ def _named(name: str) -> str:
     """A name behind a piece of its line in the plots."""
     known = ESTIMATORS.get(name)
     colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE
-    dashes = f" stroke-dasharray='{','.join(map(str, known.dashes))}'" if known and known.dashes else ""
-    return (f"<svg width='18' height='8'><path d='M0 4h18' stroke='{colour}' stroke-width='3'{dashes}/></svg>"
-            f" {html.escape(name)}")
+    return f"{_line(colour, known.dashes if known else ())} {html.escape(name)}"
+
+
+def _line(colour: str, dashes: tuple[int, ...] = ()) -> str:
+    dashed = f" stroke-dasharray='{','.join(map(str, dashes))}'" if dashes else ""
+    return f"<svg width='18' height='8'><path d='M0 4h18' stroke='{colour}' stroke-width='3'{dashed}/></svg>"
 
 
 def _norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
