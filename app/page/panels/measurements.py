@@ -5,7 +5,7 @@ import viser
 from app.page.panels.controls import Controls
 from app.page.panels.head import MEASUREMENTS_WIDTH
 from app.page.panels.plots import LEAST_HEIGHT, Plots, grey_curves
-from app.page.panels.readout import LINE, extra_lines, readout
+from app.page.panels.readout import LINE, extra_lines, pinned_lines, readout
 from app.page.session import Session
 from app.page.view import why_no_truth
 from app.page.worst import WorstRegions
@@ -36,7 +36,7 @@ class Measurements:
         self._readout.content = readout(session, report, quantity, drawn, probed, worst)
         # The three plots share what the window leaves below the readout.
         left = self._client.camera.image_height - READOUT_HEIGHT - LINE * (
-            extra_lines(report, history.series, quantity) + bool(pinned))
+            extra_lines(report, history.series, quantity) + (pinned_lines(pinned, report) if pinned else 0))
         self._plots.have(report.scene.active_estimators, max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3)), bool(pinned))
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()

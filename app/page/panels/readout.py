@@ -10,7 +10,7 @@ from app.page.pinned import PinnedRun
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.page.worst import WorstRegion, WorstRegions
-from app.words import NOTHING, QUANTITIES, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
 from solvers.norms import energy_drift
@@ -50,6 +50,11 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
     wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
                   for silence in silences.values() if len(silence) > SHORT)
     return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known) + scene.has("margin")
+
+
+def pinned_lines(run: PinnedRun, report: FrameReport) -> int:
+    """And those of a pinned run."""
+    return 1 + math.ceil((len(_said(run, report)) + 8) / SILENCE_LINE)
 
 
 def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None) -> str:
@@ -97,19 +102,25 @@ def _estimates(session: Session, report: FrameReport, key: str, drawn: str | Non
             rows.append(_row("", _named(name), _norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
-        rows.append(_pinned(session.pinned, key, drawn))
+        rows.append(_pinned(session.pinned, _said(session.pinned, report), key, drawn))
     return _table("".join(rows), "lab-numbers lab-estimates")
 
 
-def _pinned(run: PinnedRun, key: str, drawn: str | None) -> str:
+def _said(run: PinnedRun, report: FrameReport) -> str:
+    """What a pinned run is where the other is not: on the stage it is drawn, which no screen reader reads."""
+    return differing(run.scene, report.scene) or "the same so far" if run.scene.problem == report.scene.problem else ""
+
+
+def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
     """A pinned run's true error now, with index and distance of the estimator on the stage; or why it has stopped."""
     estimator, series = run.estimator(drawn), run.history.series
     what = f"norm: its true error; index and distance: its estimate by {estimator}" if estimator else HINTS["norm"]
     name = f"<span title='{html.escape(what)}'>{_line(PINNED)} pinned</span>"
     if trouble := run.shortfall():
-        return _row("", f"<span class='lab-name'>{name}</span>: {html.escape(trouble)}")
-    return _row("", name, _norm(series, f"error_{key}", QUANTITIES[key].unit),
-                *(_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance")))
+        said = f"{said}; {trouble}"
+    ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
+    return _row("", name, _norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
+        + _row("", f"<span class='lab-name'>pinned: {html.escape(said)}</span>")
 
 
 def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
