@@ -15,6 +15,7 @@ from solvers.scene import MOST_STEPS
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 FRAME_SECONDS = 1 / 30
+MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
 EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
@@ -160,10 +161,10 @@ class Stepper:
 
     @property
     def _enough(self) -> int:
-        """Steps that are worth a turn between two frames: a slice, or half a frame's worth for a partner that waits."""
+        """Steps that are worth a turn between two frames: a slice, or half of what a partner that waits is ahead."""
         if self.partner is None:
             return self._slice
-        return max(1, min(self._slice, int(0.5 * FRAME_SECONDS * self.wish.speed / self.solver.scene.time_step)))
+        return max(1, min(self._slice, int(0.5 * self._lead / self.solver.scene.time_step)))
 
     def _frame_due(self) -> bool:
         return perf_counter() >= self._due
@@ -180,14 +181,18 @@ class Stepper:
 
     def _bound(self) -> float:
         """How far this session may go until its partner follows, in s: to the number of periods that this has come to,
-        and a frame's worth further. Two frames' at the pace that the two keep, where that is less; but two steps in any
-        case, so that the one behind can always take one."""
+        and ``_lead`` further."""
         partner, scene = self.partner, self.solver.scene
         if partner is None or not partner._running:
             return float("inf")
-        speed = self.wish.speed if self._real_speed is None else min(self.wish.speed, 2 * self._real_speed)
-        here = partner.solver.time / partner.solver.scene.period * scene.period
-        return here + max(FRAME_SECONDS * speed, 2 * scene.time_step)
+        return partner.solver.time / partner.solver.scene.period * scene.period + self._lead
+
+    @property
+    def _lead(self) -> float:
+        """How far ahead of its partner a session may be, in s: a frame's worth, but not so far that one would see it at
+        high speeds; and two steps in any case, so that the one behind can always take one."""
+        scene = self.solver.scene
+        return max(min(FRAME_SECONDS * self.wish.speed, MOST_APART * scene.period), 2 * scene.time_step)
 
     def _advance(self, steps: int) -> None:
         begun = perf_counter()
