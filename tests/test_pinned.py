@@ -90,8 +90,8 @@ def test_both_begin_again_together(pair):
 
 def test_single_steps_are_one_each(pair):
     link, listener, partner, other = pair
-    for one, scene in ((link, CHEAP), (partner, COSTLY)):
-        play(one, scene, 0.5, playing=False)
+    for one, hears, scene in ((link, listener, CHEAP), (partner, other, COSTLY)):
+        hears.frame(play(one, scene, 0.5, playing=False))  # else a later wish takes this one's place, steps and all
     for one, hears, scene in ((link, listener, CHEAP), (partner, other, COSTLY)):
         hears.frame(play(one, scene, 0.5, playing=False, steps=3), lambda r: r.step == 3)
 
