@@ -10,6 +10,7 @@ import numpy as np
 
 ESTIMATE = "#D55E00"
 TRUTH = "#0072B2"
+PINNED = "#8A929C"  # a run that stays beside the one that is changed: grey
 COLOUR_MAP = "viridis"
 #: Methods side by side, in what the set has left; each has a mark of its own as well. A method without either is grey.
 METHOD_COLOURS = defaultdict(lambda: "#777777", {"mpm": "#000000", "ugimp": "#009E73", "cpgimp": "#CC79A7",

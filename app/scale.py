@@ -35,9 +35,10 @@ class ColourScale:
         if not self.held:
             self._peaks.clear()
 
-    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, periods: float) -> None:
-        """Take in the errors of a frame at a time in periods, and move the top, unless held."""
-        truth, estimate = largest(true), largest(estimated)
+    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, periods: float,
+               beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None)) -> None:
+        """Take in the errors of a frame at a time in periods, and of a run ``beside`` it; move the top, unless held."""
+        truth, estimate = (max(map(largest, sizes)) for sizes in zip((true, estimated), beside[::-1], strict=True))
         if not self.held:
             top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
             self._remember(top, periods)

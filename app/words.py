@@ -1,13 +1,14 @@
 """Words: names, units, symbols and number formats, once for the command line, the page and every picture."""
 
+import functools
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES
-from solvers.rules import field_key
-from solvers.scene import AUTO, Scene
+from solvers.rules import field_key, field_label
+from solvers.scene import AUTO, DEFAULT_CFL, Scene
 
 NOTHING = "–"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
@@ -46,11 +47,16 @@ QUANTITIES = {"x": Quantity("displacement", "x", "m"), "v": Quantity("velocity",
 #: Norms that one problem has.
 EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
                "a_nodes": Quantity("acceleration", "a at nodes", "m/s²")}
+#: Fields of a scene that say nothing of the run itself, or only together: the time step's.
+UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
+#: Sizes of a scene, by their symbols.
+SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ"}
 #: What a scene's fields may be, in words, in the order in which they are offered.
 CHOICES = {"method": {code: str(method) for code, method in METHODS.items()},
            "body_force": {"material": "at the particles", "node": "at the nodes", "none": "none",
                           "two-tone": "two-tone: no exact solution known"},
            "velocity": {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"},
+           "remedies": {remedy.name: remedy.label for remedy in REMEDIES.values()},
            "layout": {"polar": "polar", "cartesian": "Cartesian"}}
 
 
@@ -80,6 +86,37 @@ def on_page(sentence: str) -> str:
     sentence = re.sub(rf"({name}),({name})", r"\1 and \2", sentence)
     sentence = re.sub(rf"({name}) (?={name})", r"\1, ", sentence)
     return re.sub(name, lambda found: labels[found[0]], sentence)
+
+
+@functools.lru_cache(maxsize=64)  # asked for with every frame
+def differing(scene: Scene, other: Scene) -> str:
+    """What a scene is where another of its problem is not: "uGIMP, 40 cells, A = 25 mm"; "" where both are one run."""
+    return ", ".join(mine for mine, theirs in zip(_said(scene), _said(other), strict=True) if mine != theirs)
+
+
+def _said(scene: Scene) -> list[str]:
+    """Each thing that a visitor sets about a run, in few words."""
+    step = f"CFL number {DEFAULT_CFL if scene.cfl is None else scene.cfl:g}"
+    if scene.dt is not None:
+        step = "auto step" if scene.dt == AUTO else f"step {with_unit(float(scene.dt), 's')}"
+    return [*(_field_said(scene, field.name, field.metadata["unit"]) for field in fields(scene)
+              if field.name not in UNSAID), step]
+
+
+def _field_said(scene: Scene, field: str, unit: str) -> str:
+    value, label, names = getattr(scene, field), field_label(field), choices(type(scene), field)
+    if isinstance(value, bool):
+        return label if value else f"not {label}"
+    if isinstance(value, tuple):
+        told = " and ".join(names[name] for name in value)
+        return (told if field in CHOICES else f"{label} {told}") if value else f"no {label}"
+    if field == "cells":
+        return f"{value} cells"
+    if field == "ppc":
+        return f"{per_cell(scene.problem, value)} particles per cell"
+    if unit:
+        return f"{SYMBOLS.get(field, label)} = {with_unit(value, unit)}"
+    return names[value] if field in ("method", "velocity") else f"{label} {names.get(value, value)}"
 
 
 def command_line(scene: Scene) -> str:

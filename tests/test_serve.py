@@ -39,7 +39,7 @@ class Pool:
     def __init__(self):
         self.links = []
 
-    def open(self, listener):
+    def open(self, listener, beside=None):
         self.links.append(Link())
         return self.links[-1]
 

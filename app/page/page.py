@@ -18,6 +18,7 @@ from app.page.panels.looking import Looking
 from app.page.panels.measurements import Measurements
 from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.texts import add_about, add_lessons
+from app.page.pinned import PinnedRun
 from app.page.probe import Probe
 from app.page.recent import Recent
 from app.page.session import FIRST_SCENE, PageLinks, Session
@@ -25,11 +26,13 @@ from app.page.summary import Pace, summary
 from app.page.trace import Trace
 from app.page.view import View, look
 from app.page.worst import WorstRegions
+from app.problems.stage import Stage
 from app.problems.views import VIEWS
 from app.scale import ColourScale
-from app.words import QUANTITIES
+from app.words import QUANTITIES, differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
+from solvers.scene import Scene
 
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
@@ -117,21 +120,38 @@ class Page:
             if changed := shown != self._shown:
                 self._scale.forget()
                 self._shown = shown
+            pinned = self._session.pinned
+            if pinned and pinned.scene.problem != scene.problem:
+                pinned = None  # it goes with the next frame
+            beside = pinned.view(controls.quantity, choice.drawn, choice.difference) if pinned else None
             if changed or not back:  # looking back keeps the colours, to compare frames by
-                self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period)
+                self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period,
+                                   (beside.left.sizes, beside.right.sizes) if beside else (None, None))
             stage = self._stages[scene.problem]
+            second = stage.pair(pinned is not None)
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
             with self._client.atomic():
                 self._show_stage(scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
                            self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
+                stage.name(f"this run: {differing(scene, pinned.scene)}".removesuffix(": ") if pinned else "")
+                if pinned and second and beside and pinned.last:
+                    self._draw_pinned(pinned, second, beside, *pinned.last, scene)
                 self._mark.look(stage, arrays)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
-            self._camera.show(stage.RECTANGLE)
+            self._camera.show(stage.rectangle)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._view = view
+
+    def _draw_pinned(self, pinned: PinnedRun, stage: Stage, view: View, report: FrameReport,
+                     arrays: FrameArrays, other: Scene) -> None:
+        scene, live = pinned.scene, self._stages[pinned.scene.problem]
+        stage.domains, stage.plotted, stage.magnified = live.domains, report.plotted, live.magnified
+        stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time, self._session.speed * scene.period)
+        stage.caption(view.left, view.right)
+        stage.name(f"pinned: {differing(scene, other) or 'the same so far'}")
 
     def _refresh_loop(self) -> None:
         while not self._closed.wait(REFRESH_SECONDS):

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from time import monotonic
 
 from app.page.history import History
+from app.page.pinned import PinnedRun
 from app.problems.views import VIEWS
 from app.words import on_page
 from solvers.bar.scene import BarScene
@@ -43,8 +44,8 @@ class PageLinks(ExitStack):
         super().__init__()
         self._pool = pool
 
-    def open(self, listener: Listener) -> SessionLink:
-        return self.enter_context(closing(self._pool.open(listener)))
+    def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
+        return self.enter_context(closing(self._pool.open(listener, beside)))
 
     @property
     def playing(self) -> int:
@@ -66,6 +67,7 @@ class Session:
         self._start(scene)
         self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
+        self.pinned: PinnedRun | None = None
         self._pool, self._link = pool, pool.open(self)
         self._ask()
 
@@ -87,6 +89,8 @@ class Session:
         """Take another problem's scene whole; what was wished of the one before is forgotten."""
         with self._lock:
             self._refusal = None
+            if scene.problem != self.scene.problem:
+                self.unpin()
             self._start(scene)
             self._ask()
 
@@ -126,13 +130,29 @@ class Session:
             self._plotted = quantity
             self._ask()
 
+    def pin(self, on_frame: Callable[[], None]) -> None:
+        """Have the run on the stage stay beside what is asked for from now on; both begin at t = 0."""
+        with self._lock:
+            shown = self.report.scene if self.report else self.scene
+            scene = shown if shown.problem == self.scene.problem else self.scene
+            self.unpin()
+            self.pinned = PinnedRun(lambda run: self._pool.open(run, self._link), scene, on_frame)
+            self._ask()
+
+    def unpin(self) -> None:
+        with self._lock:
+            pinned, self.pinned = self.pinned, None
+        if pinned:
+            pinned.close()
+
     def close(self) -> None:
+        self.unpin()
         self._link.close()
 
     @property
     def others_playing(self) -> bool:
         """Whether other visitors' stages move on this server."""
-        return self._pool.playing > self.playing
+        return self._pool.playing > self.playing * (1 + bool(self.pinned))
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:
@@ -202,6 +222,8 @@ class Session:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed * self.scene.period, self._restarts,
                                       self._single_steps, self._differences, self._plotted)
+        if self.pinned:
+            self.pinned.follow(self.playing, self.speed, self._single_steps, self._differences, self._plotted)
 
 
 def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:

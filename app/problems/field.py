@@ -44,6 +44,7 @@ class FieldPlot:
         def name(part: str) -> str:
             return f"/{problem}/field/{part}"
 
+        self.root = s.add_frame(f"/{problem}/field", show_axes=False)
         self._place, self._axis = place, Axis()
         self._drawn: tuple[Scene, str, int] | None = None
         self._time = 0.0
@@ -63,6 +64,7 @@ class FieldPlot:
         drawing.label(s, name("start"), place.ends[0], 0.0, below, "top-center", 0.85)
         drawing.label(s, name("end"), place.ends[1], 1.0, below, "top-center", 0.85)
         self._caption = drawing.label(s, name("caption"), " ", 0.5, below, "top-center")
+        self.lent = Dots(self, s, name("pinned"), size)
 
     def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
              crossed: np.ndarray) -> None:
@@ -75,17 +77,17 @@ class FieldPlot:
         values = seen(field, magnified if scene.solution_known else 1)
         known = np.isfinite(values)
         sizes = np.abs(values)
-        self._axis.follow(largest(sizes), self._reach)
+        self._axis.follow(max(largest(sizes), self.lent.reach), self._reach)
         self._caption_it(scene, quantity, magnified, int(np.count_nonzero(~known)))
         self._number(QUANTITIES[quantity].unit)
-        points = self._points(at, values)
+        points = self.points(at, values)
         points[~known, 1] = drawing.AWAY
         self._dots.points = points
         shown = points[crossed]
         shown[:, 2] = 0.015
         self._crossed.points = shown if len(shown) else np.full((1, 3), drawing.AWAY, np.float32)
         if scene.solution_known:
-            curve = self._points(self._line, self._place.exact(scene, quantity, self._line, t))
+            curve = self.points(self._line, self._place.exact(scene, quantity, self._line, t))
             self._curve.points = drawing.joined(curve[:-1], curve[1:])
 
     def places(self, particles: slice, count: int) -> np.ndarray:
@@ -103,7 +105,7 @@ class FieldPlot:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
             self._reach = max(largest(np.abs(place.exact(scene, quantity, self._line, t))) for t in times)
 
-    def _points(self, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    def points(self, at: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Points of the stage (n, 3) for values at coordinates (n,)."""
         place, out = self._place, np.empty((len(values), 3), np.float32)
         with np.errstate(invalid="ignore"):
@@ -130,6 +132,28 @@ class FieldPlot:
         if unknown and not text.endswith("off"):
             text += f"; {unknown} without a number"
         drawing.write(self._caption, text)
+
+
+class Dots:
+    """The particles of a pinned run, in grey behind those of a field plot and against its axis."""
+
+    def __init__(self, plot: FieldPlot, s: viser.SceneApi, name: str, size: float):
+        self._plot, self._dots = plot, drawing.points(s, name, size)
+        self._dots.colors = np.array(drawing.FAINT, np.uint8)
+        self.reach = 0.0  # of the values, which the axis should hold
+
+    def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
+             crossed: np.ndarray) -> None:
+        """As the plot's own; crossings are not marked."""
+        values = seen(field, magnified if scene.solution_known else 1)
+        points, self.reach = self._plot.points(at, values), largest(np.abs(values))
+        points[~np.isfinite(values), 1] = drawing.AWAY
+        points[:, 2] = 0.0
+        self._dots.points = points
+
+    def forget(self) -> None:
+        """Show nothing."""
+        self.reach, self._dots.points = 0.0, np.full((1, 3), drawing.AWAY, np.float32)
 
 
 def field_name(quantity: str) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 import viser
 
 from app import drawing
+from app.problems.field import Dots, FieldPlot, Place
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
 from solvers.scene import Scene
@@ -30,22 +31,57 @@ class Stage(ABC, Generic[AnyScene]):
 
     ``domains`` says whether the particles' domains are outlined, on a stage that can; ``plotted`` is the quantity whose
     field the frames hold, if any, and ``magnified`` how many times its deviation from the exact one is drawn.
-    ``_titles`` and ``_silences`` hold two labels each, the estimate's and the truth's.
+    ``_titles`` and ``_silences`` hold two labels each, the estimate's and the truth's; ``_name`` says which run it is
+    when there are two. A pinned run has a stage of its own, ``beside`` the first, which lends it its field plot; what
+    is drawn of a stage goes under its name ``at``.
     """
 
+    PROBLEM: ClassVar[str]
     RECTANGLE: ClassVar[tuple[float, float, float, float]] = drawing.RECTANGLE  # x0, x1, y0, y1 of all that is drawn
+    PAIR_RECTANGLE: ClassVar[tuple[float, float, float, float]] = drawing.RECTANGLE  # with a pinned run beside it
 
     SILENCE_WIDTH: ClassVar[int]  # characters in a line of the reason why a half is empty
+    NAME_WIDTH: ClassVar[int]  # and of what a run is called beside another one
+    PLOT: ClassVar[Place]  # of the field
+    PLOT_DOT: ClassVar[float]  # size of a particle in it
 
     _titles: list[viser.LabelHandle]
     _silences: list[viser.LabelHandle]
+    _name: viser.LabelHandle
 
-    def __init__(self, client: viser.ClientHandle, scale: ColourScale, problem: str):
-        self._scale, self.domains = scale, False
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: "Stage | None" = None):
+        self._client, self._scale, self.domains, self._paired = client, scale, False, False
         self.plotted: str | None = None
         self.magnified = 1
         self._drawn_scene: AnyScene | None = None
-        self.root = client.scene.add_frame(f"/{problem}", show_axes=False)
+        self._beside = beside
+        self._second: Stage[AnyScene] | None = None
+        self.at = f"/{self.PROBLEM}" + "/pinned" * bool(beside)
+        self.root = client.scene.add_frame(self.at, show_axes=False)
+        self._plot: FieldPlot = beside._plot if beside \
+            else FieldPlot(client.scene, self.PROBLEM, self.PLOT, self.PLOT_DOT)
+        self._field: FieldPlot | Dots = self._plot.lent if beside else self._plot
+
+    def pair(self, wanted: bool) -> "Stage | None":
+        """Make room for a pinned run, or take it back; returns the stage of that run where it is wanted."""
+        if wanted != self._paired:
+            self._paired, self._drawn_scene = wanted, None
+            self._second = self._second or type(self)(self._client, self._scale, self)
+            self._second.root.visible = wanted
+            self._second._paired = wanted
+            self._arrange()
+            self._second._arrange()
+            self._plot.lent.forget()
+        return self._second if wanted else None
+
+    @property
+    def rectangle(self) -> tuple[float, float, float, float]:
+        """x0, x1, y0, y1 of all that is drawn now."""
+        return self.PAIR_RECTANGLE if self._paired else self.RECTANGLE
+
+    def name(self, text: str) -> None:
+        """Say which run this is, where there are two."""
+        drawing.write(self._name, text, self.NAME_WIDTH)
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float) -> None:
@@ -74,6 +110,10 @@ class Stage(ABC, Generic[AnyScene]):
     @abstractmethod
     def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         """Everywhere that n particles are drawn: points of the stage (images, n, 3)."""
+
+    @abstractmethod
+    def _arrange(self) -> None:
+        """Take the place that is this run's, alone or as one of two (``_paired``, ``_beside``)."""
 
     @abstractmethod
     def _draw_grid(self, scene: AnyScene) -> None:

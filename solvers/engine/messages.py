@@ -16,6 +16,7 @@ class Wish:
     ``restarts`` and ``single_steps`` are counts: an engine acts when they have grown. ``speed`` is simulated
     seconds a second. ``memory`` names the shared memory block that frames go to; ``differences`` asks that they hold
     the sizes of estimate minus truth too, ``plotted`` is the key of the quantity whose field they should hold, if any.
+    ``partner`` is another session of the same engine: the two keep together in periods, and start again together.
     """
 
     session: int
@@ -28,6 +29,7 @@ class Wish:
     memory: str
     differences: bool = False
     plotted: str | None = None
+    partner: int | None = None
 
 
 @dataclass(frozen=True)

@@ -40,10 +40,11 @@ class EnginePool:
         adopt_orphans()
         self._engines = [EngineProcess(warm_up, usual) for _ in range(engines)]
 
-    def open(self, listener: Listener) -> SessionLink:
-        """A new session, on the engine that has fewest; on one that has been given up only if all have."""
-        engine = min(self._engines, key=lambda e: (e.given_up, len(e.links)))
-        return SessionLink(next(self._numbers), engine, listener)
+    def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
+        """A new session, on the engine that has fewest; on one that has been given up only if all have. One that is
+        opened ``beside`` another is on the same engine, and its partner (:class:`~solvers.engine.messages.Wish`)."""
+        engine = beside.engine if beside else min(self._engines, key=lambda e: (e.given_up, len(e.links)))
+        return SessionLink(next(self._numbers), engine, listener, beside.session if beside else None)
 
     def wait_ready(self, timeout: float) -> bool:
         """Wait until every engine has compiled the first page's kernels; False when time is up."""
@@ -69,10 +70,10 @@ class SessionLink:
     """One session's line to its engine. Thread-safe; a wish replaces the one before. The engine's reader thread calls
     :meth:`receive` and :meth:`engine_lost`."""
 
-    def __init__(self, session: int, engine: EngineProcess, listener: Listener):
-        self.session, self.listener = session, listener
+    def __init__(self, session: int, engine: EngineProcess, listener: Listener, partner: int | None = None):
+        self.session, self.engine, self.listener = session, engine, listener
         self.wish: Wish | None = None
-        self._engine = engine
+        self._partner = partner
         self._lock = threading.Lock()
         self._block: SharedMemory | None = None
         self._outgrown: list[SharedMemory] = []
@@ -89,10 +90,10 @@ class SessionLink:
                 return last
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene).name, differences, plotted)
+                             self._fitting_block(scene).name, differences, plotted, self._partner)
             self._deaths = 0
-            self._engine.send(self.wish)
-        if self._engine.given_up:
+            self.engine.send(self.wish)
+        if self.engine.given_up:
             self.listener.on_trouble(CANNOT_START)
         return number
 
@@ -104,8 +105,8 @@ class SessionLink:
             self._closed = True
             _free([*self._outgrown, *([self._block] if self._block else [])])
             self._block, self._outgrown = None, []
-        self._engine.links.pop(self.session, None)
-        self._engine.send(Goodbye(self.session))
+        self.engine.links.pop(self.session, None)
+        self.engine.send(Goodbye(self.session))
 
     def receive(self, report: FrameReport) -> None:
         """Copy a frame out of the block, free the block for the next and hand the copy on."""
@@ -121,7 +122,7 @@ class SessionLink:
             if block is self._block:
                 _free(self._outgrown)
                 self._outgrown = []
-            self._engine.send(Seen(self.session))
+            self.engine.send(Seen(self.session))
         if arrays is not None:
             self.listener.on_frame(report, arrays)
 
@@ -136,7 +137,7 @@ class SessionLink:
         with self._lock:
             if self.wish and not self._closed:
                 self.wish = replace(self.wish, number=self.wish.number + 1)
-                self._engine.send(self.wish)
+                self.engine.send(self.wish)
 
     def _fitting_block(self, scene: Scene) -> SharedMemory:
         """The block, replaced by a larger one where the scene's frames would not fit."""

@@ -15,6 +15,7 @@ from solvers.scene import MOST_STEPS
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 FRAME_SECONDS = 1 / 30
+MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
 EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
@@ -30,15 +31,17 @@ class Stepper:
 
     def __init__(self, wish: Wish):
         self.wish = wish
+        self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
         self._unseen = False
         self._block = _attach(wish.memory)
         try:
-            self._rebuild()
+            self.rebuild()
         except BaseException:
             self.close()
             raise
 
-    def _rebuild(self) -> None:
+    def rebuild(self) -> None:
+        """Begin the scene at t = 0."""
         self.solver = build(self.wish.scene)
         self.solver.compile()
         self._verdict = Verdict(self.solver.scene)
@@ -53,30 +56,37 @@ class Stepper:
         self._anchor = self._window = (perf_counter(), self.solver.time)
         self._frame_wanted = True
 
-    def accept(self, wish: Wish) -> None:
-        """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more."""
+    def accept(self, wish: Wish) -> bool:
+        """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more.
+
+        Says whether it was rebuilt.
+        """
         old, self.wish = self.wish, wish
         if self._block.name != wish.memory:
             self.close()
             self._block = _attach(wish.memory)
-        if old.scene != wish.scene or old.restarts != wish.restarts:
-            self._rebuild()
+        anew = old.scene != wish.scene or old.restarts != wish.restarts
+        if anew:
+            self.rebuild()
         elif wish.single_steps > old.single_steps and self.solver.sound and not wish.playing:
             self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance))
             if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
                 self._rows.append(self.solver.measure())
         self._start_clock()
+        return anew
 
     def state(self) -> dict[str, Any]:
         """All that a stepper in another process needs to go on from here (:meth:`resumed`); clocks are shared."""
-        return {**{name: value for name, value in vars(self).items() if name not in ("solver", "_block")},
+        return {**{name: value for name, value in vars(self).items()
+                   if name not in ("solver", "partner", "_block")},
                 "solver": self.solver.state()}
 
     @classmethod
     def resumed(cls, state: dict[str, Any]) -> "Stepper":
         """The stepper that had this state, to the bit."""
         stepper = cls.__new__(cls)
-        vars(stepper).update(state, solver=build(state["wish"].scene), _block=_attach(state["wish"].memory))
+        vars(stepper).update(state, solver=build(state["wish"].scene), partner=None,
+                             _block=_attach(state["wish"].memory))
         stepper.solver.put(*state["solver"])
         return stepper
 
@@ -93,7 +103,7 @@ class Stepper:
         """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
         if not self._running or (self._unseen and self._frame_due()):
             return False
-        return self._steps_wanted() >= (1 if self._frame_due() else self._slice)
+        return self._steps_wanted() >= (1 if self._frame_due() else self._enough)
 
     @property
     def ready(self) -> bool:
@@ -149,14 +159,40 @@ class Stepper:
         """Steps that fit into one turn."""
         return max(1, int(SLICE_SECONDS / self._seconds_a_step))
 
+    @property
+    def _enough(self) -> int:
+        """Steps that are worth a turn between two frames: a slice, or half of what a partner that waits is ahead."""
+        if self.partner is None:
+            return self._slice
+        return max(1, min(self._slice, int(0.5 * self._lead / self.solver.scene.time_step)))
+
     def _frame_due(self) -> bool:
         return perf_counter() >= self._due
 
     def _steps_wanted(self) -> int:
-        """Whole steps from here to the time that the clock shows."""
-        wall, simulated = self._anchor
-        target = simulated + (perf_counter() - wall) * self.wish.speed
+        """Whole steps from here to the time that the clock shows. The clock waits for a partner that cannot keep up:
+        what it has lost is not made good later, when the partner stops or leaves."""
+        now, (wall, simulated) = perf_counter(), self._anchor
+        target, bound = simulated + (now - wall) * self.wish.speed, self._bound()
+        if bound < target:
+            target = bound
+            self._anchor = (now, bound)
         return int((target - self.solver.time) / self.solver.scene.time_step)
+
+    def _bound(self) -> float:
+        """How far this session may go until its partner follows, in s: to the number of periods that this has come to,
+        and ``_lead`` further."""
+        partner, scene = self.partner, self.solver.scene
+        if partner is None or not partner._running:
+            return float("inf")
+        return partner.solver.time / partner.solver.scene.period * scene.period + self._lead
+
+    @property
+    def _lead(self) -> float:
+        """How far ahead of its partner a session may be, in s: a frame's worth, but not so far that one would see it at
+        high speeds; and two steps in any case, so that the one behind can always take one."""
+        scene = self.solver.scene
+        return max(min(FRAME_SECONDS * self.wish.speed, MOST_APART * scene.period), 2 * scene.time_step)
 
     def _advance(self, steps: int) -> None:
         begun = perf_counter()

@@ -61,6 +61,7 @@ class Worker:
         """Until a successor has taken over; raises EOFError when the page has gone."""
         while True:
             self._read_messages()
+            self._pair()
             busy = [self._serve_one(stepper) for stepper in list(self._steppers.values())]
             if self._successor and self._handed_over(self._successor):
                 return
@@ -113,6 +114,7 @@ class Worker:
         """Act on a wish. One for the compiler waits, but for what of it concerns the scene before."""
         self._waiting.pop(wish.session, None)
         stepper = self._steppers.get(wish.session)
+        anew = False
         if successor.POSSIBLE and combination(wish.scene) not in self._compiled:
             self._waiting[wish.session] = wish
             self._pipe.send(Compiling(wish.session, wish.number))
@@ -120,9 +122,25 @@ class Worker:
                 stepper.accept(replace(stepper.wish, playing=wish.playing, speed=wish.speed,
                                        differences=wish.differences, plotted=wish.plotted))
         elif stepper:
-            stepper.accept(wish)
+            anew = stepper.accept(wish)
         else:
             self._steppers[wish.session] = Stepper(wish)
+            anew = True
+        if anew and (partner := self._partner(wish)):
+            self._contain(partner.wish, partner.rebuild)
+
+    def _partner(self, wish: Wish) -> Stepper | None:
+        """The session that a wish names as its partner, or that names it."""
+        return next((stepper for session, stepper in self._steppers.items()
+                     if session == wish.partner or stepper.wish.partner == wish.session), None)
+
+    def _pair(self) -> None:
+        """Let partners know each other: either may have come, left or failed."""
+        for stepper in self._steppers.values():
+            stepper.partner = None
+        for stepper in self._steppers.values():
+            if partner := self._steppers.get(stepper.wish.partner or 0):
+                stepper.partner, partner.partner = partner, stepper
 
     def _compile_aside(self) -> bool:
         """Have a successor compile what a visitor waits for, or else what is usual: that is given up for a visitor.

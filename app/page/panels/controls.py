@@ -24,6 +24,7 @@ from solvers.scene import AUTO, DEFAULT_CFL, Scene
 from solvers.step_bound import SAFE
 
 CFL = (0.01, 2.0)
+PIN, UNPIN = "Pin this run", "Unpin"
 
 
 class Controls:
@@ -81,10 +82,22 @@ class Controls:
                 "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
         buttons = gui.add_button_group("Run", tuple(acts), hint="Step pauses and takes one time step")
         buttons.on_click(lambda event: acts[event.target.value]())
+        pin = gui.add_button(PIN if session.pinned is None else UNPIN, hint="keep the run on the stage beside what you "
+                             "change: both begin at t = 0 and go on together, period by period")
+        pin.on_click(lambda _: self._pin(pin))
         view = VIEWS[session.scene.problem]
         self._size(Size("Speed", "", view.reach.speed, view.speed,
                         "periods of the exact vibration in a second of yours"), session.speed, session.set_speed)
         self.looking.build_slider(gui)
+
+    def _pin(self, button: viser.GuiButtonHandle) -> None:
+        session = self._session
+        if session.pinned is None:  # while both play, it is drawn with the other
+            session.pin(lambda: None if session.report and session.report.playing else self._on_view())
+        else:
+            session.unpin()
+        button.label = PIN if session.pinned is None else UNPIN
+        self._on_view()
 
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]

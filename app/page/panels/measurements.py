@@ -5,7 +5,7 @@ import viser
 from app.page.panels.controls import Controls
 from app.page.panels.head import MEASUREMENTS_WIDTH
 from app.page.panels.plots import LEAST_HEIGHT, Plots
-from app.page.panels.readout import LINE, extra_lines, readout
+from app.page.panels.readout import LINE, extra_lines, pinned_lines, readout
 from app.page.recent import Recent
 from app.page.session import Session
 from app.page.trace import Traced
@@ -38,20 +38,20 @@ class Measurements:
         if shown is None or shown[0].scene != history.scene:
             return
         report = shown[0]
-        quantity = controls.quantity
-        self._readout.content = readout(session, report, quantity, controls.estimators.drawn, probed, worst,
-                                        recent.ago)
+        quantity, drawn, pinned = controls.quantity, controls.estimators.drawn, session.pinned
+        self._readout.content = readout(session, report, quantity, drawn, probed, worst, recent.ago)
         # The plots share what the window leaves below the readout.
-        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * extra_lines(report, history.series, quantity)
+        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * (
+            extra_lines(report, history.series, quantity) + (pinned_lines(pinned, report) if pinned else 0))
         height = left // 3 if traced is None else (left - TRACE_HEADING) // 4
         height = MOST_HEIGHT if presented else max(LEAST_HEIGHT, min(MOST_HEIGHT, height))
-        self._plots.have(report.scene.active_estimators, height, traced is not None)
+        self._plots.have(report.scene.active_estimators, height, traced is not None, pinned is not None)
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()
         else:
             valid = session.valid_estimators
             latest = controls.looking.latest
-            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity), latest)
+            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity), latest, pinned, drawn)
             if traced is not None and traced.scene == history.scene:
                 self._plots.show_trace(traced, valid, quantity, latest, report.time)
 

@@ -5,12 +5,15 @@ forgets its range, and one that is removed may still be sent data: so each set o
 when it is first used and hidden while another set runs.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import viser
 from viser import uplot
 
-from app.colours import TRUTH
+from app.colours import PINNED, TRUTH
 from app.page.history import History
+from app.page.pinned import PinnedRun
 from app.page.trace import Traced
 from app.scale import BEYOND, largest
 from app.words import QUANTITIES, number, power_of_ten, power_text
@@ -18,6 +21,7 @@ from solvers.estimators.registry import ESTIMATORS
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
+APART = 0.05  # periods by which a pinned run may be late without a gap at the end of its curves
 LEAST_HEIGHT, LABEL_HEIGHT = 76, 15  # pixels, of a plot and of the label below the last
 LEAST_SPACE = 16  # pixels between two numbers of an axis: the smallest plot has two
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
@@ -36,38 +40,44 @@ class Plots:
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle):
         self._gui, self._tab = client.gui, tab
-        self._sets: dict[tuple[str, ...], list[HeadedPlot]] = {}
+        self._sets: dict[tuple[tuple[str, ...], bool], list[HeadedPlot]] = {}
         self._estimators: tuple[str, ...] = ()
-        self.have((), LEAST_HEIGHT, False)
+        self.have((), LEAST_HEIGHT, False, False)
 
-    def have(self, estimators: tuple[str, ...], height: int, traced: bool) -> None:
-        """Have a line for each of these estimators, in plots of this height in pixels, one of a traced particle."""
-        if estimators not in self._sets:
-            self._sets[estimators] = self._build(estimators, height)
-        for names, pairs in self._sets.items():
+    def have(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
+        """Have a line for each of these estimators, and a pinned run's in grey, in plots of this height in pixels; one
+        of them of a traced particle."""
+        wanted = estimators, pinned
+        if wanted not in self._sets:
+            self._sets[wanted] = self._build(estimators, height, pinned)
+        for which, pairs in self._sets.items():
             for k, (heading, plot) in enumerate(pairs):
-                heading.visible = plot.visible = names == estimators and (traced or k > 0)
+                heading.visible = plot.visible = which == wanted and (traced or k > 0)
         self._estimators = estimators
-        (self._trace, *pairs) = self._sets[estimators]
+        (self._trace, *pairs) = self._sets[wanted]
         self._headings, self._plots = zip(*pairs, strict=True)
         for plot, label_height in zip((self._trace[1], *self._plots), (0, 0, 0, LABEL_HEIGHT), strict=True):
             plot.height = height + label_height
 
-    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool) -> None:
+    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
+             pinned: PinnedRun | None, drawn: str | None) -> None:
         """Draw a run, or its ``latest`` periods: the truth and the ``valid`` ones of its estimators; ``no_index`` says
-        why there is no index."""
+        why there is no index. A ``pinned`` run is drawn in grey, with the estimator ``drawn`` on the stage."""
         series, words = history.latest if latest else history.series, QUANTITIES[quantity]
         time = series["time"]
         nothing = np.full(len(time), np.nan)
-        errors, unit = self._errors(series, valid, quantity)
-        self._headings[0].content = _heading(f"error norm of {words.symbol} / {unit}", kind="lab-presented")
+        grey, grey_index, grey_rate = _grey_curves(pinned, history, series, quantity, drawn, latest)
+        errors, unit = self._errors(series, valid, quantity, grey)
+        self._headings[0].content = _heading(f"error norm of {words.symbol} / {unit}" + ", grey: pinned" * bool(grey),
+                                             kind="lab-presented")
         self._plots[0].data = _finite(time, *errors)
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
         self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        self._plots[1].data = _finite(time, np.ones(len(time)), *indices)
-        self._show_crossings(history, series)
+        self._plots[1].data = _finite(time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
+                                      np.ones(len(time)), *indices)
+        self._show_crossings(history, series, grey_rate)
 
     def show_trace(self, traced: Traced, valid: tuple[str, ...], quantity: str, latest: bool, shown: float) -> None:
         """Draw a particle's errors, with marks on the first line that has values: where it has crossed, and of the
@@ -83,13 +93,14 @@ class Plots:
         heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}")
         plot.data = (*_finite(time, *errors), crossed, at)
 
-    def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...],
-                quantity: str) -> tuple[list[np.ndarray], str]:
-        """The true and every estimated error, counted in a power of ten of the quantity's unit, and that in words."""
+    def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
+                grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
+        """A pinned run's errors in ``grey``, the true and every estimated one, counted in a power of ten of the
+        quantity's unit, and that in words."""
         true = series[f"error_{quantity}"]
         estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
-        errors = [true, *estimated]
+        errors = [*grey, true, *estimated]
         power = power_of_ten(max(largest(values) for values in errors))
         return [values / 10.0**power for values in errors], f"{power_text(power)}{QUANTITIES[quantity].unit}"
 
@@ -98,24 +109,26 @@ class Plots:
         for plot in self._plots:
             plot.data = _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:]))
 
-    def _build(self, estimators: tuple[str, ...], height: int) -> list[HeadedPlot]:
+    def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> list[HeadedPlot]:
+        grey = [_line("pinned, true", PINNED, 2.5), _line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
         lines = [_line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
         true, perfect = _line("true", TRUTH, 3.5), _line("perfect", PERFECT, 2.5)
         crossings = _line("crossings", CROSSINGS, 1.5)
         marks = _marks("crossed", CROSSINGS, 7), _marks("shown", "black", 5)
         with self._tab:
             return [self._plot("particle", (true, *lines, *marks), height),
-                    self._plot("error norm", (true, *lines), height),
-                    self._plot("error index", (perfect, *lines), height, _RATIOS, _RATIO_MARKS),
-                    self._plot("grid crossings per second", (crossings,), height, x_label="t / s")]
+                    self._plot("error norm", (*grey, true, *lines), height),
+                    self._plot("error index", (*grey[1:], perfect, *lines), height, _RATIOS, _RATIO_MARKS),
+                    self._plot("grid crossings per second", (*grey[:1], crossings), height, x_label="t / s")]
 
-    def _show_crossings(self, history: History, series: dict[str, np.ndarray]) -> None:
+    def _show_crossings(self, history: History, series: dict[str, np.ndarray], grey: list[np.ndarray]) -> None:
         time, rate = history.crossings_per_second(series)
-        power = power_of_ten(largest(rate))
+        power = power_of_ten(max(map(largest, (*grey, rate))))
         self._headings[2].content = _heading(
             f"grid crossings per second{' / ' * bool(power)}{power_text(power)}",
             "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off")
-        self._plots[2].data = _finite(time, rate / 10.0**power) if len(time) > 1 else (_EMPTY, _EMPTY)
+        rates = [values / 10.0**power for values in (*grey, rate)]
+        self._plots[2].data = _finite(time, *rates) if len(time) > 1 else (_EMPTY, *(_EMPTY for _ in rates))
 
     def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
               y_axis: uplot.Axis | None = None, x_label: str = "") -> HeadedPlot:
@@ -128,6 +141,29 @@ class Plots:
             (start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
             axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
             height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0))
+
+
+def _grey_curves(pinned: PinnedRun | None, history: History, series: dict[str, np.ndarray], quantity: str,
+                 drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
+    """A pinned run's curves in each of the three plots, at the times of the other run's ``series``: norms of its true
+    and estimated error, index, crossings. Where the periods differ, at the same number of them."""
+    if pinned is None:
+        return [[], [], []]
+    run, estimator, stretch = pinned.history, pinned.estimator(drawn), history.scene.period / pinned.scene.period
+    theirs, none = run.latest if latest else run.series, np.zeros(0)
+    own, true = theirs.get("time", none), theirs.get(f"error_{quantity}", none)
+
+    def put(times: np.ndarray, own: np.ndarray, values: np.ndarray) -> np.ndarray:
+        if not len(own) or len(values) != len(own):
+            return np.full(len(times), np.nan)
+        ended = times > stretch * own[-1] + APART * history.scene.period
+        return np.where(ended, np.nan, np.interp(times, stretch * own, values))
+
+    estimated = _bounded(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
+    time = series["time"]
+    return [[put(time, own, true), put(time, own, estimated)],
+            [put(time, own, theirs.get(f"{estimator}/index_{quantity}", none))],
+            [put(history.crossings_per_second(series)[0], *run.crossings_per_second(theirs))]]
 
 
 def _beyond(indices: dict[str, float]) -> str:

@@ -5,12 +5,13 @@ import math
 
 import numpy as np
 
-from app.colours import ESTIMATE, TRUTH
+from app.colours import ESTIMATE, PINNED, TRUTH
 from app.page.course import until
+from app.page.pinned import PinnedRun
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.page.worst import WorstRegion, WorstRegions
-from app.words import NOTHING, QUANTITIES, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
 from solvers.norms import energy_drift
@@ -43,7 +44,7 @@ def readout(session: Session, report: FrameReport, quantity: str, drawn: str | N
     a frame ``ago`` periods before the newest."""
     series = until(session.history.series, report.time)
     return (f"<div class='lab-readout'>{_run(session, report, series, probed, ago)}"
-            f"{_estimates(report, series, quantity)}{_worst(worst, drawn, quantity)}</div>")
+            f"{_estimates(session, report, series, quantity, drawn)}{_worst(worst, drawn, quantity)}</div>")
 
 
 def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> int:
@@ -52,6 +53,11 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
     wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
                   for silence in silences.values() if len(silence) > SHORT)
     return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known) + scene.has("margin")
+
+
+def pinned_lines(run: PinnedRun, report: FrameReport) -> int:
+    """And those of a pinned run."""
+    return 1 + math.ceil((len(_said(run, report)) + 8) / SILENCE_LINE)
 
 
 def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None, ago: float) -> str:
@@ -90,8 +96,10 @@ def _margin(margin: float) -> str:
     return f"<span class='lab-over'>{text}</span>" if margin > 1 else text
 
 
-def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> str:
-    """A line for the truth and one for each estimator: its norm now, its index and its distance so far."""
+def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
+               drawn: str | None) -> str:
+    """A line for the truth and one for each estimator: its norm now, its index and its distance so far; and a line for
+    a pinned run."""
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("norm", "index", "distance"))
     rows = [_row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
@@ -105,7 +113,26 @@ def _estimates(report: FrameReport, series: dict[str, np.ndarray], key: str) -> 
         else:
             rows.append(_row("", _named(name), _norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
+    if session.pinned:
+        rows.append(_pinned(session.pinned, _said(session.pinned, report), key, drawn))
     return _table("".join(rows), "lab-numbers lab-estimates")
+
+
+def _said(run: PinnedRun, report: FrameReport) -> str:
+    """What a pinned run is where the other is not: on the stage it is drawn, which no screen reader reads."""
+    return differing(run.scene, report.scene) or "the same so far" if run.scene.problem == report.scene.problem else ""
+
+
+def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
+    """A pinned run's true error now, with index and distance of the estimator on the stage; or why it has stopped."""
+    estimator, series = run.estimator(drawn), run.history.series
+    what = f"norm: its true error; index and distance: its estimate by {estimator}" if estimator else HINTS["norm"]
+    name = f"<span title='{html.escape(what)}'>{_line(PINNED)} pinned</span>"
+    if trouble := run.shortfall():
+        said = f"{said}; {trouble}"
+    ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
+    return _row("", name, _norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
+        + _row("", f"<span class='lab-name'>pinned: {html.escape(said)}</span>")
 
 
 def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
@@ -152,9 +179,12 @@ def _named(name: str) -> str:
     """A name behind a piece of its line in the plots."""
     known = ESTIMATORS.get(name)
     colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE
-    dashes = f" stroke-dasharray='{','.join(map(str, known.dashes))}'" if known and known.dashes else ""
-    return (f"<svg width='18' height='8'><path d='M0 4h18' stroke='{colour}' stroke-width='3'{dashes}/></svg>"
-            f" {html.escape(name)}")
+    return f"{_line(colour, known.dashes if known else ())} {html.escape(name)}"
+
+
+def _line(colour: str, dashes: tuple[int, ...] = ()) -> str:
+    dashed = f" stroke-dasharray='{','.join(map(str, dashes))}'" if dashes else ""
+    return f"<svg width='18' height='8'><path d='M0 4h18' stroke='{colour}' stroke-width='3'{dashed}/></svg>"
 
 
 def _norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:

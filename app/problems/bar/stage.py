@@ -4,7 +4,7 @@ import numpy as np
 import viser
 
 from app import drawing
-from app.problems.field import FieldPlot, Place
+from app.problems.field import Place
 from app.problems.stage import TOUCH, Stage
 from app.scale import ColourScale
 from solvers.bar import exact
@@ -14,28 +14,33 @@ from solvers.engine.frames import FrameArrays
 ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
 FIELD = Place(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field)
+NAME_LINE, LOWER = 0.05, 0.49  # what a line of words takes; by how much a pinned run's lanes are below the others
 LANE_POINTS = 4000  # points that a lane may be made of
 
 
 class BarStage(Stage[BarScene]):
     """Draws frames of the bar in one client's scene."""
 
-    SILENCE_WIDTH = 72
+    PROBLEM = "bar"
+    PAIR_RECTANGLE = (*drawing.RECTANGLE[:2], drawing.RECTANGLE[2] - NAME_LINE - LOWER, 1.14)
+    SILENCE_WIDTH, NAME_WIDTH = 72, 90
+    PLOT, PLOT_DOT = FIELD, 0.006
 
-    def __init__(self, client: viser.ClientHandle, scale: ColourScale):
-        super().__init__(client, scale, "bar")
-        s = client.scene
-        self._lanes = [drawing.points(s, f"/bar/{name}", 0.005, "square") for name in ("estimate", "truth")]
-        self._cells = drawing.lines(s, "/bar/cells", drawing.CELL, 1.0)
-        self._flashes = drawing.points(s, "/bar/crossings", 0.015)
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: Stage | None = None):
+        super().__init__(client, scale, beside)
+        s, at = client.scene, self.at
+        self._lanes = [drawing.points(s, f"{at}/{name}", 0.005, "square") for name in ("estimate", "truth")]
+        self._cells = drawing.lines(s, f"{at}/cells", drawing.CELL, 1.0)
+        self._flashes = drawing.points(s, f"{at}/crossings", 0.015)
         above = 0.5 * LANE_HEIGHT + 0.03
-        self._titles = [drawing.label(s, "/bar/l1", " ", 0.0, ESTIMATE_LANE + above, "bottom-left"),
-                        drawing.label(s, "/bar/l2", " ", 0.0, TRUTH_LANE - above, "top-left")]
-        self._silences = [drawing.label(s, f"/bar/silence{lane}", " ", 0.5, lane, "center-center", 0.85)
+        self._titles = [drawing.label(s, f"{at}/l1", " ", 0.0, ESTIMATE_LANE + above, "bottom-left"),
+                        drawing.label(s, f"{at}/l2", " ", 0.0, TRUTH_LANE - above, "top-left")]
+        self._silences = [drawing.label(s, f"{at}/silence{lane}", " ", 0.5, lane, "center-center", 0.85)
                           for lane in (ESTIMATE_LANE, TRUTH_LANE)]
-        drawing.label(s, "/bar/l3", "magenta: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
-                      "top-right", 0.85)
-        self._field = FieldPlot(s, "bar", FIELD, 0.006)
+        self._name = drawing.label(s, f"{at}/name", " ", 0.0, ESTIMATE_LANE + above + NAME_LINE, "bottom-left")
+        if not beside:
+            drawing.label(s, "/bar/l3", "magenta: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
+                          "top-right", 0.85)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
@@ -51,7 +56,7 @@ class BarStage(Stage[BarScene]):
     def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = self._across(arrays)[particles]
         lanes = [drawing.in_plane(x, lane) for lane in (ESTIMATE_LANE, TRUTH_LANE)]
-        return np.stack([*lanes, self._field.places(particles, len(x))])
+        return np.stack([*lanes, self._plot.places(particles, len(x))])
 
     def _across(self, arrays: FrameArrays) -> np.ndarray:
         """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
@@ -70,6 +75,13 @@ class BarStage(Stage[BarScene]):
         if self.plotted:
             X = (np.arange(scene.particles) + 0.5) / scene.particles
             self._field.draw(scene, self.plotted, self.magnified, X, arrays.plotted, t, shown)
+
+    def _arrange(self) -> None:
+        if self._beside:
+            self.root.position = (0.0, -LOWER, 0.0)
+        else:
+            self.root.position = (0.0, -NAME_LINE * self._paired, 0.0)
+            self._plot.root.position = (0.0, -LOWER * self._paired, 0.0)
 
     def _draw_grid(self, scene: BarScene) -> None:
         edges = np.arange(scene.cells + 1) * scene.spacing

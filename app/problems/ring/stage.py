@@ -5,7 +5,7 @@ import numpy as np
 import viser
 
 from app import drawing
-from app.problems.field import FieldPlot, Place
+from app.problems.field import Place
 from app.problems.stage import Stage
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
@@ -20,31 +20,39 @@ MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first tw
 BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
 FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gone bad are drawn at most
 FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
+PAIR_MIDDLES, SMALLER = ((0.185, 0.52), (0.765, 0.52)), 0.58  # of two rings, each so much smaller than one alone
+RAISED = 0.24  # is the field plot below two rings
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
 class RingStage(Stage[RingScene]):
     """Draws frames of the ring in one client's scene."""
 
-    SILENCE_WIDTH = 22  # it stands in the ring's hole
+    PROBLEM = "ring"
+    SILENCE_WIDTH, NAME_WIDTH = 22, 40  # it stands in the ring's hole
     RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, drawing.RECTANGLE[3])
+    PAIR_RECTANGLE = (*drawing.RECTANGLE[:2], -0.41 + RAISED, drawing.RECTANGLE[3])
+    PLOT, PLOT_DOT = FIELD, 0.005
 
-    def __init__(self, client: viser.ClientHandle, scale: ColourScale):
-        super().__init__(client, scale, "ring")
-        s = client.scene
-        self._halves = [drawing.points(s, f"/ring/{name}", 0.01) for name in ("truth", "estimate")]
-        self._cells = drawing.lines(s, "/ring/cells", (225, 229, 234), 1.0)
-        self._planes = drawing.lines(s, "/ring/planes", drawing.CELL, 1.5)
-        self._outlines = drawing.lines(s, "/ring/domains", (120, 125, 132), 0.8)
-        self._flashes = drawing.points(s, "/ring/crossings", 0.01)
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: Stage | None = None):
+        super().__init__(client, scale, beside)
+        s, at = client.scene, self.at
+        self._halves = [drawing.points(s, f"{at}/{name}", 0.01) for name in ("truth", "estimate")]
+        self._cells = drawing.lines(s, f"{at}/cells", (225, 229, 234), 1.0)
+        self._planes = drawing.lines(s, f"{at}/planes", drawing.CELL, 1.5)
+        self._outlines = drawing.lines(s, f"{at}/domains", (120, 125, 132), 0.8)
+        self._flashes = drawing.points(s, f"{at}/crossings", 0.01)
         self._flashes.colors = np.array(drawing.FLASH, np.uint8)  # of all: one each would cost a fifth of the bytes
-        self._titles = [drawing.label(s, "/ring/l1", " ", 0.0, 0.955, "top-left"),
-                        drawing.label(s, "/ring/l2", " ", 1.0, 0.955, "top-right")]
-        self._silences = [drawing.label(s, "/ring/silence1", " ", MIDDLE[0] - 0.015, MIDDLE[1], "center-right", 0.85),
-                          drawing.label(s, "/ring/silence2", " ", MIDDLE[0] + 0.015, MIDDLE[1], "center-left", 0.85)]
-        self._size_note = drawing.label(s, "/ring/l3", "", 0.0, -0.06, "bottom-left", 0.85)
-        drawing.label(s, "/ring/l4", "magenta: crossing a cell boundary", 1.0, -0.06, "bottom-right", 0.85)
-        self._field = FieldPlot(s, "ring", FIELD, 0.005)
+        self._titles = [drawing.label(s, f"{at}/l1", " ", 0.0, 0.0, "top-left"),
+                        drawing.label(s, f"{at}/l2", " ", 0.0, 0.0, "top-right")]
+        self._silences = [drawing.label(s, f"{at}/silence1", " ", 0.0, 0.0, "center-right", 0.85),
+                          drawing.label(s, f"{at}/silence2", " ", 0.0, 0.0, "center-left", 0.85)]
+        self._size_note = drawing.label(s, f"{at}/l3", "", 0.0, 0.0, "bottom-left", 0.85)
+        self._name = drawing.label(s, f"{at}/name", " ", 0.0, 0.0, "bottom-center")
+        if not beside:
+            self._flash_note = drawing.label(s, f"{at}/l4", "magenta: crossing a cell boundary", 0.0, 0.0,
+                                             "bottom-right", 0.85)
+        self._arrange()
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""
@@ -57,7 +65,7 @@ class RingStage(Stage[RingScene]):
     def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = _in_view(arrays.position[particles])
         return np.concatenate([self._images(x, MIRRORS).reshape(len(MIRRORS), -1, 3),
-                               self._field.places(particles, len(x))[None]])
+                               self._plot.places(particles, len(x))[None]])
 
     def _draw_frame(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None,
                     true: np.ndarray | None, t: float, speed: float) -> None:
@@ -75,7 +83,8 @@ class RingStage(Stage[RingScene]):
 
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Positions in metres (n, 2) as points of the stage (n, 3)."""
-        return drawing.in_plane(MIDDLE[0] + self._per_metre * x[:, 0], MIDDLE[1] + self._per_metre * x[:, 1], depth)
+        return drawing.in_plane(self._middle[0] + self._per_metre * x[:, 0],
+                                self._middle[1] + self._per_metre * x[:, 1], depth)
 
     def _images(self, x: np.ndarray, mirrors: tuple[tuple[int, int], ...], depth: float = 0.0) -> np.ndarray:
         """The mirror images of positions (n, 2) one after the other, as points of the stage (len(mirrors) n, 3).
@@ -86,14 +95,30 @@ class RingStage(Stage[RingScene]):
         out[:, :, 2] = depth
         for axis in range(2):
             from_middle = np.float32(self._per_metre) * x[:, axis]
-            sides = {1: MIDDLE[axis] + from_middle, -1: MIDDLE[axis] - from_middle}
+            sides = {1: self._middle[axis] + from_middle, -1: self._middle[axis] - from_middle}
             for image, mirror in zip(out, mirrors, strict=True):
                 image[:, axis] = sides[mirror[axis]]
         return out.reshape(-1, 3)
 
+    def _arrange(self) -> None:
+        self._middle, self._size = (PAIR_MIDDLES[bool(self._beside)], SMALLER) if self._paired else (MIDDLE, 1.0)
+        high = 0.515  # of the titles: the ring, at its largest, stays below
+        for label, x, y in ((self._titles[0], -0.5, high), (self._titles[1], 0.5, high), (self._name, 0.0, 0.55),
+                            (self._size_note, -0.5, -0.5)):
+            self._put(label, self._size * x, self._size * y)
+        for label, x in zip(self._silences, (-0.015, 0.015), strict=True):
+            self._put(label, x, 0.0)
+        if not self._beside:
+            self._put(self._flash_note, 0.5, -0.5 + 0.15 * self._paired)
+            self._plot.root.position = (0.0, RAISED * self._paired, 0.0)
+
+    def _put(self, label: viser.LabelHandle, x: float, y: float) -> None:
+        """Move a label to a place counted from the ring's middle."""
+        label.position = (self._middle[0] + x, self._middle[1] + y, 0.0)
+
     def _draw_grid(self, scene: RingScene) -> None:
         reach = OUTER + scene.amplitude
-        self._per_metre = RADIUS / reach
+        self._per_metre = self._size * RADIUS / reach
         end = 1.05 * reach
         count = int(end / scene.spacing)
         at = np.arange(-count, count + 1) * scene.spacing

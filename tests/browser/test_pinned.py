@@ -1,0 +1,32 @@
+"""Two runs side by side: one is pinned, the other is changed, and both go on."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from tests.browser.driving import choose, click, readout, shown, stage, steps, time, until
+from tests.listening import PATIENCE
+
+LINE = r"pinned\s+([\d.]+ \S?m)\s+[\d.]+\s+[\d.]+"
+
+
+def test_a_run_is_pinned_compared_and_let_go(page):
+    """Its lanes come beside those of the run that is changed, and the words say what differs; both move; in the end
+    the stage is as it was."""
+    until(lambda: steps(page) > 20, "a run under way")
+    click(page, "Pin this run")
+    until(lambda: "pinned: the same so far" in readout(page), "two runs")
+    choose(page, "Method", "MPM (hat functions)")
+    until(lambda: "pinned: uGIMP" in readout(page), "what differs", PATIENCE)
+    until(lambda: re.search(LINE, readout(page)), "a pinned run's line", PATIENCE)
+    now, norm, picture = time(page), re.search(LINE, readout(page))[1], stage(page)[330:470]
+    until(lambda: time(page) != now and re.search(LINE, readout(page))[1] != norm, "both going on")
+    until(lambda: np.any(np.abs(stage(page)[330:470] - picture) > 30, axis=2).any(), "the pinned lanes drawn anew")
+    shown(page, "grey: pinned")
+    click(page, "Unpin")
+    until(lambda: "pinned" not in readout(page), "one run")
+    click(page, "Pin this run")
+    choose(page, "Problem", "expanding ring")
+    page.get_by_role("button", name="Pin this run", exact=True).wait_for()
