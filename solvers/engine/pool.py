@@ -81,7 +81,7 @@ class SessionLink:
         engine.links[session] = self
 
     def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
-            differences: bool = False, plotted: str | None = None) -> int:
+            differences: bool = False, plotted: str | None = None, dissected: int | None = None) -> int:
         """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
@@ -89,7 +89,7 @@ class SessionLink:
                 return last
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene).name, differences, plotted)
+                             self._fitting_block(scene).name, differences, plotted, dissected)
             self._deaths = 0
             self._engine.send(self.wish)
         if self._engine.given_up:
