@@ -14,6 +14,7 @@ from app.page.panels.controls import Controls
 from app.page.panels.cost import CostTab
 from app.page.panels.head import add_head, set_up
 from app.page.panels.measurements import Measurements
+from app.page.panels.slow import SlowMotion
 from app.page.panels.texts import add_about, add_lessons
 from app.page.probe import Probe
 from app.page.session import FIRST_SCENE, PageLinks, Session
@@ -51,6 +52,7 @@ class Page:
         self._worst = WorstRegions()
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
+        self._slow = SlowMotion(client, self._session, self._redraw)
         self._tabs(client)
         self._ready = True
         self._redraw()
@@ -59,13 +61,14 @@ class Page:
     def close(self) -> None:
         """The visitor has gone."""
         self._closed.set()
+        self._slow.close()
         self._session.close()
         self._cost.jobs.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
-            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw)
+            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, self._slow)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
             add_lessons(client.gui)
         with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
@@ -79,9 +82,12 @@ class Page:
         self._last = (report, arrays)
         self._redraw()
         if self._ready:
+            self._slow.follow(report)
             self._cost.follow(report, self._session.history)
 
-    def _show_stage(self, problem: str) -> None:
+    def _show_stage(self, problem: str | None) -> None:
+        """Show one of them, or none."""
+        self._colour_bar.root.visible = problem is not None
         for name, stage in self._stages.items():
             stage.root.visible = name == problem
 
@@ -102,12 +108,12 @@ class Page:
             stage = self._stages[scene.problem]
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
             with self._client.atomic():
-                self._show_stage(scene.problem)
+                self._show_stage(None if self._slow.on else scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
                            self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
-            self._camera.show(stage.RECTANGLE)
+            self._camera.show(RECTANGLE if self._slow.on else stage.RECTANGLE)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._view = view
@@ -137,7 +143,8 @@ class Page:
         if self._last is None or self._view is None:
             return
         controls = self._controls
-        sentence = summary(*self._last, self._view, self._worst, self._session.history.series, controls.quantity,
-                           controls.estimators.drawn)
-        if self._pace.lets(sentence, monotonic()):
+        slow = self._slow.sentence
+        sentence = slow or summary(*self._last, self._view, self._worst, self._session.history.series,
+                                   controls.quantity, controls.estimators.drawn)
+        if self._pace.lets(sentence, monotonic(), bool(slow)):
             self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"
