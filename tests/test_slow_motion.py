@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.problems.phases import PHASES, scaled
+from app.problems.slow import shape
+from app.words import PREFIXES
 from solvers.bar.scene import BarScene
 from solvers.engine.messages import Wish
 from solvers.ring.scene import RingScene
@@ -101,3 +104,33 @@ def test_an_engine_sends_what_a_wish_asks_for():
         session.turn()
         assert session.frame().anatomy is None
         assert after(restarts=1, playing=False).anatomy is None
+
+
+@pytest.mark.parametrize("name", ["bar ugimp", "bar frozen", "bar node", "ring cpdi", "ring frozen"])
+def test_the_page_shows_the_numbers_of_the_step(name):
+    """Every number of every phase, read back, is the solver's to as many digits as are shown."""
+    scene = SCENES[name]
+    solver = build(scene)
+    solver.advance(40)
+    _, a = solver.dissect(7)
+    for phase in PHASES:
+        for column in phase.columns:
+            values = column.scale * column.values(a)
+            texts, unit = scaled(values, column.unit, 4)
+            factor = 1000.0 ** next((power for power, prefix in PREFIXES.items() if prefix + column.unit == unit), 0)
+            read = np.array([[float(x.replace("−", "-")) for x in text.split(", ")] for text in texts])
+            assert unit.endswith(column.unit) and len(texts) == len(a.nodes)
+            assert np.allclose(factor * read, values.reshape(len(values), -1), rtol=1e-3,
+                               atol=1e-9 * np.abs(values).max())
+        assert all(phase.front(scene, a)) and phase.words(scene)
+
+
+def test_the_drawn_shape_function_is_that_of_the_solver():
+    """The curves go through the weights, and slope as the solver's slopes do."""
+    for name in ("bar mpm", "bar ugimp", "bar cpgimp", "bar bspline"):
+        solver = build(SCENES[name])
+        solver.advance(20)
+        _, a = solver.dissect(5)
+        reach = 0.5 if name == "bar bspline" else a.edges[0, 0, 0] / a.spacing
+        drawn = shape((a.place[0, 0] - a.nodes[:, 0]) / a.spacing, reach)
+        assert close(drawn, a.links.weight[0], 1.0)

@@ -108,12 +108,12 @@ class Page:
             stage = self._stages[scene.problem]
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
             with self._client.atomic():
-                self._show_stage(None if self._slow.on else scene.problem)
+                self._show_stage(None if self._slow.showing else scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
                            self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
-            self._camera.show(RECTANGLE if self._slow.on else stage.RECTANGLE)
+            self._camera.show(RECTANGLE if self._slow.showing else stage.RECTANGLE)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._view = view

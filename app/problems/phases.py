@@ -83,8 +83,10 @@ def _given(_: Scene, a: Anatomy) -> list[str]:
 
 
 def _pulled(scene: Scene, a: Anatomy) -> list[str]:
-    return [f"volume × stress {_tensor(a.tension[0], 'N m')}"
-            + "; the weights stay those of the particle at rest" * scene.frozen]
+    if scene.frozen:
+        return [f"volume × stress at rest {_tensor(a.tension[0], 'N m', True)}",
+                "the weights stay those of the particle at rest"]
+    return [f"volume × stress {_tensor(a.tension[0], 'N m')}"]
 
 
 def _moved(_: Scene, a: Anatomy) -> list[str]:
@@ -98,13 +100,8 @@ def _moved(_: Scene, a: Anatomy) -> list[str]:
 
 def _strained(_: Scene, a: Anatomy) -> list[str]:
     before, after = a.before, a.after
-    D = len(before.velocity[0])
-    parts = np.array([0] if D == 1 else [0, 1, 2, 3])
-    pick = np.array([0] if D == 1 else [0, 1, 3])
-    name, which = ("", "") if D == 1 else (" (xx, xy, yx, yy)", " (xx, xy, yy)")
-    return [f"F{name} = " + change(before.deformation_gradient[0].ravel()[parts],
-                                   after.deformation_gradient[0].ravel()[parts], ""),
-            f"stress{which} = " + change(before.stress[0].ravel()[pick], after.stress[0].ravel()[pick], "Pa")]
+    return [f"F {_tensor(before.deformation_gradient[0], '', True, after.deformation_gradient[0])}",
+            f"stress {_tensor(before.stress[0], 'Pa', False, after.stress[0])}"]
 
 
 PHASES = (
@@ -144,6 +141,9 @@ def change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int 
     return " → ".join(f"({text})" if len(before) > 1 else text for text in texts) + f" {unit}".rstrip()
 
 
-def _tensor(values: np.ndarray, unit: str = "Pa") -> str:
-    """A number, or xx, xy, yy."""
-    return amount(values.ravel()[[0, 1, 3] if values.size > 1 else [0]], unit)
+def _tensor(values: np.ndarray, unit: str = "Pa", full: bool = False, after: np.ndarray | None = None) -> str:
+    """A number, or the components of a tensor (D, D), all if it is not symmetric; perhaps before and after."""
+    which = [0] if values.size == 1 else [0, 1, 2, 3] if full else [0, 1, 3]
+    name = {1: "", 3: "(xx, xy, yy) ", 4: "(xx, xy, yx, yy) "}[len(which)]
+    parts = values.ravel()[which]
+    return name + (amount(parts, unit) if after is None else change(parts, after.ravel()[which], unit))

@@ -18,6 +18,9 @@ FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
 STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
 WIDTH = 96  # characters in a line of the caption
 TOP, BOTTOM = 1.03, -0.1  # of the stage that the sentence above it and the notice below it leave
+#: Where the numbers of a node may stand: how they are anchored, and to which side.
+SIDES: tuple[tuple[drawing.Anchor, tuple[int, int]], ...] = (
+    ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
 DIGITS = {1: 5, 2: 4}  # of numbers beside the nodes, by directions
 LONGEST = 0.42  # of a cell, of an arrow
 WIDEST = 0.3  # of a cell, of a node's square
@@ -146,16 +149,18 @@ class SlowStage(ABC):
         self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
 
     def _numbers(self, a: Anatomy, phase: int) -> None:
-        """The solver's own, beside each node: above it, or below where its arrow points up."""
+        """The solver's own, beside each node: on the side to which its arrows point least."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
         texts, units = zip(*(scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
-        vectors = max((c.values(a) for c in shown), key=lambda values: np.abs(values).max() if values.ndim > 1 else -1)
-        up = self._aim(vectors)[:, 1] > 0 if vectors.ndim > 1 else np.zeros(len(vectors), bool)
+        vectors = [self._aim(values) for c in shown if (values := c.values(a)).ndim > 1]
+        taken = np.max([vector @ np.array([side for _, side in SIDES]).T for vector in vectors], axis=0) if vectors \
+            else np.zeros((len(self._nodes), len(SIDES)))
         away = self._above + 0.5 * WIDEST * self._scale * (phase == 1)
-        for (x, y), below, *parts in zip(self._nodes, up, *texts, strict=True):
-            self._sketch.text(x, y - away if below else y + away, "\n".join(parts),
-                              "top-center" if below else "bottom-center", 0.8)
+        for spot, free, *parts in zip(self._nodes, taken.argmin(axis=1), *texts, strict=True):
+            anchor, side = SIDES[free]
+            x, y = spot + away * np.array(side)
+            self._sketch.text(x, y, "\n".join(parts), anchor, 0.8)
         names = [f"{c.name} in {unit}" if unit else c.name for c, unit in zip(shown, units, strict=True)]
         self._legend.insert(0, "numbers at the nodes: " + ", below it ".join(names))
 

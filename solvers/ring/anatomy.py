@@ -11,10 +11,13 @@ from solvers.ring.state import WatchedRing
 
 def carried(a: WatchedRing) -> Carried:
     """What the particles carry now, copied."""
-    F = a.deformation_gradient.reshape(-1, 2, 2).copy()
+    F = a.deformation_gradient.copy()
+    f = np.ascontiguousarray(F.T)  # component by component: numpy's products of many small matrices are slow
     with np.errstate(all="ignore"):  # a run gone bad holds anything
-        stress = a.shear_modulus * (F @ F.transpose(0, 2, 1) - np.eye(2)) / np.linalg.det(F)[:, None, None]
-    return Carried(a.motion[:, :2].copy(), a.motion[:, 2:].copy(), F, stress)
+        xy = f[0] * f[2] + f[1] * f[3]
+        stress = np.stack([f[0] * f[0] + f[1] * f[1] - 1, xy, xy, f[2] * f[2] + f[3] * f[3] - 1], axis=1)
+        stress *= (a.shear_modulus / (f[0] * f[3] - f[1] * f[2]))[:, None]
+    return Carried(a.motion[:, :2].copy(), a.motion[:, 2:].copy(), F.reshape(-1, 2, 2), stress.reshape(-1, 2, 2))
 
 
 def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: Carried) -> Anatomy:

@@ -10,7 +10,7 @@ import viser
 
 from app.page.session import Session
 from app.problems.phases import PHASES, scaled
-from app.problems.slow import SlowStage
+from app.problems.slow import DIGITS, SlowStage
 from app.problems.views import VIEWS
 from solvers.anatomy import Anatomy
 from solvers.engine.messages import FrameReport
@@ -23,8 +23,8 @@ LAST = len(PHASES) - 1
 
 
 class SlowMotion:
-    """The mode of one visitor. While it is ``on`` the run rests, and the ordinary stage is to be hidden; ``on_view`` is
-    called when that changes. It ends when something else moves the run on."""
+    """The mode of one visitor. While it is ``on`` the run rests; while it is ``showing`` a step, the ordinary stage is
+    to be hidden, and ``on_view`` is called when that changes. It ends when something else moves the run on."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None]):
         self._client, self._session, self._on_view = client, session, on_view
@@ -35,7 +35,12 @@ class SlowMotion:
         self.on = self._walking = False
         self.sentence = ""  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
-        self._drawn: tuple[int, int, float] | None = None
+        self._drawn: tuple[int, float] | None = None
+
+    @property
+    def showing(self) -> bool:
+        """Whether there is a step on the stage."""
+        return self._step is not None
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
@@ -63,8 +68,11 @@ class SlowMotion:
             if not self.on or report.number < self._asked:
                 return
             if report.anatomy is not None:
-                if self._step is None or report.anatomy.step != self._step[1].step:
-                    self._step, self._phase, self._s = (report.scene, report.anatomy), 0, 0.0
+                before, self._step = self._step, (report.scene, report.anatomy)
+                if before is None or (before[0], before[1].step) != (report.scene, report.step):
+                    self._phase, self._s, self._drawn = 0, 0.0, None
+                if before is None:
+                    self._on_view()
             elif report.fresh and not report.playing:  # another scene, or from the start
                 self._take()
             else:
@@ -115,7 +123,6 @@ class SlowMotion:
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
         self._take()
-        self._on_view()
         threading.Thread(target=self._draw_loop, args=(self._over,), name="slow-motion", daemon=True).start()
 
     def _leave(self) -> None:
@@ -144,9 +151,9 @@ class SlowMotion:
 
     def _go_on(self, scene: Scene, step: Anatomy) -> None:
         """Draw what there is to see after another tick."""
-        now = step.step, self._phase, self._s
+        now = self._phase, self._s
         if now != self._drawn:
-            if self._drawn is None or now[:2] != self._drawn[:2]:
+            if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
                 self.sentence = _sentence(scene, self._phase)
             stage = self._stages.get(scene.problem) or VIEWS[scene.problem].slow(self._client)
@@ -180,7 +187,7 @@ def _table(scene: Scene, a: Anatomy, phase: int) -> str:
     what = PHASES[phase]
     names, rows = ["node at, m"], [[", ".join(f"{x:.4g}" for x in place) for place in a.nodes]]
     for column in what.columns:
-        texts, unit = scaled(column.scale * column.values(a), column.unit, 5)
+        texts, unit = scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
         names.append(f"{column.name}, {unit}" if unit else column.name)
         rows.append(texts)
     head = "".join(f"<th>{escape(name)}</th>" for name in names)
