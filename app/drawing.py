@@ -30,8 +30,9 @@ class ColourBar:
     def __init__(self, s: viser.SceneApi, scale: ColourScale):
         self._scale = scale
         self._drawn: list[tuple[float, str]] = []
+        self.root = s.add_frame("/colours", show_axes=False)
         ends = COLOUR_BAR_HEIGHT / 2
-        bar = points(s, "/colours", COLOUR_BAR_HEIGHT, "square")
+        bar = points(s, "/colours/bar", COLOUR_BAR_HEIGHT, "square")
         bar.points = in_plane(np.linspace(ends, 1 - ends, 256), COLOUR_BAR)
         bar.colors = scale.gradient(256)
         self._ticks = [label(s, f"/colours/tick{k}", "", 0.0, COLOUR_BAR - TICK_GAP, "top-center", 0.85)
@@ -93,9 +94,14 @@ def enlarge(s: viser.SceneApi, factor: float) -> None:
 
 def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:
     """Put a text into a label, in lines of at most ``width`` characters; send it only when it has changed."""
-    text = "\n".join(textwrap.wrap(text, width))
+    text = wrapped(text, width)
     if handle.text != text:
         handle.text, handle.visible = text, bool(text)  # else its ground would show
+
+
+def wrapped(text: str, width: int) -> str:
+    """The text in lines of at most so many characters."""
+    return "\n".join(textwrap.wrap(text, width))
 
 
 def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:

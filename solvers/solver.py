@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from solvers.anatomy import Anatomy, Carried
 from solvers.estimators.interface import NEVER, EstimatorHooks
 from solvers.estimators.memory import memory_parts
 from solvers.result import Snapshot
@@ -88,6 +89,12 @@ class Solver(ABC):
         self.step = self.step + steps if self.sound else int(self._arrays.verdict[1])
         rows = self._arrays.samples[:max(0, self.step // interval - before // interval)].copy()
         return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
+
+    def dissect(self, particle: int) -> tuple[np.ndarray, Anatomy]:
+        """Take one ordinary step; return its rows of samples and what it did around a particle."""
+        before = self._carried()
+        rows = self.advance(1)
+        return rows, self._anatomy(particle, before)
 
     def measure(self) -> np.ndarray:
         """Check the state and sample it now: one row."""
@@ -177,6 +184,14 @@ class Solver(ABC):
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         """The particles as they are now, with their true and estimated errors; on request how far these differ, and
         the field of the quantity with the key ``plotted``."""
+
+    @abstractmethod
+    def _carried(self) -> Carried:
+        """What the particles carry now, copied."""
+
+    @abstractmethod
+    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+        """The last step taken apart around a particle; ``before`` is what was carried when it began."""
 
     @abstractmethod
     def _run(self, steps: int) -> None:

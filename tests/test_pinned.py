@@ -155,8 +155,9 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     assert not visit.others_playing
     view = run.view("x", "companion", False)
     assert view.left.title == "estimated error by transport" and view.right.sizes.shape == (SCENE.particles,)
-    norm, estimate = grey_curves(run, visit.history, "x", "transport")[0]
-    assert len(norm) == len(estimate) == len(visit.history.series["time"]) and np.isfinite(norm[:3]).all()
+    series = visit.history.series
+    norm, estimate = grey_curves(run, visit.history, series, "x", "transport", False)[0]
+    assert len(norm) == len(estimate) == len(series["time"]) and np.isfinite(norm[:3]).all()
     visit.play(False)
     until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
     visit.choose(page.first_scene("ring"))
@@ -170,19 +171,19 @@ def test_grey_curves_are_put_at_the_same_number_of_periods():
     def history(scene, end):
         time = np.linspace(0, end * scene.period, 41)
         names = ("error_x", "transport/estimate_x", "transport/index_x")
-        return SimpleNamespace(scene=scene, crossings_per_second=lambda: (time, time),
+        return SimpleNamespace(scene=scene, crossings_per_second=lambda series: (time, time),
                                series={"time": time, **{name: time / scene.period for name in names}})
 
     live, fast = history(SCENE, 2.0), history(replace(SCENE, modulus=16.0), 1.0)
     run = SimpleNamespace(history=fast, estimator=lambda drawn: drawn)
-    (norm, estimate), (index,), (crossings,) = grey_curves(run, live, "x", "transport")
+    (norm, estimate), (index,), (crossings,) = grey_curves(run, live, live.series, "x", "transport", False)
     periods = live.series["time"] / SCENE.period
     there = periods <= 1.0
     for curve in (norm, estimate, index):
         np.testing.assert_allclose(curve[there], periods[there], atol=1e-12)  # rounding
         assert np.isnan(curve[periods > 1.06]).all()
     assert np.isnan(crossings[-1])
-    assert grey_curves(None, live, "x", "transport") == [[], [], []]
+    assert grey_curves(None, live, live.series, "x", "transport", False) == [[], [], []]
 
 
 def test_a_caption_names_what_differs():

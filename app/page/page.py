@@ -17,6 +17,7 @@ from app.page.panels.head import add_head, set_up
 from app.page.panels.looking import Looking
 from app.page.panels.measurements import Measurements
 from app.page.panels.presenter import ENLARGED, Presenter
+from app.page.panels.slow import SlowMotion
 from app.page.panels.texts import add_about, add_lessons
 from app.page.pinned import PinnedRun
 from app.page.probe import Probe
@@ -63,6 +64,7 @@ class Page:
         self._worst = WorstRegions()
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
+        self._slow = SlowMotion(client, self._session, self._redraw)
         self._tabs(client)
         self._ready = True
         self._redraw()
@@ -71,6 +73,7 @@ class Page:
     def close(self) -> None:
         """The visitor has gone."""
         self._closed.set()
+        self._slow.close()
         self._session.close()
         self._cost.jobs.close()
 
@@ -78,7 +81,8 @@ class Page:
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
             looking = Looking(self._session, self._recent, self._trace, self._redraw)
-            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, looking)
+            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, looking,
+                                      self._slow)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
             add_lessons(client.gui)
         with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
@@ -93,6 +97,7 @@ class Page:
         self._trace.follow(report, arrays)
         self._redraw()
         if self._ready:
+            self._slow.follow(report)
             self._cost.follow(report, self._session.history)
 
     @property
@@ -100,7 +105,9 @@ class Page:
         """The frame to show: the newest, unless the visitor looks back."""
         return self._recent.shown
 
-    def _show_stage(self, problem: str) -> None:
+    def _show_stage(self, problem: str | None) -> None:
+        """Show one of them, or none."""
+        self._colour_bar.root.visible = problem is not None
         for name, stage in self._stages.items():
             stage.root.visible = name == problem
 
@@ -131,7 +138,7 @@ class Page:
             second = stage.pair(pinned is not None)
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
             with self._client.atomic():
-                self._show_stage(scene.problem)
+                self._show_stage(None if self._slow.showing else scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
                            self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
@@ -140,7 +147,7 @@ class Page:
                     self._draw_pinned(pinned, second, beside, *pinned.last, scene)
                 self._mark.look(stage, arrays)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
-            self._camera.show(stage.rectangle)
+            self._camera.show(RECTANGLE if self._slow.showing else stage.rectangle)
             self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._view = view
@@ -181,7 +188,8 @@ class Page:
         if self._last is None or self._view is None:
             return
         controls = self._controls
-        sentence = summary(*self._last, self._view, self._worst, self._session.history.series, controls.quantity,
-                           controls.estimators.drawn, self._recent.ago)
-        if self._pace.lets(sentence, monotonic()):
+        slow = self._slow.sentence
+        sentence = slow or summary(*self._last, self._view, self._worst, self._session.history.series,
+                                   controls.quantity, controls.estimators.drawn, self._recent.ago)
+        if self._pace.lets(sentence, monotonic(), bool(slow)):
             self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"

@@ -63,6 +63,7 @@ class Session:
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
         self._plotted = QUANTITIES[0]
+        self._dissected: int | None = None
         self._restarts = self._single_steps = self._number = self._compiled_for = 0
         self._start(scene)
         self.history = History(scene, scene.particles)
@@ -100,6 +101,16 @@ class Session:
             self.playing = playing
             self._single_steps += single_steps
             self._ask()
+
+    def dissect(self, particle: int | None) -> int:
+        """Pause, and take one step apart around a particle; or ask for no more of that. The number of the wish."""
+        with self._lock:
+            self._dissected = particle
+            if particle is not None:
+                self.playing = False
+                self._single_steps += 1
+            self._ask()
+            return self._number
 
     def reset(self) -> None:
         """Start the scene again from t = 0."""
@@ -221,7 +232,7 @@ class Session:
     def _ask(self) -> None:
         self._trouble, self._asked_at = None, monotonic()
         self._number = self._link.ask(self.scene, self.playing, self.speed * self.scene.period, self._restarts,
-                                      self._single_steps, self._differences, self._plotted)
+                                      self._single_steps, self._differences, self._plotted, self._dissected)
         if self.pinned:
             self.pinned.follow(self.playing, self.speed, self._single_steps, self._differences, self._plotted)
 

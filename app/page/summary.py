@@ -21,9 +21,9 @@ class Pace:
     def __init__(self) -> None:
         self._last, self._next = "", 0.0
 
-    def lets(self, sentence: str, now: float) -> bool:
-        """Whether to say the sentence at a time in seconds."""
-        if sentence == self._last or now < self._next:
+    def lets(self, sentence: str, now: float, at_once: bool = False) -> bool:
+        """Whether to say the sentence at a time in seconds; ``at_once`` for the answer to a click."""
+        if sentence == self._last or (now < self._next and not at_once):
             return False
         self._last, self._next = sentence, now + SAY_SECONDS
         return True

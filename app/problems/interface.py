@@ -13,6 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     import viser
 
+    from app.problems.slow import SlowStage
     from app.problems.stage import Stage
     from app.scale import ColourScale
 
@@ -76,6 +77,11 @@ class ProblemView:
     def stage(self) -> Callable[[viser.ClientHandle, ColourScale], Stage[Any]]:
         """The ``STAGE`` of the folder's ``stage.py``, imported when it is asked for: a picture needs no viewer."""
         return self._module("stage").STAGE
+
+    @property
+    def slow(self) -> Callable[[viser.ClientHandle], SlowStage]:
+        """The ``STAGE`` of the folder's ``slow.py``: one step in slow motion."""
+        return self._module("slow").STAGE
 
     @property
     def draw(self) -> Callable:

@@ -5,7 +5,9 @@ import time
 import numpy as np
 
 from solvers import runtime
+from solvers.anatomy import Anatomy, Carried
 from solvers.bar import exact
+from solvers.bar.anatomy import anatomy, carried
 from solvers.bar.field import field
 from solvers.bar.scene import BarScene
 from solvers.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
@@ -58,6 +60,12 @@ class BarSolver(Solver):
                         error=errors, estimate=estimates, difference=missed,
                         plotted=None if plotted is None else field(scene, a, plotted, t),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
+
+    def _carried(self) -> Carried:
+        return carried(self._arrays)
+
+    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+        return anatomy(self.scene, self._arrays, particle, self.step, before)
 
     def _run(self, steps: int) -> None:
         advance(self.step, steps, STEP, self._pack, self._switches)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from solvers.anatomy import Anatomy
 from solvers.scene import Scene
 from solvers.soundness import OK
 
@@ -17,6 +18,7 @@ class Wish:
     seconds a second. ``memory`` names the shared memory block that frames go to; ``differences`` asks that they hold
     the sizes of estimate minus truth too, ``plotted`` is the key of the quantity whose field they should hold, if any.
     ``partner`` is another session of the same engine: the two keep together in periods, and start again together.
+    ``dissected`` is the number of a particle, if any, around which single steps are taken apart.
     """
 
     session: int
@@ -30,6 +32,7 @@ class Wish:
     differences: bool = False
     plotted: str | None = None
     partner: int | None = None
+    dissected: int | None = None
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,8 @@ class FrameReport:
     known beforehand or found out by now; ``differences`` says that the frame holds estimate minus truth, ``plotted`` is
     the key of the quantity whose field it holds. ``status`` is
     "ok", "unstable" or "lost" (``solvers.soundness``), ``reason`` says why in a sentence, ``since`` from which time in
-    s on. An unstable run has stopped; a lost one goes on.
+    s on. An unstable run has stopped; a lost one goes on. ``anatomy`` is of the last step, if the wish asks for it
+    and that was a single one.
     """
 
     session: int
@@ -78,6 +82,7 @@ class FrameReport:
     status: str = OK
     since: float | None = None
     plotted: str | None = None
+    anatomy: Anatomy | None = None
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ class SessionLink:
         engine.links[session] = self
 
     def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
-            differences: bool = False, plotted: str | None = None) -> int:
+            differences: bool = False, plotted: str | None = None, dissected: int | None = None) -> int:
         """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
@@ -90,7 +90,7 @@ class SessionLink:
                 return last
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene).name, differences, plotted, self._partner)
+                             self._fitting_block(scene).name, differences, plotted, self._partner, dissected)
             self._deaths = 0
             self.engine.send(self.wish)
         if self.engine.given_up:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.anatomy import Anatomy
 from solvers.engine import frames
 from solvers.engine.messages import FrameReport, Wish
 from solvers.engine.verdict import Verdict
@@ -48,6 +49,7 @@ class Stepper:
         self._rows = [self.solver.measure()]  # samples since the last frame
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
+        self._anatomy: Anatomy | None = None  # of the last step
         self._kernel_seconds, self._kernel_steps = 0.0, 0
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
         self._start_clock()
@@ -69,7 +71,7 @@ class Stepper:
         if anew:
             self.rebuild()
         elif wish.single_steps > old.single_steps and self.solver.sound and not wish.playing:
-            self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance))
+            self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance), wish.dissected)
             if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
                 self._rows.append(self.solver.measure())
         self._start_clock()
@@ -142,7 +144,7 @@ class Stepper:
             rows=rows, reason=reason, status=status, since=since,
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference),
-            plotted=self.wish.plotted)
+            plotted=self.wish.plotted, anatomy=self._anatomy if self.wish.dissected is not None else None)
         self._rows = [report.rows[:0]]
         self._fresh, self._frame_wanted, self._unseen = False, False, True
         # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is
@@ -194,9 +196,16 @@ class Stepper:
         scene = self.solver.scene
         return max(min(FRAME_SECONDS * self.wish.speed, MOST_APART * scene.period), 2 * scene.time_step)
 
-    def _advance(self, steps: int) -> None:
-        begun = perf_counter()
-        self._rows.append(self.solver.advance(steps))
+    def _advance(self, steps: int, dissected: int | None = None) -> None:
+        """Take steps, the last of them apart around the particle ``dissected``, if any."""
+        begun, self._anatomy = perf_counter(), None
+        if dissected is None:
+            self._rows.append(self.solver.advance(steps))
+        else:
+            self._rows.append(self.solver.advance(steps - 1))
+            if self.solver.sound:
+                rows, self._anatomy = self.solver.dissect(dissected)
+                self._rows.append(rows)
         took = max(perf_counter() - begun, 1e-7)
         self._seconds_a_step = took / steps
         self._kernel_seconds += took

@@ -3,8 +3,10 @@
 import time
 
 from solvers import runtime
+from solvers.anatomy import Anatomy, Carried
 from solvers.remedies import COUPLED, FILTER, FROZEN
 from solvers.result import Snapshot
+from solvers.ring.anatomy import anatomy, carried
 from solvers.ring.body import FARTHEST_MOVE
 from solvers.ring.errors import difference, estimated_fields, sizes, true_fields
 from solvers.ring.field import field
@@ -58,6 +60,12 @@ class RingSolver(Solver):
         if self.plan == "parallel":
             step_in_slabs(0, 0, self._pack, self._switches)
             inspect(0, -1, REPORT, self._pack, self._switches)
+
+    def _carried(self) -> Carried:
+        return carried(self._arrays)
+
+    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+        return anatomy(self.scene, self._arrays, particle, self.step, before)
 
     def _run(self, steps: int) -> None:
         if self.plan == "serial":

@@ -12,6 +12,7 @@ from app.page.panels.head import WIDE_LABEL
 from app.page.panels.looking import Looking
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
+from app.page.panels.slow import SlowMotion
 from app.page.session import Session, first_scene
 from app.problems.field import MAGNIFICATIONS
 from app.problems.views import VIEWS
@@ -31,9 +32,9 @@ class Controls:
     """Widgets of one visitor, bound to the session. ``on_view`` is called when only the drawing changes."""
 
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, session: Session, scale: ColourScale,
-                 on_view: Callable[[], None], looking: Looking):
+                 on_view: Callable[[], None], looking: Looking, slow: SlowMotion):
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
-        self.domains, self.magnified = False, 1
+        self.domains, self.magnified, self._slow = False, 1, slow
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self.looking = looking
         self._turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
@@ -66,6 +67,7 @@ class Controls:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once
         with self._widgets:
             self._run()
+            self._slow.build(self._gui)
             self._scene()
             self._view()
             with self._gui.add_folder("Method details and remedies", expand_by_default=False):

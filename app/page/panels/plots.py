@@ -66,7 +66,7 @@ class Plots:
         series, words = history.latest if latest else history.series, QUANTITIES[quantity]
         time = series["time"]
         nothing = np.full(len(time), np.nan)
-        grey, grey_index, grey_rate = _grey_curves(pinned, history, series, quantity, drawn, latest)
+        grey, grey_index, grey_rate = grey_curves(pinned, history, series, quantity, drawn, latest)
         errors, unit = self._errors(series, valid, quantity, grey)
         self._headings[0].content = _heading(f"error norm of {words.symbol} / {unit}" + ", grey: pinned" * bool(grey),
                                              kind="lab-presented")
@@ -143,13 +143,14 @@ class Plots:
             height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0))
 
 
-def _grey_curves(pinned: PinnedRun | None, history: History, series: dict[str, np.ndarray], quantity: str,
-                 drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
+def grey_curves(pinned: PinnedRun | None, history: History, series: dict[str, np.ndarray], quantity: str,
+                drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
     """A pinned run's curves in each of the three plots, at the times of the other run's ``series``: norms of its true
     and estimated error, index, crossings. Where the periods differ, at the same number of them."""
     if pinned is None:
         return [[], [], []]
-    run, estimator, stretch = pinned.history, pinned.estimator(drawn), history.scene.period / pinned.scene.period
+    run, estimator = pinned.history, pinned.estimator(drawn)
+    stretch = history.scene.period / run.scene.period
     theirs, none = run.latest if latest else run.series, np.zeros(0)
     own, true = theirs.get("time", none), theirs.get(f"error_{quantity}", none)
 

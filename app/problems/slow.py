@@ -1,0 +1,245 @@
+"""What the slow motion of all problems shares: how each phase of a step is drawn around one particle."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+import viser
+
+from app import drawing
+from app.problems.phases import PHASES, scaled
+from app.problems.sketch import Sketch
+from solvers.anatomy import Anatomy
+from solvers.scene import Scene
+
+#: Colours: the particle in front, the others, their domains, forces of stress and of the body, what moves.
+FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
+STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
+WIDTH = 96  # characters in a line of the caption
+TOP, BOTTOM = 1.03, -0.1  # of the stage that the sentence above it and the notice below it leave
+#: Where the numbers of a node may stand: how they are anchored, and to which side.
+SIDES: tuple[tuple[drawing.Anchor, tuple[int, int]], ...] = (
+    ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
+DIGITS = {1: 5, 2: 4}  # of numbers beside the nodes, by directions
+LONGEST = 0.42  # of a cell, of an arrow
+WIDEST = 0.3  # of a cell, of a node's square
+THICKEST = 9.0  # pixels, of a line whose weight is one
+MAGNIFIED = 0.3  # of a cell, about how far particles are seen to move
+
+
+class SlowStage(ABC):
+    """Draws one step taken apart in one client's scene. A problem says where things are drawn."""
+
+    def __init__(self, client: viser.ClientHandle, problem: str):
+        self.root = client.scene.add_frame(f"/slow-{problem}", show_axes=False, visible=False)
+        self._sketch = Sketch(client.scene, f"/slow-{problem}")
+
+    def draw(self, scene: Scene, a: Anatomy, phase: int, s: float) -> None:
+        """Show a phase at ``s``, from 0 at its beginning to 1 at its end."""
+        self._look_at(a)
+        self._nodes = self._node_spots(a.nodes)
+        self._scale = self._per_metre * a.spacing  # a cell, on the stage
+        self._legend: list[str] = []
+        moved = _magnification(a)
+        shift = a.after.position - a.before.position
+        progress = {4: max(0.0, 2 * s - 1), 5: 1.0}.get(phase, 0.0)
+        self._places = a.place + moved * progress * shift
+        self._spots = self._particle_spots(self._places)
+        self._ground(a)
+        if phase < 5:
+            self._domains(a)
+        (self._functions_phase, self._gather, self._forces, self._velocities, self._scatter, self._strain)[phase](
+            scene, a, s)
+        if phase >= 4 and moved > 1:
+            self._legend.append(f"particles' way drawn × {moved:g}")
+        self._sketch.dots(self._spots[1:][self._seen(self._spots[1:])], OTHERS, 1)
+        self._sketch.dots(self._spots[:1], FRONT, 2)
+        self._sketch.dots(self._nodes, NODE, 0)
+        self._numbers(a, phase)
+        self._caption(scene, a, phase)
+        self._sketch.show()
+
+    def _functions_phase(self, scene: Scene, a: Anatomy, s: float) -> None:
+        self._functions(scene, a, s)
+        self._weights(a, FRONT, s)
+        self._legend.append("green: the particle; its lines to nodes are as thick as the weight")
+
+    def _gather(self, _: Scene, a: Anatomy, s: float) -> None:
+        """Parcels go from particles to nodes, whose squares grow; green in them: what the particle in front gives."""
+        self._weights(a, FRONT, 1.0)
+        self._parcels(a, s, slice(None))
+        most = a.node_mass.max()
+        for mass, colour, thickness in ((a.node_mass, NODE, 2.0), (a.links.weight[0] * a.mass[0], FRONT, 3.5)):
+            half = 0.5 * WIDEST * self._scale * np.sqrt(s * np.maximum(mass, 0) / most)
+            corners = self._nodes[:, None] + half[:, None, None] * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+            self._sketch.outline(corners, colour, thickness)
+        seen = self._seen(self._spots)
+        self._arrows(self._spots[seen], a.before.velocity[seen], OTHERS)
+        self._arrows(self._nodes, s * a.momentum, NODE, a.momentum)
+        self._legend.append("squares: mass of the nodes (green: from the particle); arrows: v of particles, momentum")
+
+    def _forces(self, _: Scene, a: Anatomy, s: float) -> None:
+        self._weights(a, FRONT, 1.0)
+        both = np.concatenate([a.internal_force, a.body_force])
+        self._arrows(self._nodes, s * a.internal_force, STRESS, both, 3.5)
+        self._arrows(self._nodes - 0.05 * self._scale * self._aside, s * a.body_force, BODY, both, 3.5)
+        self._legend.append("orange: force of stress; blue: body force")
+
+    def _velocities(self, _: Scene, a: Anatomy, s: float) -> None:
+        """The change is small beside the velocity: it has a scale of its own."""
+        old, gained = a.before_velocity, a.velocity - a.before_velocity
+        factor = _round(np.abs(a.velocity).max() / max(np.abs(gained).max(), 1e-300))
+        self._arrows(self._nodes, old, OTHERS, np.concatenate([old, a.velocity]), 2.0)
+        self._arrows(self._nodes, old + s * gained, NODE, np.concatenate([old, a.velocity]), 3.5)
+        self._arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
+        self._legend.append(f"grey: old v; black: new v; orange: what is gained, drawn × {factor:g}")
+
+    def _scatter(self, _: Scene, a: Anatomy, s: float) -> None:
+        """Parcels come back in the first half, the particles move in the second."""
+        self._weights(a, FRONT, 1.0)
+        self._arrows(self._nodes, a.velocity, NODE)
+        if s < 0.5:
+            self._parcels(a, 1 - 2 * s, slice(0, 1))
+        else:
+            start = self._particle_spots(a.place)
+            seen = self._seen(start) & self._seen(self._spots)
+            self._sketch.line(start[seen], self._spots[seen], OTHERS, 2.0)
+            self._sketch.dots(start[seen], DOMAINS, 1)
+        self._legend.append("black: new v of the nodes")
+
+    def _strain(self, _: Scene, a: Anatomy, s: float) -> None:
+        """The material of the particle changes its shape, magnified."""
+        self._weights(a, FRONT, 1.0)
+        self._arrows(self._nodes, a.velocity, NODE)
+        F = a.before.deformation_gradient[0]
+        gained = a.after.deformation_gradient[0] @ np.linalg.pinv(F) - np.eye(len(F))
+        factor = _round(0.5 / max(np.abs(gained).max(), 1e-300))
+        edges = a.edges[0] if np.abs(a.edges[0]).max() > 0 else 0.25 * a.spacing * np.eye(len(F))
+        for share, colour, thickness in ((0.0, OTHERS, 1.0), (s * factor, FRONT, 3.5)):
+            self._outline(self._places[:1], (edges @ (np.eye(len(F)) + share * gained).T)[None], colour, thickness)
+        self._legend.append(f"outline: the particle's material before and after, its strain in this step × {factor:g}")
+
+    def _weights(self, a: Anatomy, colour: tuple[int, int, int], s: float) -> None:
+        """Lines from the particle in front to its nodes, as thick as the weights."""
+        start = np.broadcast_to(self._spots[:1], self._nodes.shape)
+        self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
+
+    def _parcels(self, a: Anatomy, s: float, members: slice) -> None:
+        """What is on its way between the particles and nodes that share a weight."""
+        k, n = np.nonzero(a.links.weight[members])
+        start, end = self._within(self._spots[k], self._nodes[n]), self._nodes[n]
+        if len(self._spots[members]) > 1:
+            self._sketch.line(start[k > 0], end[k > 0], DOMAINS, 1.0)
+        if 0 < s < 1:
+            at = start + s * (end - start)
+            self._sketch.dots(at[k > 0], OTHERS, 0)
+            self._sketch.dots(at[k == 0], FRONT, 1)
+
+    def _arrows(self, at: np.ndarray, vectors: np.ndarray, colour: tuple[int, int, int],
+                among: np.ndarray | None = None, thickness: float = 2.0) -> None:
+        """The longest ``among`` these vectors is drawn ``LONGEST``."""
+        most = np.hypot.reduce(vectors if among is None else among, axis=1).max()
+        if most > 0:
+            self._sketch.arrow(at, LONGEST * self._scale / most * self._aim(vectors), colour, thickness)
+
+    def _domains(self, a: Anatomy) -> None:
+        seen = self._seen(self._spots)
+        self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
+        self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
+
+    def _numbers(self, a: Anatomy, phase: int) -> None:
+        """The solver's own, beside each node: on the side to which its arrows point least."""
+        shown = PHASES[phase].columns[:PHASES[phase].drawn]
+        digits = DIGITS[a.nodes.shape[1]]
+        texts, units = zip(*(scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
+        vectors = [self._aim(values) for c in shown if (values := c.values(a)).ndim > 1]
+        taken = np.max([vector @ np.array([side for _, side in SIDES]).T for vector in vectors], axis=0) if vectors \
+            else np.zeros((len(self._nodes), len(SIDES)))
+        away = self._above + 0.5 * WIDEST * self._scale * (phase == 1)
+        for spot, free, *parts in zip(self._nodes, taken.argmin(axis=1), *texts, strict=True):
+            anchor, side = SIDES[free]
+            x, y = spot + away * np.array(side)
+            self._sketch.text(x, y, "\n".join(parts), anchor, 0.8)
+        names = [f"{c.name} in {unit}" if unit else c.name for c, unit in zip(shown, units, strict=True)]
+        self._legend.insert(0, "numbers at the nodes: " + ", below it ".join(names))
+
+    def _caption(self, scene: Scene, a: Anatomy, phase: int) -> None:
+        lines = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)]
+        self._sketch.text(-0.1, TOP, drawing.wrapped("; ".join(self._legend), WIDTH), "top-left")
+        self._sketch.text(-0.1, BOTTOM, "\n".join(drawing.wrapped(line, WIDTH) for line in lines), "bottom-left")
+
+    def _seen(self, spots: np.ndarray) -> np.ndarray:
+        """Which points of the stage (m, 2) lie in the picture."""
+        x0, x1, y0, y1 = self._picture
+        return np.all((spots >= (x0, y0)) & (spots <= (x1, y1)), axis=1)
+
+    def _within(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        """Where lines from starts to ends, which lie in the picture, come into it (m, 2)."""
+        x0, x1, y0, y1 = self._picture
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(starts < (x0, y0), ((x0, y0) - starts) / (ends - starts),
+                             np.where(starts > (x1, y1), ((x1, y1) - starts) / (ends - starts), 0.0)).max(axis=1)
+        return starts + share[:, None] * (ends - starts)
+
+    #: The picture's x0, x1, y0 and y1 on the stage.
+    _picture: tuple[float, float, float, float]
+    #: Where a node's number is written above it, and the direction across its arrows.
+    _above: float
+    _aside: np.ndarray
+    _per_metre: float
+
+    @abstractmethod
+    def _look_at(self, a: Anatomy) -> None:
+        """Choose ``_per_metre`` and the place of the picture so that all of the step is in it."""
+
+    @abstractmethod
+    def _particle_spots(self, x: np.ndarray) -> np.ndarray:
+        """Points of the stage (k, 2) for particles at x (k, D) in m."""
+
+    @abstractmethod
+    def _node_spots(self, x: np.ndarray) -> np.ndarray:
+        """The same for nodes (n, D)."""
+
+    @abstractmethod
+    def _aim(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (m, D) as they lie on the stage (m, 2), as long."""
+
+    @abstractmethod
+    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: tuple[int, int, int], thickness: float) -> None:
+        """Draw the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
+
+    @abstractmethod
+    def _ground(self, a: Anatomy) -> None:
+        """Draw the cells."""
+
+    @abstractmethod
+    def _functions(self, scene: Scene, a: Anatomy, s: float) -> None:
+        """Draw the shape functions; they grow with ``s``."""
+
+
+def shape(distance: np.ndarray, reach: float) -> np.ndarray:
+    """The hat function at a distance from its node, averaged over ``reach`` to either side, both in cells; with 1/2 it
+    is the quadratic B-spline."""
+    if reach < 1e-9:
+        return np.maximum(0.0, 1 - np.abs(distance))
+
+    def integral(x: np.ndarray) -> np.ndarray:
+        x = np.clip(x, -1, 1)
+        return x - 0.5 * x * np.abs(x)
+
+    return (integral(distance + reach) - integral(distance - reach)) / (2 * reach)
+
+
+def _magnification(a: Anatomy) -> float:
+    """By how much the particles' way in the step is drawn longer than it is, to be seen."""
+    way = np.abs(a.after.position - a.before.position).max()
+    return max(1.0, _round(MAGNIFIED * a.spacing / max(way, 1e-300)))
+
+
+def _round(factor: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, ... that is not above ``factor``, and no less than 1."""
+    if not 1 < factor < 1e15:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(factor))
+    return float(power * max(m for m in (1, 2, 5) if m * power <= factor * (1 + 1e-12)))

@@ -1,0 +1,92 @@
+"""A step of the ring taken apart: read from the arrays that the step has left."""
+
+import numpy as np
+
+from solvers.anatomy import Anatomy, Carried, Image, flipped, link
+from solvers.ring.gimp import MOST_HALF_WIDTH
+from solvers.ring.layout import CORNERS, GHOSTS
+from solvers.ring.scene import RingScene
+from solvers.ring.state import WatchedRing
+
+
+def carried(a: WatchedRing) -> Carried:
+    """What the particles carry now, copied."""
+    F = a.deformation_gradient.copy()
+    f = np.ascontiguousarray(F.T)  # component by component: numpy's products of many small matrices are slow
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        xy = f[0] * f[2] + f[1] * f[3]
+        stress = np.stack([f[0] * f[0] + f[1] * f[1] - 1, xy, xy, f[2] * f[2] + f[3] * f[3] - 1], axis=1)
+        stress *= (a.shear_modulus / (f[0] * f[3] - f[1] * f[2]))[:, None]
+    return Carried(a.motion[:, :2].copy(), a.motion[:, 2:].copy(), F.reshape(-1, 2, 2), stress.reshape(-1, 2, 2))
+
+
+def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: Carried) -> Anatomy:
+    """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
+    edges, row = _half_edges(scene, a, before.deformation_gradient), a.row
+    if scene.method == "cpdi":
+        nodes = (a.corner_nodes[:, :, None] + np.array([0, 1, row, row + 1])).reshape(len(edges), 16)
+    else:
+        nodes = a.first_node[:, None] + (row * np.arange(3)[:, None] + np.arange(3)).ravel()
+    weights = _corner_weights if scene.method == "cpdi" else _stencil_weights
+    links = link(particle, nodes, lambda some: weights(a, edges, some), lambda node: _images(node, row))
+    seen, k, ij = before.seen(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
+    signs = np.where(ij < GHOSTS, -1.0, 1.0)  # a node beyond a plane has what its mirror image has
+    home = np.abs(ij - GHOSTS) + GHOSTS
+    sums = a.node_sums[home[:, 1] * row + home[:, 0]]
+    push = links.signs * (a.mass * a.radial_force[a.radius])[k, None] * a.direction[k]
+    body = links.weight.T @ push
+    F, place = seen.deformation_gradient, a.material_position if scene.frozen else before.position
+    with np.errstate(all="ignore"):
+        J = np.linalg.det(F)[:, None, None]
+        force_moment = J * seen.stress  # Kirchhoff's, or with frozen weights P = J sigma F^-T
+        if scene.frozen:
+            force_moment = force_moment @ np.linalg.inv(F).transpose(0, 2, 1)
+    motion = a.node_motion[links.nodes]
+    return Anatomy(
+        step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen, carried(a).seen(links),
+        a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
+        (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - GHOSTS) * scene.spacing, sums[:, 4].copy(),
+        signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
+
+
+def _half_edges(scene: RingScene, a: WatchedRing, F: np.ndarray) -> np.ndarray:
+    """Half the edge vectors (P, 2, 2) of the domains, a row each, as the method sees them."""
+    if scene.method == "cpdi":
+        rest = 0.5 * a.edges.reshape(-1, 2, 2)
+        return rest if scene.frozen else np.einsum("pij,pej->pei", F, rest)
+    width = np.full((len(F), 2), 0.0 if scene.method == "mpm" else a.half_width)
+    if scene.method == "cpgimp" and not scene.frozen:
+        width = np.clip(a.half_width * F[:, [0, 1], [0, 1]], 1e-6, MOST_HALF_WIDTH)
+    return scene.spacing * width[:, :, None] * np.eye(2)
+
+
+def _stencil_weights(a: WatchedRing, _: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    w = a.weights[some].reshape(-1, 4, 2)  # left, right and their slopes, each in x and y
+    S = np.stack([w[:, 0], 1 - w[:, 0] - w[:, 1], w[:, 1]], axis=1)
+    dS = np.stack([w[:, 2], -w[:, 2] - w[:, 3], w[:, 3]], axis=1)
+    (x, y), (by_x, by_y) = np.moveaxis(S, 2, 0), np.moveaxis(dS, 2, 0)
+
+    def product(along_y: np.ndarray, along_x: np.ndarray) -> np.ndarray:
+        return np.einsum("pj,pi->pji", along_y, along_x).reshape(-1, 9)
+
+    return product(y, x), np.stack([product(y, by_x), product(by_y, x)], axis=2)
+
+
+def _corner_weights(a: WatchedRing, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """S = 1/4 sum N(corner); the gradient takes N at opposite corners with opposite signs."""
+    x, y = a.weights[some, :4], a.weights[some, 4:]
+    N = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=2)  # (c, corner, node)
+    # A linear f has f(corner) = f(x) + c_1 f'r_1 + c_2 f'r_2, and so grad f = inverse of the edges, times sum c f.
+    along = np.einsum("ce,pcn->pecn", np.array(CORNERS), N)
+    slope = np.einsum("pde,pecn->pcnd", np.linalg.inv(2 * edges[some]), along)
+    return 0.25 * N.reshape(-1, 16), slope.reshape(-1, 16, 2)
+
+
+def _images(node: int, row: int) -> list[Image]:
+    """The mirror images of nodes in the two rows next to a plane, on either side; the plane's own have none."""
+    def along(index: int) -> list[int]:
+        return [index, 2 * GHOSTS - index] if index <= 2 * GHOSTS and index != GHOSTS else [index]
+
+    i, j = node % row, node // row
+    return [Image(jj * row + ii, (1.0 if ii == i else -1.0, 1.0 if jj == j else -1.0), (0.0, 0.0))
+            for jj in along(j) for ii in along(i)]

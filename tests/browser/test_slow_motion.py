@@ -1,0 +1,73 @@
+"""One step in slow motion, as a visitor sees it."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+import numpy as np
+
+from tests.browser.driving import choose, click, coloured, number, row, shown, stage, steps, to_the_ring, until
+
+TITLES = ("A particle and its nodes", "Mass and momentum go to the nodes", "Forces at the nodes",
+          "New velocities of the nodes", "Velocities come back, the particles move", "Stress last")
+
+
+def begin(page):
+    page.get_by_text("One step in slow motion").click()
+    page.get_by_label("Slow motion", exact=True).click()
+    shown(page, f"phase 1 of 6: {TITLES[0]}")
+
+
+def table(page):
+    return page.locator(".lab-slow").inner_text()
+
+
+def test_a_visitor_walks_through_a_step_and_back(page):
+    """Each phase says what it is, in the panel and above the stage; then comes the next step, and Play ends it."""
+    until(lambda: steps(page) > 20, "a run under way")
+    begin(page)
+    first = int(number(page, r"steps\s+([\d,]+)"))
+    until(lambda: coloured(stage(page)) < 0.01, "no error colours")
+    pictures = []
+    for phase, title in enumerate(TITLES, 1):
+        shown(page, f"Step {first}, phase {phase} of 6: {title}")
+        until(page.locator("#lab-summary", has_text=f"{phase} of 6: {title}").is_visible, "the sentence")
+        pictures.append(stage(page))
+        if phase < len(TITLES):
+            click(page, "Forward")
+    changes = [np.mean(np.abs(one - other).max(axis=2) > 30) for one, other in pairwise(pictures)]
+    assert min(changes) > 1e-3
+    click(page, "Back")
+    shown(page, f"Step {first}, phase 5 of 6")
+    click(page, "Forward")
+    click(page, "Forward")
+    shown(page, f"Step {first + 1}, phase 1 of 6")
+    weights = [float(weight) for weight in re.findall(r"^\S+\t(0\.\d+)\t", table(page), re.MULTILINE)]
+    assert len(weights) > 1 and abs(sum(weights) - 1) < 1e-4 * len(weights)
+    click(page, "Play")
+    until(lambda: page.locator(".lab-slow").count() == 0 and coloured(stage(page)) > 0.01, "the ordinary stage")
+    assert not page.get_by_label("Slow motion", exact=True).is_checked()
+    until(lambda: steps(page) > first + 1, "a run that goes on")
+
+
+def test_another_method_begins_anew_and_the_ring_is_walked_through_by_itself(page):
+    """A scene that is changed meanwhile is taken apart from its first step on; Walk needs no more clicks."""
+    begin(page)
+    choose(page, "Method", "MPM (hat functions)")
+    shown(page, "Step 1, phase 1 of 6")
+    assert "hat function at the particle" in page.locator("#lab-summary").inner_text()
+    page.get_by_label("Slow motion", exact=True).click()
+    until(lambda: page.locator(".lab-slow").count() == 0, "the end")
+    to_the_ring(page)
+    until(lambda: steps(page) > 5, "a ring under way")
+    begin(page)
+    row(page, "Seconds a phase").get_by_role("slider").focus()
+    page.keyboard.press("Home")
+    click(page, "Walk")
+    until(lambda: re.search("phase [3-6] of 6", table(page)), "a walk without clicks")
+    click(page, "Hold")
+    page.wait_for_timeout(2000)  # for what is on its way
+    held = table(page)
+    page.wait_for_timeout(2500)
+    assert table(page) == held
