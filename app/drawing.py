@@ -62,6 +62,12 @@ def flash_colours(seconds_ago: np.ndarray) -> np.ndarray:
     return (np.array(FLASH) + fade * (255 - np.array(FLASH))).astype(np.uint8)
 
 
+def one_in(particles: int, most: int) -> int:
+    """Of how many particles one is marked where it crosses, so that at most ``most`` of all can be: marks of more would
+    bury what they lie on."""
+    return -(-particles // most)
+
+
 def points(s: viser.SceneApi, name: str, size: float,
            shape: Literal["circle", "square"] = "circle") -> viser.PointCloudHandle:
     """Points of ``size`` across: the viewer counts from the middle.

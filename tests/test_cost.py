@@ -237,7 +237,8 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
     process = jobs.process_id
     page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
     tab.jobs = jobs
-    page._closed, page._session, page._cost = threading.Event(), SimpleNamespace(close=lambda: None), tab
+    page._closed, page._cost = threading.Event(), tab
+    page._session = page._slow = SimpleNamespace(close=lambda: None)
     page.close()
     wait(lambda: not jobs.status.running)
     assert not alive(process)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 
 import numpy as np
@@ -37,6 +38,11 @@ def readout(page):
 def number(page, pattern):
     """The first number in the readout that matches ``pattern``'s group."""
     return float(re.search(pattern, readout(page))[1].replace(",", ""))
+
+
+def scene(page):
+    """The running scene, field by field."""
+    return json.loads(page.locator(".lab-scene").get_attribute("data-scene"))
 
 
 def time(page):

@@ -67,31 +67,6 @@ def chosen(page, label, unit):
     return said()
 
 
-def test_every_slider_reaches_the_run(page):
-    """Cells, particles per cell, A, E and CFL each begin a new run, seen in label, step size or period."""
-    size = step_size(page)
-    row(page, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("80")
-    until(lambda: step_size(page) == pytest.approx(size / 2, rel=1e-2), "half the step at half the spacing")
-    page.get_by_text("Cells, h = 1/80").wait_for()
-    press(page, "Modulus E", "ArrowRight", 40)
-    stiffness = chosen(page, "Modulus E", "Pa")
-    assert stiffness > 4 / 0.9**2
-    size = size / 2 * (4 / stiffness) ** 0.5
-    until(lambda: step_size(page) == pytest.approx(size, rel=1e-2), "a shorter step for a stiffer bar")
-    press(page, "CFL number", "ArrowRight", 40)
-    courant_number = chosen(page, "CFL number", "")
-    until(lambda: step_size(page) == pytest.approx(size * courant_number / 0.05, rel=1e-2), "a longer step")
-    assert step_size(page) > 1.1 * size
-    before = stage(page)
-    press(page, "Amplitude A", "ArrowLeft", 100)
-    until(lambda: np.any(np.abs(stage(page) - before) > 30, axis=2).mean() > 0.01, "another amplitude drawn")
-    assert chosen(page, "Amplitude A", "m") < 0.02
-    until(lambda: time(page) > 0.5, "a run under way")
-    click(page, "Pause")  # else the new run might have come as far before anybody looks
-    row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("2")
-    until(lambda: time(page) == 0, "a run begun anew")
-
-
 def typed(page, label):
     """The text beside a slider."""
     return row(page, f"{label}, typed").get_by_role("textbox")

@@ -1,5 +1,9 @@
 """The left panel: numbers of the run and plots over time."""
 
+import json
+from dataclasses import asdict
+from html import escape
+
 import viser
 
 from app.page.panels.controls import Controls
@@ -12,6 +16,7 @@ from app.page.trace import Traced
 from app.page.view import why_no_truth
 from app.page.worst import WorstRegions
 from solvers.engine.messages import FrameReport
+from solvers.scene import Scene
 
 READOUT_HEIGHT = 362  # pixels more than the stage that readout, titles and axes need, with one estimator
 TRACE_HEADING = 40  # and with a particle traced: the title of its plot
@@ -26,6 +31,8 @@ class Measurements:
         panel = gui.add_panel()
         with panel.add_tab("Measurements", viser.Icon.CHART_LINE) as tab:
             self._readout = gui.add_html("<div class='lab-readout'>waiting for the first frame</div>")
+            self._running = gui.add_html("")  # the scene, for whoever reads the page by a program
+        self._described: Scene | None = None
         self._plots = Plots(client, tab)
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
@@ -38,6 +45,9 @@ class Measurements:
         if shown is None or shown[0].scene != history.scene:
             return
         report = shown[0]
+        if report.scene != self._described:
+            self._described = report.scene
+            self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(report.scene)))}'></i>"
         quantity, drawn, pinned = controls.quantity, controls.estimators.drawn, session.pinned
         self._readout.content = readout(session, report, quantity, drawn, probed, worst, recent.ago)
         # The plots share what the window leaves below the readout.

@@ -15,6 +15,7 @@ ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
 FIELD = Place(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field)
 NAME_LINE, LOWER = 0.05, 0.49  # what a line of words takes; by how much a pinned run's lanes are below the others
+MOST_MARKED = 200  # particles whose crossings are marked
 LANE_POINTS = 4000  # points that a lane may be made of
 
 
@@ -39,8 +40,7 @@ class BarStage(Stage[BarScene]):
                           for lane in (ESTIMATE_LANE, TRUTH_LANE)]
         self._name = drawing.label(s, f"{at}/name", " ", 0.0, ESTIMATE_LANE + above + NAME_LINE, "bottom-left")
         if not beside:
-            drawing.label(s, "/bar/l3", "magenta: particles that cross a cell boundary", 1.0, TRUTH_LANE - above,
-                          "top-right", 0.85)
+            self._flash_note = drawing.label(s, f"{at}/l3", " ", 1.0, TRUTH_LANE - above, "top-right", 0.85)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
@@ -69,7 +69,7 @@ class BarStage(Stage[BarScene]):
             lane.points = self._lane.points(x, middle)
             lane.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (self._lane.rows, 1))
         since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
-        shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS)
+        shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS) & self._marked
         self._flashes.points = drawing.in_plane(x, np.where(shown, CROSSINGS_AT, drawing.AWAY), 0.02)
         self._flashes.colors = drawing.flash_colours(since)
         if self.plotted:
@@ -88,6 +88,10 @@ class BarStage(Stage[BarScene]):
         self._cells.points = drawing.joined(drawing.in_plane(edges, TRUTH_LANE - 0.7 * LANE_HEIGHT, -0.01),
                                             drawing.in_plane(edges, ESTIMATE_LANE + 0.7 * LANE_HEIGHT, -0.01))
         self._lane = _Lane(scene.particles)
+        every = drawing.one_in(scene.particles, MOST_MARKED)
+        self._marked = np.arange(scene.particles) % every == 0
+        if not self._beside:
+            self._flash_note.text = "magenta: particles that cross a cell boundary" + f" (1 in {every})" * (every > 1)
         for lane in self._lanes:
             lane.point_size = self._lane.size / 2
 

@@ -22,6 +22,7 @@ FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gon
 FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
 PAIR_MIDDLES, SMALLER = ((0.185, 0.52), (0.765, 0.52)), 0.58  # of two rings, each so much smaller than one alone
 RAISED = 0.24  # is the field plot below two rings
+MOST_MARKED = 320  # particles whose crossings are marked
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
@@ -50,8 +51,7 @@ class RingStage(Stage[RingScene]):
         self._size_note = drawing.label(s, f"{at}/l3", "", 0.0, 0.0, "bottom-left", 0.85)
         self._name = drawing.label(s, f"{at}/name", " ", 0.0, 0.0, "bottom-center")
         if not beside:
-            self._flash_note = drawing.label(s, f"{at}/l4", "magenta: crossing a cell boundary", 0.0, 0.0,
-                                             "bottom-right", 0.85)
+            self._flash_note = drawing.label(s, f"{at}/l4", " ", 0.0, 0.0, "bottom-right", 0.85)
         self._arrange()
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
@@ -74,7 +74,7 @@ class RingStage(Stage[RingScene]):
             half.points = self._images(x, mirrors)
             half.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1))
         steps = arrays.steps_since_crossing
-        just_crossed = (steps >= 0) & (steps < BRIEF * speed / scene.time_step)
+        just_crossed = (steps >= 0) & (steps < BRIEF * speed / scene.time_step) & self._marked
         crossing = x[just_crossed]
         self._flashes.points = self._images(crossing if len(crossing) else np.full((1, 2), drawing.AWAY), MIRRORS, 0.02)
         self._draw_domains(scene, arrays, x)
@@ -102,8 +102,8 @@ class RingStage(Stage[RingScene]):
 
     def _arrange(self) -> None:
         self._middle, self._size = (PAIR_MIDDLES[bool(self._beside)], SMALLER) if self._paired else (MIDDLE, 1.0)
-        high = 0.515  # of the titles: the ring, at its largest, stays below
-        for label, x, y in ((self._titles[0], -0.5, high), (self._titles[1], 0.5, high), (self._name, 0.0, 0.55),
+        high, side = 0.515, 0.47 if self._paired else 0.5  # of the titles: the ring, at its largest, stays below
+        for label, x, y in ((self._titles[0], -side, high), (self._titles[1], side, high), (self._name, 0.0, 0.55),
                             (self._size_note, -0.5, -0.5)):
             self._put(label, self._size * x, self._size * y)
         for label, x in zip(self._silences, (-0.015, 0.015), strict=True):
@@ -133,6 +133,10 @@ class RingStage(Stage[RingScene]):
         layout = particle_layout(scene)
         self._radii = layout.radii[layout.radius]
         self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
+        every = drawing.one_in(len(layout.radius), MOST_MARKED)
+        self._marked = np.arange(len(layout.radius)) % every == 0
+        if not self._beside:
+            self._flash_note.text = "magenta: crossing a cell boundary" + f" (1 in {every})" * (every > 1)
         self._size_note.text = f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
     def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
