@@ -1,6 +1,7 @@
 """What the stages share: the place of things, the colour bar, and points, lines and labels in the plane z = 0."""
 
 import textwrap
+from dataclasses import dataclass, field
 from typing import Literal
 from weakref import WeakKeyDictionary
 
@@ -17,8 +18,6 @@ FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
 DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
 UNKNOWN = 225  # grey of a particle whose error nobody knows
 AWAY = -50.0  # where points that are not shown wait, far outside the view
-
-_LABELS: WeakKeyDictionary[viser.SceneApi, list[tuple[viser.LabelHandle, float]]] = WeakKeyDictionary()
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
                  "bottom-center", "bottom-right"]
@@ -86,16 +85,37 @@ def lines(s: viser.SceneApi, name: str, colour: tuple[int, int, int], thickness:
 
 def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: Anchor,
           size: float = 1.0) -> viser.LabelHandle:
-    handle = s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=size)
-    _LABELS.setdefault(s, []).append((handle, size))
+    handle = s.add_label(name, text, position=(x, y, 0.0), anchor=anchor)
+    resize(s, handle, size)
     return handle
+
+
+@dataclass
+class _Lettering:
+    """The labels of a scene by name, with their usual sizes, and how many times as large they are written."""
+
+    factor: float = 1.0
+    sizes: dict[str, tuple[viser.LabelHandle, float]] = field(default_factory=dict)
+
+
+_LETTERING: WeakKeyDictionary[viser.SceneApi, _Lettering] = WeakKeyDictionary()
+
+
+def resize(s: viser.SceneApi, handle: viser.LabelHandle, size: float) -> None:
+    """Give a label of a scene another usual size."""
+    lettering = _LETTERING.setdefault(s, _Lettering())
+    lettering.sizes[handle.name] = handle, size
+    if handle.font_screen_scale != lettering.factor * size:
+        handle.font_screen_scale = lettering.factor * size
 
 
 def enlarge(s: viser.SceneApi, factor: float) -> None:
     """Write all labels of a scene so many times as large as usual."""
-    for handle, size in _LABELS.get(s, []):
-        if handle.font_screen_scale != factor * size:
-            handle.font_screen_scale = factor * size
+    lettering = _LETTERING.setdefault(s, _Lettering())
+    if lettering.factor != factor:
+        lettering.factor = factor
+        for handle, size in list(lettering.sizes.values()):
+            resize(s, handle, size)
 
 
 def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:

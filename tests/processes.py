@@ -40,6 +40,14 @@ def until(condition: Callable[[], object], what: str, patience: float = PATIENCE
         assert calm < patience and at < end, f"never happened: {what}"
 
 
+@contextmanager
+def starving() -> Iterator[Callable[[], float]]:
+    """Gives a function that says how many seconds, since then, the one of this process's own processes that had to wait
+    longest was ready to run while others had the processors."""
+    before = _waits()
+    yield lambda: max((wait - before.get(process, 0.0) for process, wait in _waits().items()), default=0.0)
+
+
 def _waits() -> dict[int, float]:
     """Seconds that this process and those below it have spent ready to run without a processor."""
     below, waits, family = defaultdict(list), {}, [os.getpid()]

@@ -70,7 +70,8 @@ class Sketch:
         for handle in self._labels[len(self._texts):]:
             handle.visible = False
         for handle, (text, at, anchor, size) in zip(self._labels, self._texts, strict=False):
-            for name, value in (("text", text), ("anchor", anchor), ("font_screen_scale", size), ("visible", True)):
+            drawing.resize(self._scene, handle, size)
+            for name, value in (("text", text), ("anchor", anchor), ("visible", True)):
                 if getattr(handle, name) != value:
                     setattr(handle, name, value)
             if tuple(handle.position) != at:

@@ -22,11 +22,12 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
          "--disable-gpu-compositing",  # by the renderer: a third of the time, which the processors that simulate spend
+         "--disable-features=PreloadTopChromeWebUI",  # of a browser's own window: a renderer more
          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
 # However cheap a picture is, the browser would draw as many as it can, beside the simulation: a few a second will do.
 FEW_FRAMES = """
     const soon = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 150);
+    window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 300);
     window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
 """
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
@@ -64,16 +65,19 @@ def serving(environment=None, arguments=()):
 
 
 @contextmanager
-def visit(chromium, address, query=""):
-    """A fresh visitor at 1280x720, with more in the address. Any error in the browser's console fails the test."""
+def visit(chromium, address, query="", script=""):
+    """A fresh visitor at 1280x720, with more in the address, and a script that runs before the page's.
+
+    Any error in the browser's console fails the test.
+    """
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
     errors = []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.add_init_script(FEW_FRAMES)
-    page.goto(f"{address}/?fixedDpr=1{query}")
+    page.add_init_script(FEW_FRAMES + script)
+    page.goto(f"{address}/?fixedDpr=0.5{query}")  # pixels of the stage: a quarter of them is as good to look at
     until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
     yield page
     page.close()

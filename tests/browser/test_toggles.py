@@ -2,11 +2,29 @@
 
 from __future__ import annotations
 
-from tests.browser.driving import choose, engine_processes, readout, steps, until
+from itertools import pairwise
+
+from tests.browser.conftest import visit
+from tests.browser.driving import choose, engine_processes, readout, scene, steps, until
 from tests.listening import PATIENCE
-from tests.processes import children, held
+from tests.processes import children, held, starving
 
 MARK = "compiling …"
+LONGEST = 1.0  # seconds that the stage may stand still, whatever has to be compiled
+#: Notes when the stage moves: frames reach the page from a worker of the viewer's.
+NOTE_MOVES = """
+window.moves = [];
+const Usual = window.Worker;
+window.Worker = class extends Usual {
+  constructor(...how) {
+    super(...how);
+    this.addEventListener("message", event => {
+      if ((event.data.messages || []).some(m => /\\/(estimate|truth)$/.test(m.name || "")))
+        window.moves.push(performance.now() / 1000);
+    });
+  }
+};
+"""
 
 
 def compilers(server):
@@ -55,3 +73,26 @@ def test_a_dozen_toggles_in_a_row_are_all_met(page):
           and not {"two-grid", "energy"} & set(readout(page).split()), "what was wished last", PATIENCE)
     before = steps(page)
     until(lambda: steps(page) != before, "a run that goes on")
+
+
+def test_the_stage_never_stands_still(server, chromium):
+    """A dozen toggles, nearly all of which have to be compiled: in the page itself no two frames of the stage come
+    longer apart than one would notice, but for time in which other work had the processors."""
+    with visit(chromium, server[0], script=NOTE_MOVES) as page:
+        until(lambda: page.evaluate("window.moves.length") > 20, "a moving stage")
+        page.get_by_text("Effects: compute only").click()
+        for switch in [*tick(page, "companion", "energy", "transport"), lambda: choose(page, "Method", "MPM"),
+                       *tick(page, "two-grid", "recovered"), lambda: choose(page, "Method", "cpGIMP"),
+                       lambda: choose(page, "Problem", "expanding ring"), *tick(page, "companion"),
+                       lambda: choose(page, "Method", "uGIMP"), *tick(page, "transport"),
+                       lambda: choose(page, "Problem", "vibrating bar")]:
+            before = scene(page)
+            with starving() as starved:
+                page.evaluate("window.moves = window.moves.slice(-1)")
+                switch()
+                until(lambda: scene(page) != before, "another scene", PATIENCE)  # noqa: B023
+                count = page.evaluate("window.moves.length")
+                until(lambda: page.evaluate("window.moves.length") > count + 3, "it moves")  # noqa: B023
+                moves = page.evaluate("window.moves")
+                still = max(later - earlier for earlier, later in pairwise(moves))
+                assert still < LONGEST + starved(), scene(page)
