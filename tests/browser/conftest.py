@@ -29,6 +29,9 @@ FEW_FRAMES = """
     const soon = window.requestAnimationFrame.bind(window);
     window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 300);
     window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
+    // The stage has half the pixels in each direction: enlarged as they are, they keep their colours.
+    addEventListener("DOMContentLoaded", () => document.head.insertAdjacentHTML(
+        "beforeend", "<style>canvas { image-rendering: pixelated; }</style>"));
 """
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 
@@ -77,7 +80,7 @@ def visit(chromium, address, query="", script=""):
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.add_init_script(FEW_FRAMES + script)
-    page.goto(f"{address}/?fixedDpr=0.5{query}")  # pixels of the stage: a quarter of them is as good to look at
+    page.goto(f"{address}/?fixedDpr=0.5{query}")
     until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
     yield page
     page.close()

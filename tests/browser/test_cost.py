@@ -16,7 +16,7 @@ def job_processes(parent):
 def begin(page, server):
     """A new visit, and what its Cost tab says before anything has run: the simulation stands still until then."""
     with held(engine_processes(server[1])):
-        page.goto(f"{server[0]}/?fixedDpr=1")
+        page.goto(f"{server[0]}/?fixedDpr=0.5")
         page.locator("#lab-ground").evaluate("ground => ground.remove()")  # it stays until there is a frame
         open_cost(page)
         shown(page, "No run of the vibrating bar yet")

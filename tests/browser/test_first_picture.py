@@ -43,11 +43,11 @@ def test_nothing_half_made_is_ever_seen(server, chromium):
     """From the first picture on the ground covers the viewer's own panel, until there is a stage; then it is away."""
     page = newcomer(chromium)
     page.add_init_script(LOOK)
-    page.goto(f"{server[0]}/?fixedDpr=1", wait_until="commit")
+    page.goto(f"{server[0]}/?fixedDpr=0.5", wait_until="commit")
     page.locator("#lab-ground").wait_for()
     assert page.title() == "mpm-lab"
     page.locator("#lab-ground").wait_for(state="hidden")
-    until(lambda: coloured(stage(page)) > 0.08, "two coloured lanes and a colour bar")
+    until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
     assert page.evaluate("[window.covered > 0, window.bare]") == [True, 0]
     page.close()
 
@@ -101,7 +101,7 @@ def test_colours_use_the_map(page):
     index = {tuple(c): k for k, c in enumerate(colour_table().tolist())}
 
     def brightest():
-        lanes = stage(page)[180:318].reshape(-1, 3)[::5].tolist()
+        lanes = stage(page)[182:326].reshape(-1, 3)[::5].tolist()
         return max((index[tuple(c)] for c in lanes if tuple(c) in index), default=0)
 
     until(lambda: time(page) > 1, "a period")

@@ -38,7 +38,7 @@ from tests.browser.driving import (
 
 def test_bar_moves_and_is_coloured(page):
     """Frames follow each other, lanes carry the map's own colours, time runs and all three plots fill."""
-    until(lambda: coloured(stage(page)) > 0.08, "two coloured lanes and a colour bar")
+    until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
     first, before = stage(page), time(page)
     until(lambda: np.any(np.abs(stage(page) - first) > 30, axis=2).mean() > 0.005, "another picture")
     until(lambda: time(page) > before, "time running")
@@ -217,7 +217,7 @@ def test_methods_effects_and_estimator(page):
         until(lambda: steps(page) > 20, f"{method} running")
     choose(page, "Error of", "stress σ")
     page.get_by_text("error norm of σ").wait_for()
-    until(lambda: coloured(stage(page)) > 0.08, "two coloured lanes")
+    until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes")
     full = coloured(stage(page))
     for estimator in FIRST_SCENE.estimators:
         page.get_by_label(estimator, exact=True).click()

@@ -56,7 +56,7 @@ def test_another_method_begins_anew_and_the_ring_is_walked_through_by_itself(pag
     begin(page)
     choose(page, "Method", "MPM (hat functions)")
     shown(page, "Step 1, phase 1 of 6")
-    assert "hat function at the particle" in page.locator("#lab-summary").inner_text()
+    until(lambda: "hat function at the particle" in page.locator("#lab-summary").inner_text(), "the sentence")
     page.get_by_label("Slow motion", exact=True).click()
     until(lambda: page.locator(".lab-slow").count() == 0, "the end")
     to_the_ring(page)
