@@ -80,10 +80,12 @@ def visit(chromium, address, query="", script=""):
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.add_init_script(FEW_FRAMES + script)
-    page.goto(f"{address}/?fixedDpr=0.5{query}")
-    until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
-    yield page
-    page.close()
+    try:
+        page.goto(f"{address}/?fixedDpr=0.5{query}")
+        until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+        yield page
+    finally:
+        page.close()  # one that stayed would go on drawing, beside all tests that follow
     assert errors == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -28,11 +29,15 @@ look();
 """
 
 
+@contextmanager
 def newcomer(chromium):
-    """A visitor before the page is there, with the patience of all others."""
+    """A visitor before the page is there, with the patience of all others. A page that stayed would go on drawing."""
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
-    return page
+    try:
+        yield page
+    finally:
+        page.close()
 
 
 def summary(page):
@@ -41,25 +46,23 @@ def summary(page):
 
 def test_nothing_half_made_is_ever_seen(server, chromium):
     """From the first picture on the ground covers the viewer's own panel, until there is a stage; then it is away."""
-    page = newcomer(chromium)
-    page.add_init_script(LOOK)
-    page.goto(f"{server[0]}/?fixedDpr=0.5", wait_until="commit")
-    page.locator("#lab-ground").wait_for()
-    assert page.title() == "mpm-lab"
-    page.locator("#lab-ground").wait_for(state="hidden")
-    until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
-    assert page.evaluate("[window.covered > 0, window.bare]") == [True, 0]
-    page.close()
+    with newcomer(chromium) as page:
+        page.add_init_script(LOOK)
+        page.goto(f"{server[0]}/?fixedDpr=1", wait_until="commit")
+        page.locator("#lab-ground").wait_for()
+        assert page.title() == "mpm-lab"
+        page.locator("#lab-ground").wait_for(state="hidden")
+        until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
+        assert page.evaluate("[window.covered > 0, window.bare]") == [True, 0]
 
 
 def test_a_refusal_is_not_covered(chromium):
     """Who finds every place taken reads so."""
-    with serving(arguments=("--max-sessions", "1")) as (address, _), visit(chromium, address):
-        page = newcomer(chromium)
+    with serving(arguments=("--max-sessions", "1")) as (address, _), visit(chromium, address), \
+            newcomer(chromium) as page:
         page.goto(address)
         page.get_by_text("Every place on this server is taken.").wait_for()
         page.locator("#lab-ground").wait_for(state="hidden")
-        page.close()
 
 
 def test_sentence_says_what_the_numbers_say(page):

@@ -272,10 +272,11 @@ def test_the_field_follows_the_quantity_and_magnifies(page):
     """Another quantity: another curve, other numbers on the axis, another caption. Magnified deviations: other dots."""
     def parts():
         picture = stage(page)  # its labels are part of the picture, and no text that could be read
-        return {"curve": picture[360:620, 55:], "numbers": picture[360:620, :45], "caption": picture[622:648, 80:520]}
+        return {"curve": picture[375:652, 127:], "numbers": picture[375:652, 85:122],
+                "caption": picture[655:672, 150:600]}
 
     def changed(names, what):
-        until(lambda: all(np.any(np.abs(parts()[n] - before[n]) > 60, axis=2).mean() > 0.002 for n in names), what)
+        until(lambda: all(np.any(np.abs(parts()[n] - before[n]) > 60, axis=2).mean() > 0.001 for n in names), what)
 
     until(lambda: steps(page) > 20, "a run under way")
     click(page, "Pause")
