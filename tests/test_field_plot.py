@@ -113,7 +113,8 @@ def plot():
 
     class Scene:
         def __getattr__(self, kind):
-            return lambda name, *a, **k: made.setdefault(name.rsplit("/", 1)[1], SimpleNamespace(text="", points=None))
+            return lambda name, *a, **k: made.setdefault(
+                name.rsplit("/", 1)[1], SimpleNamespace(name=name, text="", points=None, font_screen_scale=1.0))
 
     return FieldPlot(Scene(), "bar", BAR_FIELD, 0.006), made
 
