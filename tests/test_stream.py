@@ -27,7 +27,7 @@ class Scene:
     """Stands in for the viewer's scene: remembers what was drawn and sends nothing."""
 
     def __getattr__(self, name):
-        return lambda *args, **kwargs: SimpleNamespace(text="")
+        return lambda *args, **kwargs: SimpleNamespace(name=args[0], text="", font_screen_scale=1.0)
 
 
 @contextmanager

@@ -122,7 +122,8 @@ class Drawn:
     """Stands in for the viewer's scene: keeps what is drawn last."""
 
     def __getattr__(self, name):
-        return lambda *args, **kwargs: SimpleNamespace(text="", points=np.zeros((0, 3)), visible=True)
+        return lambda *args, **kwargs: SimpleNamespace(name=args[0], text="", points=np.zeros((0, 3)), visible=True,
+                                                       font_screen_scale=1.0)
 
 
 @pytest.fixture
