@@ -34,7 +34,7 @@ def test_everything_has_a_place_of_its_own(page):
     for size in (LARGE, LAPTOP, UPRIGHT, PHONE):
         resize(page, size)
         until(lambda size=size: stage_box(page)["width"] >= 0.6 * size[0], "a broad stage")
-        until(lambda: coloured(stage(page)) > 0.02, "a stage with colours")
+        until(lambda: coloured(stage(page)) > 0.002, "a stage with colours")
         assert stage_box(page)["height"] >= min(0.38 * size[1], 400)
         places = boxes(page)
         assert len(places) == (3 if size == PHONE else 4)
@@ -69,7 +69,7 @@ def test_a_folded_panel_gives_its_room_to_the_stage(page):
 
 def test_presenter_sees_stage_and_one_plot(page):
     """No controls, one plot, large text; Escape brings all back, and so does the button."""
-    until(lambda: coloured(stage(page)) > 0.02, "a stage with colours")
+    until(lambda: coloured(stage(page)) > 0.002, "a stage with colours")
 
     def plots():
         return page.evaluate("() => [...document.querySelectorAll('.lab-heading')].filter(e => e.offsetParent).length")
