@@ -21,10 +21,10 @@ PROCESSORS = ("x64", "arm64")  # as Taichi calls them; others work while this th
 class Stretch:
     """Some steps of a solver, taken again and again from the same state, for ``seconds`` at least.
 
-    They are whole rounds of samples and of estimators, so that each stretch has its fair part of both; of estimators
-    alone where samples are so rare that a round of them takes more than ``longest`` seconds. A solver that has not
-    begun is warmed up first. ``steps`` are given where they must be another stretch's. ``put_back`` puts the state
-    back, to the bit.
+    They are whole rounds of estimators, samples and looks at the run, so that each stretch has its fair part of all; of
+    estimators and samples, or estimators alone, where the others are so rare that a round of them takes more than
+    ``longest`` seconds. A solver that has not begun is warmed up first. ``steps`` are given where they must be another
+    stretch's. The solver is left in the state in which it came, to which ``put_back`` brings it back, to the bit.
     """
 
     def __init__(self, solver: Solver, seconds: float = SECONDS, longest: float = math.inf, steps: int = 0):
@@ -32,20 +32,25 @@ class Stretch:
         alone = solver.plan == "serial" and solver.arch in PROCESSORS
         # The processor's own time where one thread does it all, so that what else runs on the machine is not counted.
         self._clock = time.thread_time if alone else time.perf_counter
-        whole = math.lcm(*solver.estimate_intervals)
-        sampled = min(math.lcm(whole, solver.scene.sample_interval), solver.longest_advance)
+        scene, most = solver.scene, solver.longest_advance
+        rounds = [math.lcm(*solver.estimate_intervals)]  # of ever more of what is not done in each step
+        for interval in (scene.sample_interval, scene.margin_interval):
+            rounds.append(math.lcm(rounds[-1], interval))
         solver.advance(0)  # compiles
         if not solver.step:
-            solver.advance(sampled)
+            solver.advance(min(rounds[1], most))
         self.put_back = solver.bookmark()
         if steps:
             self.steps = steps
             return
-        self.steps = min(whole, solver.longest_advance)
-        if not self.time() * sampled > longest:
-            self.steps = sampled
-        while self.time() * self.steps < seconds and 2 * self.steps <= solver.longest_advance:
+        self.steps = min(rounds[0], most)
+        a_step = self.time()
+        for steps in rounds[1:]:
+            if steps <= most and not a_step * steps > longest:
+                self.steps = steps
+        while self.time() * self.steps < seconds and 2 * self.steps <= most:
             self.steps *= 2
+        self.put_back()
 
     def time(self, without: str | None = None) -> float:
         """Seconds a step, once more, on request without one of the estimators; NaN where the run goes bad, for then

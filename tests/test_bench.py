@@ -21,6 +21,7 @@ from solvers.bench import example, start
 from solvers.bench.measure import QUICK, bare, priced
 from solvers.problems import PROBLEMS
 from solvers.processes import ProcessDied, ask_fresh
+from solvers.ring.scene import RingScene
 from solvers.run import build
 from solvers.timing import Stretch, rate, take_turns
 from tests.processes import HANG, wait_for_library
@@ -158,6 +159,19 @@ def test_a_stretch_is_whole_rounds_and_leaves_the_state_as_it_was():
     stretch.time()
     assert np.array_equal(once, stretch.solver.snapshot().position)
     assert take_turns([stretch, stretch], 3).shape == (3, 2)
+
+
+def test_what_is_compared_takes_the_same_steps():
+    """From the same step on, and whole rounds of looks at the margin, which cost as much as some ten steps: a stretch
+    with one more of them than the other would make an estimator of a few per cent cost half of the run."""
+    scene = RingScene(cells=24, method="ugimp", dt=2e-5, estimators=("companion",))
+    solver = build(scene)
+    solver.advance(scene.margin_interval + 1)
+    stretch = Stretch(solver, 1e-3)
+    bare = Stretch(solver.without_estimators(), steps=stretch.steps)
+    assert solver.step == bare.solver.step == scene.margin_interval + 1
+    assert bare.steps == stretch.steps and stretch.steps % scene.margin_interval == 0
+    assert stretch.steps % bare.solver.scene.margin_interval == 0
 
 
 def test_a_run_that_goes_bad_has_no_rate():

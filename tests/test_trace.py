@@ -176,16 +176,21 @@ def test_a_click_marks_and_another_ends_it(run, stage):
             return clicks.append
 
     trace = Trace(recent)
-    mark = Mark(SimpleNamespace(scene=Scene()), SimpleNamespace(on_stage=lambda at: at), trace)
+    mark = Mark(SimpleNamespace(scene=Scene()), trace)
     mark.look(stage, arrays)
     assert not any(rings.visible for rings in drawn)
     images = stage.images(arrays, slice(5, 6))[:, 0, :2]
+
+    def click(x, y):
+        eye = np.array([0.4, 0.6, 20.0])
+        clicks[0](SimpleNamespace(ray_origin=eye, ray_direction=(np.array([x, y, 0.0]) - eye) / 20))
+
     for place in (tuple(images[0]), (0.5, -5.0)):
-        clicks[0](SimpleNamespace(screen_pos=tuple(images[0])))
+        click(*images[0])
         assert trace.traced.particle == 5
         for rings in drawn:
             assert rings.visible
             apart = np.linalg.norm(rings.points.reshape(len(images), -1, 3)[:, :, :2] - images[:, None], axis=2)
             np.testing.assert_allclose(apart, RADIUS, rtol=1e-4)  # single precision near 1
-        clicks[0](SimpleNamespace(screen_pos=place))
+        click(*place)
         assert trace.traced is None and not any(rings.visible for rings in drawn)

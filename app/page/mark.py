@@ -4,7 +4,6 @@ import numpy as np
 import viser
 
 from app.drawing import DOT, joined, lines
-from app.page.camera import FlatCamera
 from app.page.trace import Trace
 from app.problems.stage import Stage
 from solvers.engine.frames import FrameArrays
@@ -17,13 +16,13 @@ _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=
 class Mark:
     """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
 
-    def __init__(self, client: viser.ClientHandle, camera: FlatCamera, trace: Trace):
+    def __init__(self, client: viser.ClientHandle, trace: Trace):
         self._trace = trace
         self._seen: tuple[Stage, FrameArrays] | None = None
         # White beneath black is seen on every colour of the map.
         self._rings = [lines(client.scene, f"/trace/{name}", colour, width)
                        for name, colour, width in (("ground", (255, 255, 255), 5.0), ("ring", DOT, 2.0))]
-        client.scene.on_click()(lambda event: self._click(camera.on_stage(event.screen_pos)))
+        client.scene.on_click()(lambda event: self._click(_on_stage(event)))
 
     def look(self, stage: Stage, arrays: FrameArrays) -> None:
         """Ring the particle in the frame that is drawn, if it is traced."""
@@ -47,3 +46,9 @@ class Mark:
         particle, traced = stage.nearest(point, arrays), self._trace.traced
         self._trace.choose(None if traced is not None and particle == traced.particle else particle)
         self.look(stage, arrays)
+
+
+def _on_stage(event: viser.SceneClickEvent) -> tuple[float, float]:
+    """Where the ray of a click meets the plane z = 0: what the visitor saw there, also while the camera settles."""
+    (x, y, z), (dx, dy, dz) = event.ray_origin, event.ray_direction
+    return x - z * dx / dz, y - z * dy / dz

@@ -60,7 +60,7 @@ class Page:
         self._show_stage(FIRST_SCENE.problem)
         self._camera = FlatCamera(client, RECTANGLE)
         self._probe = Probe(client, self._camera)
-        self._mark = Mark(client, self._camera, self._trace)
+        self._mark = Mark(client, self._trace)
         self._worst = WorstRegions()
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)

@@ -110,6 +110,18 @@ def coloured(picture):
     return np.mean([tuple(c) in table for c in picture.reshape(-1, 3)[::7].tolist()])
 
 
+def click_a_particle(page, x, y):
+    """Click a place of the window once a particle is drawn there, in a colour of the map."""
+    around = {"x": x - 4, "y": y - 4, "width": 9, "height": 9}
+
+    def there():
+        shot = Image.open(io.BytesIO(page.screenshot(clip=around))).convert("RGB")
+        return coloured(np.asarray(shot).astype(int)) > 0.5
+
+    until(there, f"a particle at ({x}, {y})")
+    page.mouse.click(x, y)
+
+
 def engine_processes(parent):
     """Ids of the processes that ``parent`` has spawned to simulate in."""
     return processes.children(parent, "spawn_main")

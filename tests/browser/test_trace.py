@@ -4,7 +4,19 @@ from __future__ import annotations
 
 import re
 
-from tests.browser.driving import choose, click, number, plotted, press, readout, row, time, to_the_ring, until
+from tests.browser.driving import (
+    choose,
+    click,
+    click_a_particle,
+    number,
+    plotted,
+    press,
+    readout,
+    row,
+    time,
+    to_the_ring,
+    until,
+)
 
 
 def field(page):
@@ -19,7 +31,7 @@ def traced(page):
 def test_a_click_traces_a_particle(page):
     """A plot of its own from the first frames on, until it is said that it is enough; by its number too."""
     until(lambda: time(page) > 0.3, "frames to look back at")
-    page.mouse.click(550, 290)  # a third along the bar, in the lower lane
+    click_a_particle(page, 550, 290)  # a third along the bar, in the lower lane
     title = page.get_by_text(re.compile(r"particle \d+, X = 0\.3\d* m"))
     title.wait_for()
     until(lambda: f"particle {traced(page)[0]}, " in title.inner_text(), "its number")
@@ -74,7 +86,7 @@ def test_a_mirror_image_of_the_ring_is_traced(page):
     """In the estimate's half, which is a mirror image; the hole ends it."""
     to_the_ring(page)
     until(lambda: "of 25 µs" in readout(page), "the ring's run")
-    page.mouse.click(500, 342)  # on the left of the ring, in the middle of the wall
+    click_a_particle(page, 500, 342)  # on the left of the ring, in the middle of the wall
     page.get_by_text("particle ").first.wait_for()
     until(lambda: len(plotted(page)) == 4, "its plot")
     page.mouse.click(632, 342)
