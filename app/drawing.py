@@ -85,9 +85,9 @@ def lines(s: viser.SceneApi, name: str, colour: tuple[int, int, int], thickness:
 
 def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: Anchor,
           size: float = 1.0) -> viser.LabelHandle:
-    lettering = _LETTERING.setdefault(s, _Lettering())
-    handle = s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=lettering.factor * size)
-    lettering.sizes[handle.name] = handle, size
+    factor = _LETTERING.setdefault(s, _Lettering()).factor
+    handle = s.add_label(name, text, position=(x, y, 0.0), anchor=anchor, font_screen_scale=factor * size)
+    resize(s, handle, size)
     return handle
 
 

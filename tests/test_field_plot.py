@@ -73,9 +73,10 @@ def test_what_is_off_is_not_zero(scene):
 
 
 def test_magnified_is_exact_plus_so_many_deviations():
-    field = np.array([[5.0, 0.25], [2.0, -0.5]])
-    np.testing.assert_array_equal(seen(field, 1), [5, 2])
-    np.testing.assert_array_equal(seen(field, 10), [4.75 + 2.5, 2.5 - 5])
+    field, known = np.array([[5.0, 0.25], [2.0, -0.5]]), SimpleNamespace(solution_known=True)
+    np.testing.assert_array_equal(seen(known, field, 1), [5, 2])
+    np.testing.assert_array_equal(seen(known, field, 10), [4.75 + 2.5, 2.5 - 5])
+    np.testing.assert_array_equal(seen(SimpleNamespace(solution_known=False), field, 10), [5, 2])
 
 
 def test_axis_ends_at_round_numbers_and_holds_everything():

@@ -48,6 +48,27 @@ class Course:
         self._held = table, start, end
 
 
+class Courses:
+    """One run's series twice: from its start on, and over its last periods, finer where the run is long."""
+
+    def __init__(self, period: float):
+        self._whole, self._latest = Course(), Course(LAST_PERIODS * period)
+
+    @property
+    def series(self) -> dict[str, np.ndarray]:
+        return self._whole.series
+
+    @property
+    def latest(self) -> dict[str, np.ndarray]:
+        """The last periods only."""
+        return self._latest.series
+
+    def append(self, new: Mapping[str, np.ndarray]) -> None:
+        """To both, as :meth:`Course.add`."""
+        self._whole.add(new)
+        self._latest.add(new)
+
+
 def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
     """A table of its own for values (names, rows), with room for more rows."""
     names, rows = values.shape

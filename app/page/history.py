@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from app.page.course import LAST_PERIODS, Course
+from app.page.course import Courses
 from solvers import samples
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
@@ -12,25 +12,18 @@ from solvers.scene import Scene
 CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are counted
 
 
-class History:
-    """Sampled norms and the running error index of one run. One thread adds, any may read."""
+class History(Courses):
+    """Sampled norms and the running error index of one run. One thread adds, any may read.
+
+    Its series are named as in ``solvers.samples.read``, and up to that time the error index (eq 35) and the pointwise
+    distance as ``transport/index_x`` and ``transport/distance_x``.
+    """
 
     def __init__(self, scene: Scene, particles: int):
+        super().__init__(scene.period)
         self.scene, self._particles = scene, particles
-        self._whole, self._latest = Course(), Course(LAST_PERIODS * scene.period)
         self.margin = math.nan  # of the step, as last looked at: few samples do
         self._sums: dict[str, float] = {}
-
-    @property
-    def series(self) -> dict[str, np.ndarray]:
-        """Named series as in ``solvers.samples.read``, and up to that time the error index (eq 35) and the pointwise
-        distance as ``transport/index_x`` and ``transport/distance_x``."""
-        return self._whole.series
-
-    @property
-    def latest(self) -> dict[str, np.ndarray]:
-        """The same over the last periods only, and finer where the run is long."""
-        return self._latest.series
 
     def add(self, rows: np.ndarray) -> None:
         """Append rows of samples (``solvers.samples``)."""
@@ -47,8 +40,7 @@ class History:
                             true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
         looked = np.flatnonzero(np.isfinite(new["margin"]))
         self.margin = float(new["margin"][looked[-1]]) if len(looked) else self.margin
-        for course in (self._whole, self._latest):
-            course.add(new)
+        self.append(new)
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Times and grid crossings per second of simulated time, each over a twentieth of a period or more, from

@@ -5,22 +5,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.page.course import LAST_PERIODS, MOST_ROWS, Course
+from app.page.course import MOST_ROWS, Courses
 from app.page.recent import Frame, Recent
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.samples import QUANTITIES
 
 
-class Traced:
+class Traced(Courses):
     """A particle of one run, by its number, and what frames said of it. Its series are called as those of a history are
     (``app.page.history``), with the sizes of its own errors in place of norms."""
 
     def __init__(self, particle: int, frames: Sequence[Frame]):
         report, arrays = frames[-1]
+        super().__init__(report.scene.period)
         self.particle, self.scene = particle, report.scene
         self.at_rest = rest(arrays)[particle]  # (D,) in metres
-        self._whole, self._latest = Course(), Course(LAST_PERIODS * self.scene.period)
         self._step = -1
         self._crossings: tuple[int, ...] = ()  # steps
         for frame in frames:
@@ -36,21 +36,11 @@ class Traced:
             new[f"error_{name}"] = np.abs(arrays.error[p:p + 1, q].astype(float))
             for estimator, estimate in arrays.estimate.items():
                 new[f"{estimator}/estimate_{name}"] = np.abs(estimate[p:p + 1, q].astype(float))
-        for course in (self._whole, self._latest):
-            course.add(new)
+        self.append(new)
         since = arrays.steps_since_crossing[p]
         crossed = report.step - int(since) if since >= 0 else -1
         if crossed > max(self._crossings, default=-1):
             self._crossings = (*self._crossings, crossed)[-MOST_ROWS:]
-
-    @property
-    def series(self) -> dict[str, np.ndarray]:
-        return self._whole.series
-
-    @property
-    def latest(self) -> dict[str, np.ndarray]:
-        """The last periods only."""
-        return self._latest.series
 
     def crossed(self, times: np.ndarray) -> np.ndarray:
         """Which of the times (n,) of a series is the first after a crossing: (n,) of bool."""

@@ -74,14 +74,11 @@ class FieldPlot:
             self._axis.forget()
             self._begin(scene, quantity)
         self._drawn, self._time = (scene, quantity, magnified), t
-        values = seen(field, magnified if scene.solution_known else 1)
-        known = np.isfinite(values)
-        sizes = np.abs(values)
-        self._axis.follow(max(largest(sizes), self.lent.reach), self._reach)
-        self._caption_it(scene, quantity, magnified, int(np.count_nonzero(~known)))
+        values = seen(scene, field, magnified)
+        self._axis.follow(max(largest(np.abs(values)), self.lent.reach), self._reach)
+        self._caption_it(scene, quantity, magnified, int(np.count_nonzero(~np.isfinite(values))))
         self._number(QUANTITIES[quantity].unit)
         points = self.points(at, values)
-        points[~known, 1] = drawing.AWAY
         self._dots.points = points
         shown = points[crossed]
         shown[:, 2] = 0.015
@@ -106,11 +103,12 @@ class FieldPlot:
             self._reach = max(largest(np.abs(place.exact(scene, quantity, self._line, t))) for t in times)
 
     def points(self, at: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Points of the stage (n, 3) for values at coordinates (n,)."""
+        """Points of the stage (n, 3) for values at coordinates (n,); away where a value is not finite."""
         place, out = self._place, np.empty((len(values), 3), np.float32)
         with np.errstate(invalid="ignore"):
             out[:, 0] = (at - place.start) / (place.end - place.start)
-            out[:, 1] = place.middle + place.height / self._axis.top * values
+            heights = place.middle + place.height / self._axis.top * values
+        out[:, 1] = np.where(np.isfinite(heights), heights, drawing.AWAY)
         out[:, 2] = 0.01
         return out
 
@@ -145,9 +143,8 @@ class Dots:
     def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
              crossed: np.ndarray) -> None:
         """As the plot's own; crossings are not marked."""
-        values = seen(field, magnified if scene.solution_known else 1)
+        values = seen(scene, field, magnified)
         points, self.reach = self._plot.points(at, values), largest(np.abs(values))
-        points[~np.isfinite(values), 1] = drawing.AWAY
         points[:, 2] = 0.0
         self._dots.points = points
 
@@ -161,7 +158,10 @@ def field_name(quantity: str) -> str:
     return "displacement u" if quantity == "x" else str(QUANTITIES[quantity])
 
 
-def seen(field: np.ndarray, magnified: int) -> np.ndarray:
-    """Values (P,) as they are drawn: exact plus ``magnified`` times the deviation of a ``field`` (P, 2)."""
+def seen(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
+    """Values (P,) as they are drawn: exact plus ``magnified`` times the deviation of a ``field`` (P, 2), where the
+    exact one is known."""
+    if magnified == 1 or not scene.solution_known:
+        return field[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):
-        return field[:, 0] if magnified == 1 else field[:, 0] + (magnified - 1) * field[:, 1]
+        return field[:, 0] + (magnified - 1) * field[:, 1]

@@ -44,10 +44,13 @@ class Stage(ABC, Generic[AnyScene]):
     NAME_WIDTH: ClassVar[int]  # and of what a run is called beside another one
     PLOT: ClassVar[Place]  # of the field
     PLOT_DOT: ClassVar[float]  # size of a particle in it
+    MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
+    MARKED: ClassVar[str]  # what is said of the marks
 
     _titles: list[viser.LabelHandle]
     _silences: list[viser.LabelHandle]
     _name: viser.LabelHandle
+    _flash_note: viser.LabelHandle  # of the first stage only
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: "Stage | None" = None):
         self._client, self._scale, self.domains, self._paired = client, scale, False, False
@@ -90,6 +93,13 @@ class Stage(ABC, Generic[AnyScene]):
             self._drawn_scene = scene
             self._draw_grid(scene)
         self._draw_frame(scene, arrays, estimated, true, t, speed)
+
+    def _mark(self, particles: int) -> None:
+        """Choose the particles whose crossings are marked, and say so: with marks of more, nothing else is seen."""
+        every = drawing.one_in(particles, self.MOST_MARKED)
+        self._marked = np.arange(particles) % every == 0
+        if not self._beside:
+            drawing.write(self._flash_note, self.MARKED + f" (1 in {every})" * (every > 1))
 
     def caption(self, estimate: Half, truth: Half) -> None:
         """Title the halves, and say in an empty one why it is."""

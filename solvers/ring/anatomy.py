@@ -3,8 +3,7 @@
 import numpy as np
 
 from solvers.anatomy import Anatomy, Carried, Image, flipped, link
-from solvers.ring.gimp import MOST_HALF_WIDTH
-from solvers.ring.layout import CORNERS, GHOSTS
+from solvers.ring.layout import CORNERS, GHOSTS, half_edges
 from solvers.ring.scene import RingScene
 from solvers.ring.state import WatchedRing
 
@@ -22,7 +21,7 @@ def carried(a: WatchedRing) -> Carried:
 
 def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: Carried) -> Anatomy:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
-    edges, row = _half_edges(scene, a, before.deformation_gradient), a.row
+    edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     if scene.method == "cpdi":
         nodes = (a.corner_nodes[:, :, None] + np.array([0, 1, row, row + 1])).reshape(len(edges), 16)
     else:
@@ -47,17 +46,6 @@ def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: 
         a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
         (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - GHOSTS) * scene.spacing, sums[:, 4].copy(),
         signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
-
-
-def _half_edges(scene: RingScene, a: WatchedRing, F: np.ndarray) -> np.ndarray:
-    """Half the edge vectors (P, 2, 2) of the domains, a row each, as the method sees them."""
-    if scene.method == "cpdi":
-        rest = 0.5 * a.edges.reshape(-1, 2, 2)
-        return rest if scene.frozen else np.einsum("pij,pej->pei", F, rest)
-    width = np.full((len(F), 2), 0.0 if scene.method == "mpm" else a.half_width)
-    if scene.method == "cpgimp" and not scene.frozen:
-        width = np.clip(a.half_width * F[:, [0, 1], [0, 1]], 1e-6, MOST_HALF_WIDTH)
-    return scene.spacing * width[:, :, None] * np.eye(2)
 
 
 def _stencil_weights(a: WatchedRing, _: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

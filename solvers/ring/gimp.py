@@ -2,11 +2,9 @@
 
 import taichi as ti
 
-from solvers.ring.layout import GHOSTS
+from solvers.ring.layout import GHOSTS, MOST_HALF_WIDTH
 from solvers.ring.material import force_moment, force_record
 from solvers.shapes import outer_weights, stencil
-
-MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that three nodes suffice
 
 
 @ti.func

@@ -9,6 +9,7 @@ from solvers.ring.scene import RingScene, polar_counts
 
 CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))  # of a CPDI domain, in its edges from its middle
 GHOSTS = 2  # rows of nodes beyond each symmetry plane
+MOST_HALF_WIDTH = 0.5  # of a box, in cells: it meets at most two cells, so that three nodes suffice
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,19 @@ class Layout:
 def particle_layout(scene: RingScene) -> Layout:
     """The scene's layout: "polar" lattices fill the ring exactly, "cartesian" ones leave a staircase at its rim."""
     return _polar(scene) if scene.layout == "polar" else _cartesian(scene)
+
+
+def half_edges(scene: RingScene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Half the edge vectors (P, 2, 2) in metres, a row each, of the particles' domains as the method sees them where
+    the deformation gradients are ``F`` (P, 2, 2); ``edges`` (P, 4) are those of the layout. No domain: zeros."""
+    if scene.method == "cpdi":
+        rest = 0.5 * edges.reshape(-1, 2, 2)
+        return rest if scene.frozen else np.einsum("pij,pej->pei", F, rest)
+    at_rest = 0.5 / scene.ppc
+    width = np.full((len(F), 2), 0.0 if scene.method == "mpm" else at_rest)
+    if scene.method == "cpgimp" and not scene.frozen:
+        width = np.clip(at_rest * F[:, [0, 1], [0, 1]], 1e-6, MOST_HALF_WIDTH)
+    return scene.spacing * width[:, :, None] * np.eye(2)
 
 
 def _polar(scene: RingScene) -> Layout:

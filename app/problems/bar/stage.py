@@ -15,7 +15,6 @@ ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
 FIELD = Place(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field)
 NAME_LINE, LOWER = 0.05, 0.49  # what a line of words takes; by how much a pinned run's lanes are below the others
-MOST_MARKED = 200  # particles whose crossings are marked
 LANE_POINTS = 4000  # points that a lane may be made of
 
 
@@ -26,6 +25,7 @@ class BarStage(Stage[BarScene]):
     PAIR_RECTANGLE = (*drawing.RECTANGLE[:2], drawing.RECTANGLE[2] - NAME_LINE - LOWER, 1.14)
     SILENCE_WIDTH, NAME_WIDTH = 72, 90
     PLOT, PLOT_DOT = FIELD, 0.006
+    MOST_MARKED, MARKED = 200, "magenta: particles that cross a cell boundary"
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: Stage | None = None):
         super().__init__(client, scale, beside)
@@ -88,10 +88,7 @@ class BarStage(Stage[BarScene]):
         self._cells.points = drawing.joined(drawing.in_plane(edges, TRUTH_LANE - 0.7 * LANE_HEIGHT, -0.01),
                                             drawing.in_plane(edges, ESTIMATE_LANE + 0.7 * LANE_HEIGHT, -0.01))
         self._lane = _Lane(scene.particles)
-        every = drawing.one_in(scene.particles, MOST_MARKED)
-        self._marked = np.arange(scene.particles) % every == 0
-        if not self._beside:
-            self._flash_note.text = "magenta: particles that cross a cell boundary" + f" (1 in {every})" * (every > 1)
+        self._mark(scene.particles)
         for lane in self._lanes:
             lane.point_size = self._lane.size / 2
 

@@ -11,7 +11,7 @@ from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
 from solvers.ring import exact
 from solvers.ring.exact import INNER, OUTER
-from solvers.ring.layout import particle_layout
+from solvers.ring.layout import half_edges, particle_layout
 from solvers.ring.scene import RingScene
 
 MIDDLE = (0.5, 0.44)
@@ -22,7 +22,6 @@ FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gon
 FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
 PAIR_MIDDLES, SMALLER = ((0.185, 0.52), (0.765, 0.52)), 0.58  # of two rings, each so much smaller than one alone
 RAISED = 0.24  # is the field plot below two rings
-MOST_MARKED = 320  # particles whose crossings are marked
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
@@ -34,6 +33,7 @@ class RingStage(Stage[RingScene]):
     RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, drawing.RECTANGLE[3])
     PAIR_RECTANGLE = (*drawing.RECTANGLE[:2], -0.41 + RAISED, drawing.RECTANGLE[3])
     PLOT, PLOT_DOT = FIELD, 0.005
+    MOST_MARKED, MARKED = 320, "magenta: crossing a cell boundary"
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: Stage | None = None):
         super().__init__(client, scale, beside)
@@ -133,10 +133,7 @@ class RingStage(Stage[RingScene]):
         layout = particle_layout(scene)
         self._radii = layout.radii[layout.radius]
         self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
-        every = drawing.one_in(len(layout.radius), MOST_MARKED)
-        self._marked = np.arange(len(layout.radius)) % every == 0
-        if not self._beside:
-            self._flash_note.text = "magenta: crossing a cell boundary" + f" (1 in {every})" * (every > 1)
+        self._mark(len(layout.radius))
         self._size_note.text = f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
     def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
@@ -145,7 +142,8 @@ class RingStage(Stage[RingScene]):
             self._outlines.visible = False
             return
         self._outlines.visible = True
-        first, second = _half_edges(scene, arrays, self._edges)
+        F = arrays.deformation_gradient.reshape(-1, 2, 2)
+        first, second = np.moveaxis(half_edges(scene, F, self._edges), 1, 0)
         corners = [x - first - second, x + first - second, x + first + second, x - first + second]
         placed = [self._images(corner, MIRRORS[::2], 0.01) for corner in corners]
         self._outlines.points = np.concatenate([drawing.joined(placed[k - 1], placed[k]) for k in range(4)])
@@ -154,17 +152,6 @@ class RingStage(Stage[RingScene]):
 def _in_view(x: np.ndarray) -> np.ndarray:
     """Positions (n, 2) in metres; what is not a number becomes FARTHEST."""
     return np.fmax(np.fmin(x, FARTHEST), -FARTHEST)
-
-
-def _half_edges(scene: RingScene, arrays: FrameArrays, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Half the edge vectors (P, 2) of the particles' domains as the method sees them now."""
-    F = arrays.deformation_gradient.reshape(-1, 2, 2)
-    if scene.method == "cpdi":
-        return 0.5 * np.einsum("pij,pj->pi", F, edges[:, :2]), 0.5 * np.einsum("pij,pj->pi", F, edges[:, 2:])
-    stretch = np.minimum(np.diagonal(F, axis1=1, axis2=2), scene.ppc) if scene.method == "cpgimp" \
-        else np.full((len(F), 2), 0.0 if scene.method == "mpm" else 1.0)
-    boxes = 0.5 * scene.spacing / scene.ppc * stretch[:, :, None] * np.eye(2)
-    return boxes[:, 0], boxes[:, 1]
 
 
 STAGE = RingStage
