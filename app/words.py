@@ -139,8 +139,11 @@ def number(value: float) -> str:
 
 
 def ratio(value: float) -> str:
-    """An estimate over what it is an estimate of: 0.36, 1.02."""
-    return f"{value:.2f}" if 0.095 < value < 1000 else f"{value:.1g}"
+    """An estimate over what it is an estimate of: 0.36, 1.02, 6 × 10⁴."""
+    if 0.095 < value < 1000:
+        return f"{value:.2f}"
+    digits, _, power = f"{value:.1g}".partition("e")
+    return f"{digits} × {power_text(int(power)).strip()}" if power else digits
 
 
 def power_of_ten(largest: float) -> int:

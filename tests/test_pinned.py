@@ -162,6 +162,8 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
     visit.choose(page.first_scene("ring"))
     assert visit.pinned is None
+    visit.report = replace(visit.report, number=visit._number)  # as if the ring were there
+    assert visit._urgent(False).sentence.startswith("The pinned run has gone")
     link = run._link
     assert link.ask(SCENE, True, 1.0, 0, 0) == link.wish.number  # closed: nothing is asked any more
 

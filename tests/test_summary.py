@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.page.history import CROSSING_WINDOW
-from app.page.summary import SAY_SECONDS, WAITING, Pace, summary
+from app.page.summary import SAY_SECONDS, WAITING, Pace, compared, summary
 from app.page.view import NONE_CHOSEN, UNKNOWN, look
 from app.page.worst import WorstRegions
 from solvers.soundness import LOST, UNSTABLE
@@ -85,3 +85,12 @@ def test_sentences_come_calmly():
     pace = Pace()
     assert pace.lets("one", 5.0) and not pace.lets("two", 5.0 + 0.9 * SAY_SECONDS)
     assert pace.lets("three", 5.0 + SAY_SECONDS) and not pace.lets("three", 5.0 + 3 * SAY_SECONDS)
+
+
+def test_a_pinned_run_is_compared_by_its_true_error():
+    """Over what is given of both; nothing is said where either is unknown."""
+    live, pinned = ({"error_v": np.array(v)} for v in ([1.0, 3.0], [2.0, 6.0, 4.0]))
+    assert compared(live, pinned, "v") == "the pinned run's error is 2.00 times this one's"
+    assert compared(pinned, live, "v") == "the pinned run's error is 0.50 of this one's"
+    for unknown in ({}, {"error_v": np.array([np.nan, 1.0])}, {"error_v": np.zeros(2)}, {"error_v": np.zeros(0)}):
+        assert compared(unknown, live, "v") == compared(live, unknown, "v") == ""

@@ -23,7 +23,7 @@ from app.page.pinned import PinnedRun
 from app.page.probe import Probe
 from app.page.recent import Recent
 from app.page.session import FIRST_SCENE, PageLinks, Session
-from app.page.summary import Pace, summary
+from app.page.summary import Pace, compared, summary
 from app.page.trace import Trace
 from app.page.view import View, look
 from app.page.worst import WorstRegions
@@ -188,8 +188,9 @@ class Page:
         if self._last is None or self._view is None:
             return
         controls = self._controls
-        slow = self._slow.sentence
-        sentence = slow or summary(*self._last, self._view, self._worst, self._session.history.series,
-                                   controls.quantity, controls.estimators.drawn, self._recent.ago)
+        slow, pinned, history = self._slow.sentence, self._session.pinned, self._session.history
+        beside = compared(history.latest, pinned.history.latest, controls.quantity) if pinned else ""
+        sentence = slow or summary(*self._last, self._view, self._worst, history.series, controls.quantity,
+                                   controls.estimators.drawn, self._recent.ago, beside)
         if self._pace.lets(sentence, monotonic(), bool(slow)):
             self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"

@@ -1,5 +1,6 @@
 """Session: one visitor's wishes and what has come back. Knows nothing of how it is shown."""
 
+import math
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -9,7 +10,7 @@ from time import monotonic
 from app.page.history import History
 from app.page.pinned import PinnedRun
 from app.problems.views import VIEWS
-from app.words import on_page
+from app.words import on_page, ratio
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -21,6 +22,7 @@ from solvers.scene import Scene
 
 FIRST_SCENE = BarScene(periods=1, estimators=("recovered", "transport"))  # the first is the one that is drawn
 BROKEN = 30.0  # error index from which on an estimate is no estimate
+TO_BE_READ = 8.0  # seconds that what has happened is said
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
 
 
@@ -62,6 +64,7 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
+        self._let_go_at = -math.inf
         self._plotted = QUANTITIES[0]
         self._dissected: int | None = None
         self._restarts = self._single_steps = self._number = self._compiled_for = 0
@@ -90,8 +93,9 @@ class Session:
         """Take another problem's scene whole; what was wished of the one before is forgotten."""
         with self._lock:
             self._refusal = None
-            if scene.problem != self.scene.problem:
+            if scene.problem != self.scene.problem and self.pinned:
                 self.unpin()
+                self._let_go_at = monotonic()
             self._start(scene)
             self._ask()
 
@@ -201,6 +205,8 @@ class Session:
                                   "is compiled the first time it is used; several estimators at once take longest.")
         if self.report and self.report.reason and not waiting:
             return Notice(self.report.status, f"{on_page(self.report.reason)}.")
+        if monotonic() < self._let_go_at + TO_BE_READ:
+            return Notice("wait", "The pinned run has gone: the two are compared on one problem only.")
         return None
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
@@ -245,7 +251,7 @@ def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
     for estimator in valid:
         index = series[f"{estimator}/index_x"][-1]
         if index > BROKEN:
-            return Notice("refused", f"The estimate {estimator} has broken down: it is {index:.2g} times the "
+            return Notice("refused", f"The estimate {estimator} has broken down: it is {ratio(index)} times the "
                                      "true error of x. Do not trust it here.")
     warnings = scene.warnings()
     return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

@@ -30,23 +30,37 @@ class Pace:
 
 
 def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
-            series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0) -> str:
+            series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
+            beside: str = "") -> str:
     """The sentence for a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
-    ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame was.
+    ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame was,
+    ``beside`` what is to be said of a pinned run (:func:`compared`).
     """
     if report is None or arrays is None or view is None:
         return WAITING
     series = until(series, report.time)
     if report.status == UNSTABLE:
         return f"The run went unstable and has stopped at t = {number(report.time)} s; this is its last picture."
-    parts = [_errors(view, series, quantity, drawn), *_where(worst), *_crossings(report, arrays)]
+    parts = [_errors(view, series, quantity, drawn), *_where(worst), *_crossings(report, arrays),
+             *filter(None, [beside])]
     if report.status == LOST:
         parts.insert(0, f"the run is lost from t = {number(report.since or 0.0)} s on")
     when = f"{ago:.2f} periods back" if ago else f"paused at t = {number(report.time)} s"
     before = "" if report.playing else f"{when}: "
     sentence = before + "; ".join(parts) + "."
     return sentence[:1].upper() + sentence[1:]
+
+
+def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str) -> str:
+    """How large a pinned run's true error is beside the live run's, both averaged over their last periods; nothing
+    where either is not known."""
+    with np.errstate(all="ignore"):
+        own, other = (np.mean(series.get(f"error_{quantity}", np.array([np.nan]))) for series in (live, pinned))
+        times = float(other / own)
+    if not np.isfinite(times) or times <= 0:
+        return ""
+    return f"the pinned run's error is {ratio(times)} {'times' if times >= 1 else 'of'} this one's"
 
 
 def _errors(view: View, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
