@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import tempfile
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -42,13 +43,16 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["PYTHONPYCACHEPREFIX"] = modules.name
 
 
+#: Files with tests in the browser, shared out to two processes: each starts a server and a browser once.
+BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser").glob("test_*.py"))
+
+
 class FileByFile(LoadScopeScheduling):
-    """Tests of a file share what it prepares, so one process runs them; and all in the browser are one file's, for two
-    browsers at once would only wait for each other."""
+    """Tests of a file share what it prepares, so one process runs them; and of those in the browser each half."""
 
     def _split_scope(self, nodeid: str) -> str:
-        path = nodeid.partition("::")[0]
-        return "browser" if "/browser/" in path else path
+        path = Path(nodeid.partition("::")[0])
+        return f"browser {BROWSER_FILES.index(path.name) % 2}" if path.parent.name == "browser" else str(path)
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> FileByFile:

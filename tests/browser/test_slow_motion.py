@@ -41,6 +41,7 @@ def test_a_visitor_walks_through_a_step_and_back(page):
     click(page, "Back")
     shown(page, f"Step {first}, phase 5 of 6")
     click(page, "Forward")
+    shown(page, f"Step {first}, phase 6 of 6")  # of clicks within a twentieth of a second the viewer sends the last
     click(page, "Forward")
     shown(page, f"Step {first + 1}, phase 1 of 6")
     weights = [float(weight) for weight in re.findall(r"^\S+\t(0\.\d+)\t", table(page), re.MULTILINE)]
