@@ -37,6 +37,7 @@ from solvers.scene import Scene
 
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
+RESTING = 20  # times as long as a refresh takes, at least, until the next: with many visitors frames come first
 
 
 class Page:
@@ -161,11 +162,14 @@ class Page:
         stage.name(f"pinned: {differing(scene, other) or 'the same so far'}")
 
     def _refresh_loop(self) -> None:
-        while not self._closed.wait(REFRESH_SECONDS):
+        pause = REFRESH_SECONDS
+        while not self._closed.wait(pause):
+            begun = monotonic()
             try:
                 self._refresh()
             except Exception:  # one bad refresh must not silence the page for the rest of the visit
                 logging.getLogger(__name__).exception("the page could not be refreshed")
+            pause = max(REFRESH_SECONDS, RESTING * (monotonic() - begun))
 
     def _refresh(self) -> None:
         if self._last is not None and self._view is not None:

@@ -55,9 +55,11 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
 def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str) -> str:
     """How large a pinned run's true error is beside the live run's, both averaged over their last periods; nothing
     where either is not known."""
+    sizes = [series.get(f"error_{quantity}", np.zeros(0)) for series in (live, pinned)]
+    if not all(map(len, sizes)):
+        return ""
     with np.errstate(all="ignore"):
-        own, other = (np.mean(series.get(f"error_{quantity}", np.array([np.nan]))) for series in (live, pinned))
-        times = float(other / own)
+        times = float(np.mean(sizes[1]) / np.mean(sizes[0]))
     if not np.isfinite(times) or times <= 0:
         return ""
     return f"the pinned run's error is {ratio(times)} {'times' if times >= 1 else 'of'} this one's"

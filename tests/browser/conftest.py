@@ -9,13 +9,14 @@ import signal
 import socket
 import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import sync_playwright
 
 from tests.browser.driving import PATIENCE
+from tests.browser.relay import Relay
 from tests.processes import HANG, STARVED, until
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -33,6 +34,8 @@ FEW_FRAMES = """
     addEventListener("DOMContentLoaded", () => document.head.insertAdjacentHTML(
         "beforeend", "<style>canvas { image-rendering: pixelated; }</style>"));
 """
+SIZE = {"width": 1280, "height": 720}
+FAILED = pytest.StashKey[bool]()
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 
 
@@ -73,7 +76,7 @@ def visit(chromium, address, query="", script=""):
 
     Any error in the browser's console fails the test.
     """
-    page = chromium.new_page(viewport={"width": 1280, "height": 720})
+    page = chromium.new_page(viewport=SIZE)
     # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
     errors = []
@@ -103,7 +106,71 @@ def chromium():
         browser.close()
 
 
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Remember of each test whether it failed, for the fixture below."""
+    report = (yield).get_result()
+    item.stash[FAILED] = item.stash.get(FAILED, False) or report.failed
+
+
+class Place:
+    """A place in front of the page, at which one visitor after another sits down. To load the page costs a browser some
+    seconds of a processor: so the lines are cut instead, the browser comes back by itself, and for the server that is a
+    visitor who has just come."""
+
+    def __init__(self, chromium, server):
+        self._chromium, self._relay = chromium, Relay(int(server[0].rpartition(":")[2]))
+        self._open = ExitStack()
+        self._page = None
+
+    def sit_down(self):
+        """The page of a visitor who has just come."""
+        if self._page is None:
+            self._page = self._open.enter_context(visit(self._chromium, self._relay.address))
+        else:
+            self._take_over(self._page)
+        return self._page
+
+    def _take_over(self, page):
+        page.set_viewport_size(SIZE)
+        page.mouse.move(0, 0)
+        page.get_by_role("tab", name="Explore").click()  # the browser keeps the choice of a tab
+        before = page.get_by_label("Problem", exact=True).get_attribute("id")
+        page.evaluate("localStorage.clear()")
+        self._relay.cut()
+        problem = page.get_by_label("Problem", exact=True)
+        until(lambda: problem.count() == 1 and problem.get_attribute("id") != before, "controls of its own")
+        until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+
+    def tidy(self):
+        """What a failed test has left is nothing to go on from."""
+        self._page = None
+        with self._open.pop_all():
+            pass
+
+    def close(self):
+        self._open.close()
+        self._relay.close()
+
+
+@pytest.fixture(scope="package")
+def place(server, chromium):
+    with closing(Place(chromium, server)) as place:
+        yield place
+
+
 @pytest.fixture
-def page(server, chromium):
+def page(place, request):
+    """The page as it is at first, in a browser that may have seen other visitors before."""
+    try:
+        yield place.sit_down()
+    finally:
+        if request.node.stash.get(FAILED, True):
+            place.tidy()
+
+
+@pytest.fixture
+def own_page(server, chromium):
+    """For a test that leaves traces in the browser: a page that is loaded for it alone."""
     with visit(chromium, server[0]) as page:
         yield page

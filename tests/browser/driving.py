@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from contextlib import suppress
 
 import numpy as np
 from PIL import Image
@@ -67,6 +68,21 @@ def to_the_ring(page):
     """Choose the ring, and wait for its controls: what is clicked among those of the bar goes with them."""
     choose(page, "Problem", "expanding ring")
     page.get_by_text("Cells, h = 1.2/24").wait_for()
+
+
+#: The controls' folders, by the beginning of their names, and what shows in them once they are open.
+FOLDERS = {"Method details": "Remedies for long", "Effects: compute": "contradictions",
+           "One step in slow motion": "Seconds a phase"}
+
+
+def unfold(page, *folders):
+    """Open folders. A click that something moves away from under it is made again."""
+    for folder in folders:
+        inside = page.get_by_text(FOLDERS[folder]).first
+        while not inside.is_visible():
+            page.get_by_text(folder).first.click()
+            with suppress(AssertionError):
+                until(inside.is_visible, f"{folder} open", 2.0)
 
 
 def press(page, label, key, times=1):

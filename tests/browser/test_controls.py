@@ -12,7 +12,7 @@ from solvers.effects import EFFECTS
 from solvers.estimators.registry import ESTIMATORS
 from solvers.remedies import REMEDIES
 from solvers.ring.scene import RingScene
-from tests.browser.driving import choose, click, press, row, scene, shown, to_the_ring, until
+from tests.browser.driving import choose, click, press, row, scene, to_the_ring, unfold, until
 
 
 @contextmanager
@@ -36,12 +36,6 @@ def fill(page, label, value):
 
 def tick(page, label):
     row(page, label).get_by_role("checkbox").click()
-
-
-def unfold(page, *folders):
-    for folder in folders:
-        page.get_by_text(folder).first.click()
-    shown(page, "null-space filter")
 
 
 def test_numbers_of_the_bar(page):
@@ -100,7 +94,7 @@ def test_controls_of_the_ring(page):
         press(page, "Modulus E", "ArrowRight", 20)
     with changes(page, amplitude=lambda A: A == pytest.approx(RingScene().amplitude * 10**-0.1, rel=6e-3)):
         press(page, "Amplitude A", "ArrowLeft", 20)
-    page.get_by_text("Method details").first.click()
+    unfold(page, "Method details")
     with changes(page, layout="cartesian"):
         choose(page, "Layout", CHOICES["layout"]["cartesian"])
     with changes(page, estimators=[]):

@@ -35,9 +35,10 @@ def value(page, label):
     return row(page, label).locator("input").last.input_value()
 
 
-def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
+def test_sweep_beside_the_live_stage_and_load(own_page, server):
     """The stage's own run is a dot; a sweep adds more while the stage pauses, or moves if its visitor wishes; then the
     stage goes on. A dot, a row and the file."""
+    page = own_page  # which it leaves, or downloads from
     begin(page, server)
     until(lambda: dots(page) == 1, "the run on the stage as a dot")
     click(page, "Small sweep")
@@ -77,8 +78,9 @@ def test_sweep_beside_the_live_stage_and_load(page, server, tmp_path):
         assert len(list(csv.DictReader(file))) == dots(page)
 
 
-def test_search_is_refused_in_words_cancelled_and_left(page, server, chromium):
+def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     """A tolerance that is none is said; a search says what it does; who leaves takes the process along."""
+    page = own_page  # which it leaves, or downloads from
     open_cost(page)
     tolerance = row(page, "Tolerance / A").locator("input")
     tolerance.fill("a lot")

@@ -9,7 +9,20 @@ import pytest
 
 from app.page.session import FIRST_SCENE
 from solvers.estimators.registry import ESTIMATORS
-from tests.browser.driving import choose, click, coloured, drawn, number, readout, row, stage, time, to_the_ring, until
+from tests.browser.driving import (
+    choose,
+    click,
+    coloured,
+    drawn,
+    number,
+    readout,
+    row,
+    stage,
+    time,
+    to_the_ring,
+    unfold,
+    until,
+)
 
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
 
@@ -50,7 +63,7 @@ def test_without_an_exact_solution(page, problem):
     """The estimate stands alone: no truth, no index, and in words why."""
     if problem != "vibrating bar":
         to_the_ring(page)
-    page.get_by_text("Method details").click()
+    unfold(page, "Method details")
     choose(page, "Body force", "two-tone")
     until(lambda: "no exact solution is built in" in readout(page), "the truth missing in words")
     estimates = [1] * (len(FIRST_SCENE.estimators) if problem == "vibrating bar" else 1)
@@ -76,7 +89,7 @@ def test_no_estimator_and_back(page):
 
 def test_several_at_once(page):
     """Every estimator ticked has a line of its own in table and plot, and any of them can be on the stage."""
-    page.get_by_text("Method details").click()
+    unfold(page, "Method details")
     page.get_by_label("Linearity preserving").click()  # without it two-grid does not hold at this amplitude
     others = [name for name in ESTIMATORS if name not in FIRST_SCENE.estimators]
     for name in others:

@@ -32,6 +32,7 @@ from tests.browser.driving import (
     step_size,
     steps,
     time,
+    unfold,
     until,
 )
 
@@ -185,7 +186,7 @@ def test_lost_run_is_said_and_goes_on(page):
     before = time(page)
     until(lambda: time(page) > before, "the lost run going on")
     assert "of its bound" in readout(page)
-    page.get_by_text("Effects: compute only").click()
+    unfold(page, "Effects: compute")
     page.get_by_label("step margin").click()
     until(lambda: "of its bound" not in readout(page), "no margin")
 
@@ -195,7 +196,7 @@ def test_remedies_run_and_what_does_not_go_together_is_refused(page):
     until(lambda: steps(page) > 20, "a run without")
     click(page, "Pause")
     until(lambda: "paused" in readout(page), "paused")
-    page.get_by_text("Method details").click()
+    unfold(page, "Method details")
     page.get_by_label("null-space filter").click()
     page.get_by_label("displacement-coupled F").click()
     until(lambda: steps(page) == 0, "a new run with them")
@@ -224,7 +225,7 @@ def test_methods_effects_and_estimator(page):
     until(lambda: coloured(stage(page)) < 0.75 * full, "a grey lane")
     until(lambda: drawn(page)[1:] == [1], "the true error still drawn, the estimate not")
     assert "no estimator is chosen" in readout(page)
-    page.get_by_text("Effects: compute only").click()
+    unfold(page, "Effects: compute")
     page.get_by_label("true error").click()
     until(lambda: coloured(stage(page)) < 0.5 * full, "two grey lanes")
 

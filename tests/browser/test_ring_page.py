@@ -16,6 +16,7 @@ from tests.browser.driving import (
     step_size,
     time,
     to_the_ring,
+    unfold,
     until,
 )
 
@@ -64,7 +65,7 @@ def test_methods_layouts_and_domains(ring):
     for method in ("uGIMP", "cpGIMP", "MPM (hat functions)", "CPDI"):
         choose(ring, "Method", method)
         until(lambda: time(ring) > 1e-4, f"{method} running")
-    ring.get_by_text("Method details").click()
+    unfold(ring, "Method details")
     choose(ring, "Layout", "Cartesian")
     until(lambda: time(ring) > 1e-4, "the Cartesian layout running")
     ring.get_by_role("button", name="Pause", exact=True).click()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from axe_playwright_python.sync_playwright import Axe
 
 from tests.browser.conftest import visit
-from tests.browser.driving import click, coloured, row, shown, stage, stage_box, to_the_ring, until
+from tests.browser.driving import click, coloured, row, stage, stage_box, to_the_ring, unfold, until
 
 LARGE, LAPTOP, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (800, 1100), (390, 844)
 
@@ -61,10 +61,10 @@ def test_a_phone_finds_the_measurements(page):
     until(page.get_by_text("periods/s").first.is_visible, "the readout")
 
 
-def test_a_folded_panel_gives_its_room_to_the_stage(page):
-    before = stage_box(page)["width"]
-    page.get_by_role("button", name="Collapse panel area").first.click()
-    until(lambda: stage_box(page)["width"] > before + 150, "a broader stage")
+def test_a_folded_panel_gives_its_room_to_the_stage(own_page):
+    before = stage_box(own_page)["width"]
+    own_page.get_by_role("button", name="Collapse panel area").first.click()
+    until(lambda: stage_box(own_page)["width"] > before + 150, "a broader stage")
 
 
 def test_presenter_sees_stage_and_one_plot(page):
@@ -96,9 +96,7 @@ def test_an_address_asks_for_the_presenters_view(server, chromium):
 
 def test_axe_finds_nothing_serious(page):
     """In the page as it comes, with all folders open, and in the tab of costs."""
-    for folder in ("Method details", "Effects: compute"):
-        page.get_by_text(folder).first.click()
-    shown(page, "Remedies for long")
+    unfold(page, "Method details", "Effects: compute")
     until(lambda: serious(page) == [], "names for all in Explore")
     for tab in ("Lessons", "Cost", "About"):
         page.get_by_role("tab", name=tab).click()

@@ -6,14 +6,14 @@ import re
 
 import numpy as np
 
-from tests.browser.driving import choose, click, coloured, number, row, shown, stage, steps, to_the_ring, until
+from tests.browser.driving import choose, click, coloured, number, row, shown, stage, steps, to_the_ring, unfold, until
 
 TITLES = ("A particle and its nodes", "Mass and momentum go to the nodes", "Forces at the nodes",
           "New velocities of the nodes", "Velocities come back, the particles move", "Stress last")
 
 
 def begin(page):
-    page.get_by_text("One step in slow motion").click()
+    unfold(page, "One step in slow motion")
     page.get_by_label("Slow motion", exact=True).click()
     shown(page, f"phase 1 of 6: {TITLES[0]}")
 

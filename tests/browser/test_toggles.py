@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from tests.browser.conftest import visit
-from tests.browser.driving import choose, engine_processes, readout, scene, steps, until
+from tests.browser.driving import choose, engine_processes, readout, scene, steps, unfold, until
 from tests.listening import PATIENCE
 from tests.processes import children, held, starving
 
@@ -64,7 +64,7 @@ def test_the_stage_goes_on_beside_the_compiler(page, server):
 def test_a_dozen_toggles_in_a_row_are_all_met(page):
     """Faster than anything can be compiled: the last state is on the stage in the end, and the run has not stopped."""
     until(lambda: steps(page) > 20, "a run under way")
-    page.get_by_text("Effects: compute only").click()
+    unfold(page, "Effects: compute")
     for switch in [*tick(page, "companion", "energy", "two-grid", "energy", "step margin", "energy"),
                    lambda: choose(page, "Method", "B-spline"), *tick(page, "two-grid", "companion", "step margin"),
                    lambda: choose(page, "Method", "cpGIMP"), *tick(page, "companion")]:
@@ -80,7 +80,7 @@ def test_the_stage_never_stands_still(server, chromium):
     longer apart than one would notice, but for time in which other work had the processors."""
     with visit(chromium, server[0], script=NOTE_MOVES) as page:
         until(lambda: page.evaluate("window.moves.length") > 20, "a moving stage")
-        page.get_by_text("Effects: compute only").click()
+        unfold(page, "Effects: compute")
         for switch in [*tick(page, "companion", "energy", "transport"), lambda: choose(page, "Method", "MPM"),
                        *tick(page, "two-grid", "recovered"), lambda: choose(page, "Method", "cpGIMP"),
                        lambda: choose(page, "Problem", "expanding ring"), *tick(page, "companion"),

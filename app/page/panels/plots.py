@@ -70,13 +70,13 @@ class Plots:
         errors, unit = self._errors(series, valid, quantity, grey)
         self._headings[0].content = _heading(f"error norm of {words.symbol} / {unit}" + ", grey: pinned" * bool(grey),
                                              kind="lab-presented")
-        self._plots[0].data = _finite(time, *errors)
+        _put(self._plots[0], _finite(time, *errors))
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
         self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        self._plots[1].data = _finite(time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
-                                      np.ones(len(time)), *indices)
+        _put(self._plots[1], _finite(time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
+                                     np.ones(len(time)), *indices))
         self._show_crossings(history, series, grey_rate)
 
     def show_trace(self, traced: Traced, valid: tuple[str, ...], quantity: str, latest: bool, shown: float) -> None:
@@ -85,13 +85,13 @@ class Plots:
         series, (heading, plot) = traced.latest if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
         if len(time) < 2:
-            plot.data = _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:]))
+            _put(plot, _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
             return
         first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
         crossed = np.where(traced.crossed(time), first, np.nan)
         at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
         heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}")
-        plot.data = (*_finite(time, *errors), crossed, at)
+        _put(plot, (*_finite(time, *errors), crossed, at))
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
@@ -107,7 +107,7 @@ class Plots:
     def clear(self) -> None:
         """Show nothing: no time has passed."""
         for plot in self._plots:
-            plot.data = _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:]))
+            _put(plot, _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
 
     def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> list[HeadedPlot]:
         grey = [_line("pinned, true", PINNED, 2.5), _line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
@@ -128,7 +128,7 @@ class Plots:
             f"grid crossings per second{' / ' * bool(power)}{power_text(power)}",
             "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off")
         rates = [values / 10.0**power for values in (*grey, rate)]
-        self._plots[2].data = _finite(time, *rates) if len(time) > 1 else (_EMPTY, *(_EMPTY for _ in rates))
+        _put(self._plots[2], _finite(time, *rates) if len(time) > 1 else (_EMPTY, *(_EMPTY for _ in rates)))
 
     def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
               y_axis: uplot.Axis | None = None, x_label: str = "") -> HeadedPlot:
@@ -165,6 +165,12 @@ def grey_curves(pinned: PinnedRun | None, history: History, series: dict[str, np
     return [[put(time, own, true), put(time, own, estimated)],
             [put(time, own, theirs.get(f"{estimator}/index_{quantity}", none))],
             [put(history.crossings_per_second(series)[0], *run.crossings_per_second(theirs))]]
+
+
+def _put(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
+    """Give a plot its series; what it has already is not sent again, as while a run is paused."""
+    if not all(np.array_equal(own, new, equal_nan=True) for own, new in zip(plot.data, data, strict=True)):
+        plot.data = data
 
 
 def _beyond(indices: dict[str, float]) -> str:

@@ -1,0 +1,110 @@
+"""A visitor without a browser: speaks the page's websocket, counts the frames that come and moves the controls."""
+
+import random
+from dataclasses import dataclass, field
+from itertools import pairwise
+from time import monotonic
+from typing import Any
+
+import msgspec
+import viser
+import websockets.asyncio.client as client
+import zstandard
+
+FRAME = "/truth"  # the end of the name of what every frame of every problem sets: half of the particles
+CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position": (0.5, 0.5, 20.0), "fov": 0.07,
+          "near": 1.0, "far": 400.0, "image_height": 640, "image_width": 760, "look_at": (0.5, 0.5, 0.0),
+          "up_direction": (0.0, 1.0, 0.0)}
+LARGEST = 50 * 2**20  # bytes of a message
+
+
+@dataclass
+class Control:
+    """A widget that the server has sent: what kind it is, its label and all that was said of it."""
+
+    kind: str
+    props: dict[str, Any]
+
+    @property
+    def label(self) -> str:
+        return str(self.props.get("label", ""))
+
+
+@dataclass
+class Visitor:
+    """One visitor of the page at ``address`` (host:port). Times are of ``time.monotonic``."""
+
+    address: str
+    headers: dict[str, str] = field(default_factory=dict)
+    asked: float = 0.0  # when it knocked
+    frames: list[float] = field(default_factory=list)  # when they came
+    controls: dict[str, Control] = field(default_factory=dict)  # by their number
+    words: dict[str, str] = field(default_factory=dict)  # content of the texts by their number
+
+    async def stay(self) -> None:
+        """Until the connection is closed, from either side."""
+        self.asked = monotonic()
+        async with client.connect(f"ws://{self.address}", max_size=LARGEST, compression=None, open_timeout=60,
+                                  subprotocols=[client.Subprotocol(f"viser-v{viser.__version__}")],
+                                  additional_headers=self.headers) as connection:
+            self._connection = connection
+            await self.send(CAMERA)
+            async for raw in connection:
+                assert isinstance(raw, bytes)
+                self._take(raw)
+
+    async def send(self, message: dict[str, Any]) -> None:
+        await self._connection.send(msgspec.msgpack.encode(message))
+
+    async def leave(self) -> None:
+        await self._connection.close()
+
+    async def move(self, control: str, value: Any) -> None:
+        """Set the control with this number."""
+        await self.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
+
+    def find(self, label: str, kind: str = "") -> str | None:
+        """The number of the control whose label begins so, of a kind that has this in its name."""
+        return next((number for number, control in self.controls.items()
+                     if control.label.startswith(label) and kind in control.kind), None)
+
+    async def play_with(self, label: str, dice: random.Random) -> None:
+        """Set a slider to anything that it may be, if it is there."""
+        if number := self.find(label, "Slider"):
+            low, high, step = (self.controls[number].props[name] for name in ("min", "max", "step"))
+            steps = max(1, round((high - low) / step))
+            await self.move(number, round(low + step * dice.randint(0, steps), 9))
+
+    def rate(self, begin: float, end: float) -> float:
+        """Frames a second between two times."""
+        return sum(begin <= at < end for at in self.frames) / (end - begin)
+
+    def standstill(self, begin: float, end: float) -> float:
+        """The longest time without a frame between two times, in s."""
+        times = [begin, *(at for at in self.frames if begin <= at < end), end]
+        return max(later - earlier for earlier, later in pairwise(times))
+
+    def _take(self, raw: bytes) -> None:
+        packed = int.from_bytes(raw[8:16], "little")
+        framed = False
+        for message in msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(raw[16:16 + packed]))["messages"]:
+            match message["type"]:
+                case "SceneNodeUpdateMessage":
+                    framed |= message["name"].endswith(FRAME) and "points" in message["updates"]
+                case "GuiUpdateMessage":
+                    self._update(message["uuid"], message["updates"])
+                case "GuiRemoveMessage":
+                    self.controls.pop(message["uuid"], None)
+                case kind if kind.startswith("Gui") and "props" in message:
+                    self.controls[message["uuid"]] = Control(kind, {"value": message.get("value"), **message["props"]})
+                    self._update(message["uuid"], message["props"])
+        if framed:
+            self.frames.append(monotonic())
+
+    def _update(self, number: str, updates: dict[str, Any]) -> None:
+        if number in self.controls:
+            self.controls[number].props.update(updates)
+        text = updates.get("_content", updates.get("content"))
+        if isinstance(text, str):
+            self.words[number] = text
+

@@ -1,0 +1,61 @@
+"""A class at work, in short: visitors without a browser on a real server, and what the bench says of them."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from app.cli import main
+from app.commands.class_load import SCHEMA, Load, class_load, class_table
+from app.commands.visitor import Control, Visitor
+
+VISITORS = 4
+
+
+@pytest.fixture(scope="module")
+def found():
+    """What a small class got within a few seconds."""
+    parts = []
+    yield class_load(Load(VISITORS, 6.0), parts.append)
+    assert parts == sorted(parts) and parts[-1] == 1.0
+
+
+def test_all_see_a_moving_picture(found):
+    assert found["schema"] == SCHEMA and found["visitors"] == found["moving"] == VISITORS and found["lost"] == []
+    assert 0 < found["joined_median"] <= found["joined_95"]
+    # At 30 frames a second each on a machine at rest; what others leave of a busy one is shared fairly.
+    assert 1 < found["frames_slowest"] <= found["frames_median"] < 35
+    assert found["slowest_of_median"] == found["frames_slowest"] / found["frames_median"] > 0.5
+    assert found["standstill_longest"] < found["seconds"]
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+
+
+def test_a_table_for_a_person(found):
+    table = class_table(found)
+    for words in (f"{VISITORS} visitors for 6 s", f"{VISITORS} of {VISITORS}", "frames a second each", "(slowest)",
+                  "longest standstill", "connections lost       0"):
+        assert words in table
+    assert max(map(len, table.splitlines())) <= 120
+    nobody = {**found, "moving": 0, "joined_median": None, "joined_95": None, "lost": ["refused"]}
+    assert "after none" in class_table(nobody) and "lost       1; refused" in class_table(nobody)
+
+
+def test_frames_are_counted_between_two_times():
+    visitor = Visitor("nowhere", frames=[0.0, 1.0, 1.5, 2.0, 4.0])
+    assert visitor.rate(1.0, 3.0) == 1.5 and visitor.standstill(1.0, 3.0) == 1.0 and visitor.standstill(0.0, 8.0) == 4.0
+    visitor.controls["7"] = Control("GuiSliderMessage", {"label": "Cells, h = 1/40"})
+    visitor.controls["8"] = Control("GuiTextMessage", {"label": "Cells, typed"})
+    assert (visitor.find("Cells", "Slider"), visitor.find("Cells", "Text"), visitor.find("Cells", "Button")) == \
+        ("7", "8", None)
+
+
+@pytest.mark.parametrize(("flags", "says"), [
+    (["--class", "0"], "--class 0: give a whole number from 1 to"),
+    (["--class", "many"], "--class many: give a whole number"),
+    (["--class", "2", "--minutes", "-1"], "--minutes -1: give a number above 0"),
+])
+def test_bad_input_is_one_line(flags, says, capsys):
+    assert main(["bench", *flags]) == 2
+    printed = capsys.readouterr()
+    assert says in printed.err and printed.err.count("\n") == 1 and printed.out == ""
