@@ -47,7 +47,7 @@ class Raw:
         return self._labels()[label]
 
     def label(self, widget):
-        return self.widgets[widget]["props"]["label"]
+        return self.widgets[widget]["props"].get("label", self.widgets[widget]["type"])
 
     def rate(self, seconds):
         """Frames a second, over some time from now."""
@@ -66,7 +66,7 @@ class Raw:
         self.close()
 
     def _labels(self):
-        return {widget["props"]["label"]: name for name, widget in dict(self.widgets).items()}
+        return {widget["props"].get("label"): name for name, widget in dict(self.widgets).items()}
 
     def _read(self):
         unpack = zstandard.ZstdDecompressor()

@@ -27,8 +27,8 @@ LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one
 # A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
 MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
 BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
-HANDSHAKES, HANDSHAKES_A_SECOND = 100, 5  # websockets opened: a class that reloads twice, and what 30 attackers may
-GOING = 1.0  # seconds that one who is sent away has to say goodbye
+HANDSHAKES, HANDSHAKES_A_SECOND = 100, 3  # websockets opened, each with a page: a class that reloads twice, at once
+GOING, AWAY = 1.0, 10.0  # seconds that one who is sent away has to say goodbye, and in which its address must wait
 TOO_MUCH = "too many messages"
 PROTOCOL = f"viser-v{viser.__version__}"
 NO_CODE = "The class code is missing. Load the page again and type it."
@@ -52,6 +52,7 @@ class Doors:
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, Refusals()
         self._handshakes = Bucket(HANDSHAKES, HANDSHAKES_A_SECOND)
+        self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
 
     def watch(self, server: viser.ViserServer) -> None:
@@ -109,10 +110,17 @@ class Doors:
                 return _said(HTTPStatus.FORBIDDEN, NO_CODE)
             front = path in ("/", "/index.html")
             return _said(HTTPStatus.OK if front else HTTPStatus.FORBIDDEN, _PAGE, "text/html")
-        if opens_socket and (wait := self._handshakes.wait()):
-            self._refusals.note("too many visitors at once", who)
+        return self._wait(who) if opens_socket else None
+
+    def _wait(self, who: str) -> Response | None:
+        """Who opens a websocket may have to wait, because many do or because this address was sent away."""
+        now = monotonic()
+        self._away = {other: until for other, until in self._away.items() if until > now}
+        wait = max(self._handshakes.wait(), self._away.get(who, now) - now)
+        if wait:
+            self._refusals.note("a visitor, because there were too many at once", who)
             return _said(HTTPStatus.SERVICE_UNAVAILABLE, "Too many come at once. Try again in a moment.", wait=wait)
-        self._handshakes.pay(opens_socket)
+        self._handshakes.pay()
         return None
 
     def _enter(self, code: ClassCode, headers: Headers, who: str) -> Response:
@@ -143,6 +151,7 @@ class Doors:
                     calm = monotonic()
                 elif monotonic() - calm > PATIENCE:
                     self._refusals.note(TOO_MUCH, who)
+                    self._away[who] = monotonic() + AWAY
                     await _send_away(connection)
                     raise connection.protocol.close_exc
                 if rate.left < 0:
