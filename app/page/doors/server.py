@@ -24,6 +24,7 @@ from app.page.doors.code import ClassCode
 from app.page.doors.refusals import Refusals
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
+WAITING = 4  # messages that are read ahead
 # A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
 MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
 BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
@@ -77,7 +78,7 @@ class Doors:
             def answer(connection: Any, request: Request) -> Response | None:
                 return self._answer(connection, request) or process_request(connection, request)
 
-            own = {"max_size": LARGEST_MESSAGE, "logger": log}
+            own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log}
             return serve(handle, *args, process_request=answer, **{**options, **own})
 
         log = logging.Logger("websockets.server", logging.ERROR)  # of this server alone
