@@ -9,10 +9,12 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from time import monotonic, sleep
 
 import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from tests.attacks import ATTACKS
+from tests.attacks import ATTACKS, HUGE
 from tests.browser.conftest import serving
 from tests.processes import children, held, until
 from tests.raw import Raw
@@ -60,3 +62,43 @@ def test_honest_visitor_is_unharmed(served, kind):
     finally:
         attacker.kill()
         attacker.wait()
+
+
+def test_who_sends_far_too_much_is_sent_away_and_must_wait(served):
+    """Others go on; from its address no websocket opens for some seconds."""
+    address, _, honest = served
+    flood = Raw(address, source_address=("127.0.0.77", 0))
+    slider = flood.find("Cells, h = 1/40")
+    with pytest.raises(ConnectionClosed):
+        while True:
+            flood.set(slider, 41)
+    until(lambda: flood.closed == 1008 or flood.closed == 1006, "it is sent away")
+    with pytest.raises(InvalidStatus) as refused:
+        Raw(address, source_address=("127.0.0.77", 0))
+    assert refused.value.response.status_code == 503 and refused.value.response.headers["Retry-After"]
+    assert honest.closed is None and honest.rate(1) > 0
+
+
+def test_large_message_closes_its_own_websocket_only(served):
+    address, _, honest = served
+    with Raw(address, source_address=("127.0.0.78", 0)) as one:
+        with pytest.raises(ConnectionClosed):
+            one.say(b"\x00" * HUGE)
+            until(lambda: one.closed, "it is closed")
+            one.say("more")
+        assert one.closed in (1009, 1006)
+    assert honest.closed is None and honest.rate(1) > 0
+
+
+def test_dragged_slider_is_not_slowed(served):
+    """60 values a second, three times what a browser sends, for some seconds: the last is there at once."""
+    address, _, _ = served
+    with Raw(address, source_address=("127.0.0.79", 0)) as one:
+        slider = one.find("Seconds a phase")
+        for k in range(300):
+            one.set(slider, 1.0 + k % 9)
+            sleep(1 / 60)
+        begun = monotonic()
+        one.set(one.find("Cells, h = 1/40"), 44.0)
+        one.find("Cells, h = 1/44")
+        assert monotonic() - begun < 2 and one.closed is None

@@ -6,6 +6,7 @@ import copy
 import socket
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 
 import msgspec
 import pytest
@@ -16,7 +17,12 @@ from websockets.exceptions import InvalidStatus
 
 from app.page.doors import messages, server, widgets
 from app.page.doors.address import Addresses
+from app.page.doors.refusals import Refusals
+from app.page.limits import FASTEST, MOST_WATCHED, too_many
 from app.page.serve import _start_server
+from app.page.session import FIRST_SCENE, Session
+from app.problems.views import VIEWS
+from solvers.problems import PROBLEMS
 from tests.processes import until
 from tests.raw import CAMERA, Raw, unknown
 
@@ -185,8 +191,10 @@ def test_what_is_off_takes_nothing(here, visitor):
 def test_messages_that_no_page_sends_are_refused(here, visitor):
     """Kinds that it has no use for, fields that are missing, too many or mad, ids that nothing has, and noise."""
     one, _ = here
-    client = next(iter(one._connected_clients.values())) if page_of(one) is not None else None
-    camera, pose = client.camera, tuple(client.camera.position)
+    assert page_of(one)
+    client = next(iter(one._connected_clients.values()))
+    heard = []
+    client.camera.on_update(lambda camera: heard.append(camera.image_width))
     click = {"type": "ScenePointerMessage", "event_type": "click", "ray_origin": [0.0, 0.0, 9.0],
              "ray_direction": [0.0, 0.0, -1.0], "screen_pos": [[0.5, 0.5]], "modifier": None}
     update = {"type": "GuiUpdateMessage", "uuid": visitor.find("Longest run, s"), "updates": {"value": "7"}}
@@ -207,10 +215,10 @@ def test_messages_that_no_page_sends_are_refused(here, visitor):
     for message in mad + noise:
         visitor.say(message)
     settle(one, visitor)
-    assert visitor.closed is None and tuple(camera.position) == pose
-    visitor.say(CAMERA | {"position": [0.0, 0.0, 31.0]})
+    assert visitor.closed is None and heard == []
+    visitor.say(CAMERA | {"image_width": 601})
     visitor.say(update)
-    until(lambda: client.camera.position[2] == 31.0 and page_of(one)[update["uuid"]].value == "7", "the good ones")
+    until(lambda: heard == [601] and page_of(one)[update["uuid"]].value == "7", "the good ones")
 
 
 def test_kinds_of_messages_are_those_of_the_viewer():
@@ -323,3 +331,36 @@ def test_refused_handshake_says_why(here):
     with pytest.raises(InvalidStatus) as refused:
         Raw(here[1], {"Origin": "http://evil.example"})
     assert refused.value.response.body.decode() == "A page of another site may not use this lab.\n"
+
+
+def test_log_has_few_lines_however_much_is_refused(caplog):
+    """A line each, then one that says how many more; after a minute, here a moment, it begins anew."""
+    refusals = Refusals(lines=3, seconds=0.2)
+    for k in range(1000):
+        refusals.note(f"a message {k % 2}", "10.0.0.1")
+    until(lambda: "more" in caplog.text, "the sum")
+    assert [record.getMessage() for record in caplog.records[:2]] == [
+        "refused from 10.0.0.1: a message 0", "refused from 10.0.0.1: a message 1"]
+    assert len(caplog.records) == 4 and "refused 997 more" in caplog.records[3].getMessage()
+    refusals.note("again")
+    assert caplog.records[4].getMessage() == "refused: again"
+
+
+def test_session_asks_for_no_more_than_one_visitor_may_have():
+    """Whatever the widgets let through: particles, and with them memory; and periods a second. It is said in words."""
+    session = Session(Pool(), FIRST_SCENE, lambda *_: None)
+    fits = session.scene
+    session.set(cells=MOST_WATCHED)
+    assert session.scene == fits and "particles are too many" in session.notice().sentence
+    session.set(cells=fits.cells)
+    session.set_speed(1e300)
+    assert session.speed < FASTEST and "periods a second are too many" in session.notice().sentence
+    session.choose(replace(fits, cells=MOST_WATCHED))
+    assert session.scene == fits and "particles are too many" in session.notice().sentence
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_sliders_reach_no_scene_that_is_refused(problem):
+    reach = VIEWS[problem].reach
+    assert not too_many(PROBLEMS[problem].scene(cells=reach.cells[1], ppc=reach.ppc[1]))
+    assert reach.speed[1] <= FASTEST

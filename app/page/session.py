@@ -93,7 +93,9 @@ class Session:
     def choose(self, scene: Scene) -> None:
         """Take another problem's scene whole; what was wished of the one before is forgotten."""
         with self._lock:
-            self._refusal = None
+            self._refusal = too_many(scene) or None
+            if self._refusal:
+                return
             if scene.problem != self.scene.problem:
                 self.unpin()
             self._start(scene)

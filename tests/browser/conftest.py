@@ -95,8 +95,10 @@ def visit(chromium, address, query="", script=""):
 
 @pytest.fixture(scope="package")
 def server():
-    with serving() as one:
+    log = []
+    with serving(log=log) as one:
         yield one
+    assert "refused" not in log[0], f"what a browser says must come through: {log[0]}"
 
 
 @pytest.fixture(scope="package")

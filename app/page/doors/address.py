@@ -46,10 +46,16 @@ def is_loopback(host: str) -> bool:
     host = host.strip("[]").rstrip(".").lower()
     if host == "localhost" or host.endswith(".localhost"):
         return True
+    return is_ip(host) and ipaddress.ip_address(host).is_loopback
+
+
+def is_ip(text: str) -> bool:
+    """Whether this is an IP address in digits."""
     try:
-        return ipaddress.ip_address(host).is_loopback
+        ipaddress.ip_address(text)
     except ValueError:
         return False
+    return True
 
 
 @dataclass(frozen=True)

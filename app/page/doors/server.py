@@ -18,7 +18,7 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from app.page.doors import messages
-from app.page.doors.address import Addresses
+from app.page.doors.address import Addresses, is_ip, is_loopback
 from app.page.doors.bucket import Bucket
 from app.page.doors.code import ClassCode
 from app.page.doors.refusals import Refusals
@@ -69,7 +69,7 @@ class Doors:
                     **options: Any) -> Any:
             async def handle(connection: Any) -> None:
                 if connection.subprotocol != PROTOCOL:
-                    self._refusals.note("a page of another version", _who(connection))
+                    self._refusals.note("a page of another version", self._who(connection))
                     await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
                     return
                 self._listen(connection)
@@ -98,7 +98,8 @@ class Doors:
 
     def _answer(self, connection: Any, request: Request) -> Response | None:
         """What a request gets instead of the lab; None for one that gets the lab."""
-        who, opens_socket = _who(connection), "websocket" in ",".join(request.headers.get_all("Upgrade")).lower()
+        who = self._who(connection)
+        opens_socket = "websocket" in ",".join(request.headers.get_all("Upgrade")).lower()
         if refusal := self._addresses.refusal(request.headers):
             self._refusals.note(refusal, who)
             return _said(HTTPStatus.FORBIDDEN, refusal)
@@ -135,7 +136,7 @@ class Doors:
 
     def _listen(self, connection: Any) -> None:
         """Have a websocket give the viewer only what a browser may say, and at a browser's pace."""
-        receive, rate, calm, who = connection.recv, Bucket(MESSAGES, A_SECOND), monotonic(), _who(connection)
+        receive, rate, calm, who = connection.recv, Bucket(MESSAGES, A_SECOND), monotonic(), self._who(connection)
 
         async def checked(*args: Any, **options: Any) -> Any:
             nonlocal calm
@@ -163,6 +164,13 @@ class Doors:
 
         connection.recv = checked
 
+    def _who(self, connection: Any) -> str:
+        """The IP address of whoever is at the other end, or that for which a proxy on this machine asks."""
+        remote = connection.remote_address
+        who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
+        told = connection.request.headers.get_all("X-Real-IP") if self._addresses.names and is_loopback(who) else []
+        return told[0] if len(told) == 1 and is_ip(told[0]) else who
+
     def _widget(self, connection: Any, widget: str) -> Any:
         """The widget with this id on the page behind a websocket. Of the viewer only its private parts know it."""
         server: Any = self._server
@@ -170,12 +178,6 @@ class Doors:
         visitor = next((number for number, other in live.items() if other is connection), None)
         page = server._connected_clients.get(visitor) if server else None
         return page.gui._gui_input_handle_from_uuid.get(widget) if page else None
-
-
-def _who(connection: Any) -> str:
-    """The IP address of whoever is at the other end."""
-    remote = connection.remote_address
-    return str(remote[0]) if isinstance(remote, tuple) else "somewhere"
 
 
 async def _send_away(connection: Any) -> None:
