@@ -28,7 +28,9 @@ WAITING = 4  # messages that are read ahead
 # A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
 MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
 BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
-HANDSHAKES, HANDSHAKES_A_SECOND = 100, 3  # websockets opened, each with a page: a class that reloads twice, at once
+# Websockets opened, each with a page to make: a class that reloads ten times never gets there. One that is sent away
+# takes so many more, as far as there are: who comes again and again would have the server make nothing but pages.
+HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 400, 1, 30
 GOING, AWAY = 1.0, 10.0  # seconds that one who is sent away has to say goodbye, and in which its address must wait
 TOO_MUCH = "too many messages"
 PROTOCOL = f"viser-v{viser.__version__}"
@@ -125,6 +127,11 @@ class Doors:
         self._handshakes.pay()
         return None
 
+    def _keep_away(self, who: str) -> None:
+        """Somebody has done what no browser does."""
+        self._away[who] = monotonic() + AWAY
+        self._handshakes.pay(min(MISDEED, max(0.0, self._handshakes.left)))
+
     def _enter(self, code: ClassCode, headers: Headers, who: str) -> Response:
         guesses = headers.get_all("X-Class-Code")
         entry = code.enter(unquote(guesses[0][:1000]) if guesses else "", who)
@@ -146,6 +153,7 @@ class Doors:
                 except ConnectionClosed as closed:
                     if closed.sent and closed.sent.code == CloseCode.MESSAGE_TOO_BIG:
                         self._refusals.note("a message above 1 MB", who)
+                        self._keep_away(who)
                     raise
                 refusal = messages.refusal(message, lambda widget: self._widget(connection, widget))
                 rate.pay(1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if refusal else 0))
@@ -153,7 +161,7 @@ class Doors:
                     calm = monotonic()
                 elif monotonic() - calm > PATIENCE:
                     self._refusals.note(TOO_MUCH, who)
-                    self._away[who] = monotonic() + AWAY
+                    self._keep_away(who)
                     await _send_away(connection)
                     raise connection.protocol.close_exc
                 if rate.left < 0:
