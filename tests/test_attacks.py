@@ -19,7 +19,7 @@ from tests.browser.conftest import serving
 from tests.processes import children, held, until
 from tests.raw import Raw
 
-SECONDS, TURNS = 2.0, 6  # of a turn, and of how many the best counts
+SECONDS, TURNS = 1.5, 8  # of a turn, and of how many the best counts
 ENOUGH = 0.9  # of the frames a second without the attack
 MOST_MEMORY = 60  # MB that the server may grow by under an attack: one more visitor's page, and frames to look back at
 LOG = 15_000  # bytes of log for all attacks together: some minutes with ten lines and a sum each
@@ -47,7 +47,7 @@ def test_honest_visitor_is_unharmed(served, kind):
     before = memory(process)
     attacker = subprocess.Popen([sys.executable, "-m", "tests.attacks", address, kind], cwd=Path(__file__).parents[1])
     try:
-        honest.rate(3)  # the attacker starts
+        honest.rate(2)  # the attacker starts
         shares = []
         while len(shares) < TURNS and max(shares, default=0) < ENOUGH:
             with held([attacker.pid]):
