@@ -83,6 +83,7 @@ def default_hint(text: str) -> Any:
 NumberFlag = Annotated[Any, _lenient("N", number)]
 RealFlag = Annotated[Any, _lenient("X", real)]
 TextFlag = Annotated[Any, _lenient("TEXT", " ".join)]
+NamesFlag = Annotated[Any, _lenient("TEXT ...", _words)]
 PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
 #: A flag without a value.
 Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff]

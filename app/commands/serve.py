@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
-from app.commands.flags import BadInput, NumberFlag, TextFlag
+from app.commands.flags import BadInput, NamesFlag, NumberFlag, TextFlag
+from app.page.doors.address import is_name
+from app.page.doors.code import LONGEST, SHORTEST, plain
 from solvers.rules import require_whole
 
 
@@ -11,11 +13,15 @@ class Serve:
     """Serve the page to browsers until Ctrl-C."""
 
     host: TextFlag = "127.0.0.1"
-    """Address to listen on; 0.0.0.0 lets other machines in."""
+    """Address to listen on; 0.0.0.0 lets other machines in, with the class code."""
     port: NumberFlag = 8080
     """Port to listen on."""
     max_sessions: NumberFlag = 40
     """Visitors served at the same time; one more is asked to wait."""
+    code: TextFlag = ""
+    """Class code that visitors must know; without one it is made up, except on this machine alone."""
+    name: NamesFlag = ()
+    """Public names of the lab behind a proxy, with commas between, such as lab.school.example."""
     warm_up: bool = True
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
@@ -25,10 +31,18 @@ class Serve:
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
+        self._check_doors()
         require_whole("max_sessions", self.max_sessions, 1, 10_000)
         from app.page.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
         try:
-            serve(self.host, self.port, self.max_sessions, self.warm_up)
+            serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name)
         except ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0
+
+    def _check_doors(self) -> None:
+        if self.code.strip() and not SHORTEST <= len(plain(self.code)) <= LONGEST:
+            raise BadInput("code", self.code, f"give {SHORTEST} to {LONGEST} letters and digits, or none")
+        for name in self.name:
+            if not is_name(name):
+                raise BadInput("name", name, "give the name of a host, such as lab.school.example")

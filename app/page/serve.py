@@ -10,7 +10,10 @@ import threading
 import warnings
 from collections.abc import Callable
 from typing import Any
+from urllib.parse import quote
 
+from app.page.doors.address import Addresses
+from app.page.doors.code import ClassCode, made_up
 from app.page.session import FIRST_SCENE, PageLinks
 from app.page.usual import usual_scenes
 from solvers.engine.pool import EnginePool
@@ -91,18 +94,25 @@ class Visitors:
             self._show(client, "The page could not be made. Reload it, or see the terminal for the reason.")
 
 
-def serve(host: str, port: int, max_sessions: int, warm_up: bool = True) -> None:
+def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
+          names: tuple[str, ...] = ()) -> None:
     """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it.
 
-    Raises :class:`ServeError` when host and port cannot be had.
+    Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
+    ``names`` are those of proxies before the lab. Raises :class:`ServeError` when host and port cannot be had.
     """
+    addresses = Addresses(host, names)
+    code = code or ("" if addresses.private else made_up())
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else ()), None
     try:
-        server = _start_server(host, port, pool, max_sessions)
+        server = _start_server(host, port, pool, max_sessions, addresses, code)
         address = f"{'127.0.0.1' if host in ('', '0.0.0.0') else host}:{server.get_port()}"
         print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+        if code:
+            print(f"the class code is {code}; http://{address}/#code={quote(code)} brings it along", file=sys.stderr,
+                  flush=True)
         threading.Event().wait()
     finally:
         pool.close()
@@ -111,9 +121,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True) -> None
                 server.stop()
 
 
-def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
-    import viser
-
+def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str):
+    from app.page.doors.server import Doors, Lab
     from app.page.index import own_index
     from app.page.page import Page
     from app.page.panels.head import set_up
@@ -122,8 +131,11 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int):
     mend()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    with contextlib.redirect_stdout(io.StringIO()), own_index():  # it would announce itself in a box of its own
-        server = viser.ViserServer(host=host, port=port, verbose=False)
+    doors = Doors(addresses, ClassCode(code, port) if code else None)
+    # The viewer would announce itself in a box of its own. The doors come first: what they let in gets the index.
+    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(), own_index():
+        server = Lab(host=host, port=port, verbose=False)
+    doors.watch(server)
     set_up(server.gui)
     visitors = Visitors(pool, max_sessions, Page, _show)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from time import monotonic
 
 from app.page.history import History
+from app.page.limits import FASTEST, too_many
 from app.page.pinned import PinnedRun
 from app.problems.views import VIEWS
 from app.words import on_page, ratio
@@ -83,16 +84,21 @@ class Session:
         with self._lock:
             self._wished |= fields
             try:
-                self.scene, self._refusal = PROBLEMS[self._wished["problem"]].scene(**self._wished), None
+                scene = PROBLEMS[self._wished["problem"]].scene(**self._wished)
             except SceneError as refusal:
                 self._refusal = on_page(str(refusal))
                 return
-            self._ask()
+            self._refusal = too_many(scene) or None
+            if not self._refusal:
+                self.scene = scene
+                self._ask()
 
     def choose(self, scene: Scene) -> None:
         """Take another problem's scene whole; what was wished of the one before is forgotten."""
         with self._lock:
-            self._refusal = None
+            self._refusal = too_many(scene) or None
+            if self._refusal:
+                return
             if scene.problem != self.scene.problem and self.pinned:
                 self.unpin()
                 self._let_go_at = monotonic()
@@ -130,6 +136,11 @@ class Session:
     def set_speed(self, speed: float) -> None:
         """Periods a second."""
         with self._lock:
+            if speed > FASTEST:
+                self._refusal = f"Speed: {speed:g} periods a second are too many; at most {FASTEST:g} can be asked for"
+                return
+            if (self._refusal or "").startswith("Speed:"):
+                self._refusal = None
             self.speed = speed
             self._ask()
 

@@ -49,9 +49,10 @@ def _browser() -> str:
 
 
 @contextmanager
-def serving(environment=None, arguments=()):
-    """Address and process id of a page served by the command line itself, with further ``arguments``. Nothing is
-    compiled unasked: the tests need the processor."""
+def serving(environment=None, arguments=(), coded=False, log=None):
+    """Address and process id of a page served by the command line itself, with further ``arguments``, and where it is
+    ``coded`` also the line that says the class code; ``log`` is extended by what it says later. Nothing is compiled
+    unasked: the tests need the processor."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         port = str(trial.getsockname()[1])
@@ -62,11 +63,14 @@ def serving(environment=None, arguments=()):
     found = re.search(r"http://\S+", line)
     assert found, f"the server said: {line}"
     try:
-        yield found[0], process.pid
+        yield (found[0], process.pid, process.stderr.readline()) if coded else (found[0], process.pid)
     finally:
         process.send_signal(signal.SIGINT)
         assert process.wait(HANG) in (0, 130)
-        assert "Traceback" not in process.stderr.read()
+        said = process.stderr.read()
+        if log is not None:
+            log.append(said)
+        assert "Traceback" not in said
         process.stderr.close()
 
 
@@ -94,8 +98,10 @@ def visit(chromium, address, query="", script=""):
 
 @pytest.fixture(scope="package")
 def server():
-    with serving() as one:
+    log = []
+    with serving(log=log) as one:
         yield one
+    assert "refused" not in log[0], f"what a browser says must come through: {log[0]}"
 
 
 @pytest.fixture(scope="package")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from app.page.cost.jobs import JobStatus
 from app.page.cost.runs import MOST_RUNS, NumberedRun
+from app.page.limits import too_many
 from app.words import NOTHING, command_line, method_name, number, per_cell
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES
@@ -15,7 +16,6 @@ from solvers.study.grid import Task
 from solvers.study.row import FAILED
 
 LONGEST_BUDGET = 60.0
-MOST_WATCHED = 40_000  # particles: the sliders reach no further, and browsers not much
 
 
 class NoNumber(ValueError):
@@ -58,8 +58,7 @@ def relative(value: float | None) -> str:
 
 def too_large(scene: Scene) -> str:
     """What to do with a scene that the stage cannot show."""
-    return (f"{scene.particles:,} particles are too many to watch; at most {MOST_WATCHED:,} go on the stage. "
-            f"Run it in a terminal: {command_line(scene)}")
+    return (f"{too_many(scene)}. Run it in a terminal: {command_line(scene)}")
 
 
 def seconds(value: float | None) -> str:

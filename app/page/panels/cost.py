@@ -12,6 +12,7 @@ from app.page.cost.picture import picture
 from app.page.cost.quiet import QuietStage
 from app.page.cost.runs import LIVE, Runs, csv_bytes
 from app.page.history import History
+from app.page.limits import too_many
 from app.page.session import Notice, Session
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
@@ -169,7 +170,7 @@ class CostTab:
 
     def _put(self, scene: Scene, name: str) -> None:
         """Put a scene on the stage if a browser can show it."""
-        if scene.particles > words.MOST_WATCHED:
+        if too_many(scene):
             self._say(words.too_large(scene))
             return
         self._load(scene)

@@ -1,0 +1,50 @@
+"""What a visitor may do to each kind of widget: the values that its browser can send for it. Other kinds take none."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+LONGEST_TEXT = 200  # characters; nothing that the page asks for is longer
+
+
+def refusal(widget: Any, value: Any) -> str | None:
+    """Why a browser cannot have set this widget to ``value``; None where it can."""
+    rule = RULES.get(type(widget))
+    if rule is None:
+        return "a widget of a kind that takes no values"
+    if widget.disabled or not widget.visible:
+        return "a widget that is off"
+    return None if rule(widget, value) else f"a value that “{widget.label}” cannot have"
+
+
+def number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
+    """Whether this is a finite number from ``low`` to ``high``; True and False are none."""
+    return type(value) in (int, float) and abs(value) <= 1e300 and low <= value <= high
+
+
+def _ranged(widget: Any, value: Any) -> bool:
+    """A browser rounds to the digits that it shows, and so may leave the range by half of the last."""
+    half = 0.5 * 10.0**-widget.precision * (1 + 1e-9) if type(widget.value) is float else 0.0
+    low = -math.inf if widget.min is None else widget.min - half
+    high = math.inf if widget.max is None else widget.max + half
+    return number(value, low, high) and (type(widget.value) is float or value == int(value))
+
+
+def _truth(widget: Any, value: Any) -> bool:
+    return type(value) is bool
+
+
+def _option(widget: Any, value: Any) -> bool:
+    return type(value) is str and value in widget.options
+
+
+def _text(widget: Any, value: Any) -> bool:
+    return type(value) is str and len(value) <= LONGEST_TEXT
+
+
+RULES: dict[type, Callable[[Any, Any], bool]] = {
+    viser.GuiSliderHandle: _ranged, viser.GuiNumberHandle: _ranged, viser.GuiCheckboxHandle: _truth,
+    viser.GuiButtonHandle: _truth, viser.GuiDropdownHandle: _option, viser.GuiButtonGroupHandle: _option,
+    viser.GuiTextHandle: _text}

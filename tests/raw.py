@@ -1,0 +1,103 @@
+"""A visitor without a browser: it speaks the viewer's own language over a bare websocket, and may say anything."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections import Counter
+from time import monotonic
+
+import msgspec
+import viser
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from tests.processes import until
+
+PROTOCOL = f"viser-v{viser.__version__}"
+CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,
+          "near": 1.0, "far": 600.0, "image_height": 720, "image_width": 600, "look_at": [0.0, 0.0, 0.0],
+          "up_direction": [0.0, 1.0, 0.0]}
+
+
+class Raw:
+    """One websocket. It reads all that comes, on a thread of its own: ``widgets`` are the inputs that the page has, by
+    id, with what the page has said of them; ``frames`` counts the pictures of particles."""
+
+    def __init__(self, address, headers=None, arrive=True, **options):
+        self.socket = connect(address.replace("http", "ws", 1), subprotocols=[PROTOCOL], compression=None,
+                              additional_headers=headers, max_size=None, ping_interval=None, **options)
+        self.widgets, self.kinds, self.frames, self.closed, self.html = {}, Counter(), 0, None, {}
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        if arrive:
+            self.say(CAMERA)
+
+    def say(self, message):
+        """Say something; bytes go as they are."""
+        self.socket.send(message if isinstance(message, bytes | str) else msgspec.msgpack.encode(message))
+
+    def set(self, widget, value, **others):
+        self.say({"type": "GuiUpdateMessage", "uuid": widget, "updates": {"value": value, **others}})
+
+    def find(self, label):
+        """The id of the widget with this label, once it is there."""
+        until(lambda: label in self._labels(), label)
+        return self._labels()[label]
+
+    def label(self, widget):
+        return self.widgets[widget]["props"].get("label", self.widgets[widget]["type"])
+
+    def rate(self, seconds):
+        """Frames a second, over some time from now."""
+        begun, frames = monotonic(), self.frames
+        threading.Event().wait(seconds)
+        return (self.frames - frames) / (monotonic() - begun)
+
+    def close(self):
+        self.socket.close()
+        self._reader.join(10)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def _labels(self):
+        return {widget["props"].get("label"): name for name, widget in dict(self.widgets).items()}
+
+    def _read(self):
+        unpack = zstandard.ZstdDecompressor()
+        try:
+            for raw in self.socket:
+                size, packed = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
+                said = msgspec.msgpack.decode(unpack.decompress(raw[16:16 + packed], max_output_size=size))
+                for message in said["messages"]:
+                    self._hear(message)
+                self.frames += any("points" in m.get("updates", {}) for m in said["messages"])
+        except ConnectionClosed:
+            pass
+        self.closed = self.socket.close_code
+
+    def _hear(self, message):
+        kind = message["type"]
+        self.kinds[kind] += 1
+        if kind == "GuiUpdateMessage":
+            for name, value in message["updates"].items():
+                widget = self.widgets.get(message["uuid"], {"props": {}})
+                (widget if name == "value" else widget["props"])[name] = value
+                if name == "content":
+                    self.html[message["uuid"]] = value
+        elif kind == "GuiRemoveMessage":
+            self.widgets.pop(message["uuid"], None)
+        elif kind == "GuiHtmlMessage":
+            self.html[message["uuid"]] = message["props"]["content"]
+        elif kind.startswith("Gui") and ("value" in message or kind == "GuiUploadButtonMessage"):
+            self.widgets[message["uuid"]] = message
+
+
+def unknown():
+    """An id that no widget has."""
+    return str(uuid.uuid4())
