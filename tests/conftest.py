@@ -33,6 +33,22 @@ settings.load_profile("always the same" if os.environ.get("CI") else "lab")  # a
 os.environ["TI_OFFLINE_CACHE_MAX_SIZE_OF_FILES"] = str(500 * 2**20)
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--slow", action="store_true", help="run the slow tests too")
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    return "slow tests: " + ("among the others" if config.getoption("--slow") else "left out, --slow runs them too")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Slow tests repeat what others show in small, at a size or in a number that takes long."""
+    left_out = [] if config.getoption("--slow") else [item for item in items if item.get_closest_marker("slow")]
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if not item.get_closest_marker("slow")]
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Where Python may not keep the modules that it compiles, each of some two hundred processes would compile Taichi
     and more anew, for longer than many then run: keep them apart, as long as the tests last."""

@@ -22,6 +22,7 @@ from tests.raw import Raw
 SECONDS, TURNS = 1.5, 8  # of a turn, and of how many the best counts
 ENOUGH = 0.9  # of the frames a second without the attack
 MOST_MEMORY = 60  # MB that the server may grow by under an attack: one more visitor's page, and frames to look back at
+OFTEN = ("garbage", "100,000 cells")  # of the attacks; the others are for the slow tests
 LOG = 15_000  # bytes of log for all attacks together: some minutes with ten lines and a sum each
 
 
@@ -41,7 +42,8 @@ def memory(process):
     return sum(int(line.split()[1]) for text in fields for line in text.splitlines() if line.startswith("Pss:")) / 1e3
 
 
-@pytest.mark.parametrize("kind", [*ATTACKS, "knocking"])
+@pytest.mark.parametrize("kind", [kind if kind in OFTEN else pytest.param(kind, marks=pytest.mark.slow)
+                                  for kind in (*ATTACKS, "knocking")])
 def test_honest_visitor_is_unharmed(served, kind):
     address, process, honest = served
     before = memory(process)

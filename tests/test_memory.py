@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from solvers.bar.scene import BarScene
 from solvers.bar.solver import BarSolver
@@ -32,6 +33,7 @@ def random_scene(rng: np.random.Generator) -> Scene:
                  density=float(rng.uniform(1, 10)), cfl=float(rng.uniform(0.01, 0.1)))
 
 
+@pytest.mark.slow
 def test_600_rebuilds_leave_memory_flat_and_compile_nothing():
     """After 100 to warm up, 600 scenes of any size: growth below 5 MB, no kernel added, below 50 ms of work each."""
     rng, kernel, slowest = np.random.default_rng(0), advance._primal, []
