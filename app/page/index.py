@@ -19,7 +19,8 @@ _ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='
          "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "
          "stroke='white' stroke-width='1.6'/%3E%3Ccircle cx='5' cy='4.6' r='1.7' fill='%23D55E00'/%3E%3C/svg%3E")
 _HERE = Path(__file__).parent
-_GROUND, _NAMES = ((_HERE / name).read_text(encoding="utf-8") for name in ("ground.html", "names.js"))
+_GROUND, *_SCRIPTS = ((_HERE / name).read_text(encoding="utf-8")
+                       for name in ("ground.html", "names.js", "attendance.js"))
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"
 _PATHS = ("/", "/index.html")
 
@@ -29,7 +30,8 @@ def index() -> str:
     html = _VIEWERS.read_text(encoding="utf-8")
     html = re.sub(r"<title>.*?</title>", "<title>mpm-lab</title>", html, count=1)
     html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{_ICON}"', html, count=1)
-    return html.replace('<div id="root"></div>', f'<div id="root"></div>\n{_GROUND}<script>\n{_NAMES}</script>', 1)
+    own = f"{_GROUND}<script>\n{''.join(_SCRIPTS)}</script>"
+    return html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1)
 
 
 @contextmanager

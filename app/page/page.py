@@ -1,6 +1,7 @@
 """The page: one visitor's stage, panels and session, tied together."""
 
 import logging
+import secrets
 import threading
 from html import escape
 from time import monotonic
@@ -37,15 +38,18 @@ from solvers.scene import Scene
 
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
+UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on
 RESTING = 20  # times as long as a refresh takes, at least, until the next: with many visitors frames come first
 
 
 class Page:
-    """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own."""
+    """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own. The browser
+    calls it by its ``token`` (``attendance.js``)."""
 
     def __init__(self, client: viser.ClientHandle, pool: PageLinks):
-        self._client, self._ready = client, False
-        self._closed, self._drawing = threading.Event(), threading.Lock()
+        self.client, self._ready, self._frames = client, False, pool.frames
+        self.token, self._watched = secrets.token_urlsafe(12), True
+        self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._recent = Recent()
         self._trace = Trace(self._recent)
         self._view: View | None = None
@@ -53,6 +57,7 @@ class Page:
         self._scale = ColourScale()
         set_up(client.gui)
         add_head(client.gui)
+        client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._presenter = Presenter(client.gui)
         self._notice, self._says, self._pace = client.gui.add_html(""), client.gui.add_html(""), Pace()
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
@@ -71,9 +76,16 @@ class Page:
         self._redraw()
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()
 
+    def attend(self, watched: bool) -> None:
+        """The browser shows the page, or no longer: then nothing is computed or sent for it."""
+        self._watched = watched
+        self._session.attend(watched)
+
     def close(self) -> None:
-        """The visitor has gone."""
+        """The visitor has gone, or is to see something else: nothing is drawn or said any more."""
         self._closed.set()
+        with self._drawing, self._refreshing:  # what is under way comes to its end
+            pass
         self._slow.close()
         self._session.close()
         self._cost.jobs.close()
@@ -92,6 +104,7 @@ class Page:
             add_about(client.gui)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
+        self._frames.add()
         if report.fresh:
             self._scale.forget()
         self._recent.add(report, arrays)
@@ -138,7 +151,7 @@ class Page:
             stage = self._stages[scene.problem]
             second = stage.pair(pinned is not None)
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
-            with self._client.atomic():
+            with self.client.atomic():
                 self._show_stage(None if self._slow.showing else scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
                            self._session.speed * scene.period)
@@ -149,7 +162,7 @@ class Page:
                 self._mark.look(stage, arrays)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
             self._camera.show(RECTANGLE if self._slow.showing else stage.rectangle)
-            self._client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
+            self.client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._view = view
 
@@ -166,7 +179,9 @@ class Page:
         while not self._closed.wait(pause):
             begun = monotonic()
             try:
-                self._refresh()
+                with self._refreshing:
+                    if self._watched and not self._closed.is_set():
+                        self._refresh()
             except Exception:  # one bad refresh must not silence the page for the rest of the visit
                 logging.getLogger(__name__).exception("the page could not be refreshed")
             pause = max(REFRESH_SECONDS, RESTING * (monotonic() - begun))
@@ -176,6 +191,8 @@ class Page:
             self._worst.look(*self._last, self._view)
         self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst, self._recent,
                                    self._trace.traced, self._presenter.on)
+        if self._session.playing and not self._presenter.on and self._session.untouched > UNTOUCHED:
+            self._session.rest()
         notice = self._session.notice() or self._cost.notice()
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
@@ -185,7 +202,7 @@ class Page:
         self._cost.refresh()
         self._camera.settle()
         fitting = max(LEAST_TEXT, min(1.0, self._camera.scale / ROOMY))
-        enlarge(self._client.scene, fitting * (ENLARGED if self._presenter.on else 1.0))
+        enlarge(self.client.scene, fitting * (ENLARGED if self._presenter.on else 1.0))
 
     def _say(self) -> None:
         """Say what is seen, now and then; that there is something to see lifts the page's ground (``ground.html``)."""

@@ -4,6 +4,7 @@ import contextlib
 import io
 import logging
 import os
+import signal
 import socket
 import sys
 import threading
@@ -14,11 +15,17 @@ from urllib.parse import quote
 
 from app.page.doors.address import Addresses
 from app.page.doors.code import ClassCode, made_up
+from app.page.health import Tally
 from app.page.session import FIRST_SCENE, PageLinks
 from app.page.usual import usual_scenes
 from solvers.engine.pool import EnginePool
 
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
+
+
+FULL = "Every place on this server is taken. This page tries again by itself; nothing needs to be done."
+OVER = "The lab has been closed. Once it is open again, this page comes back by itself."
+AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
 
 
 class ServeError(Exception):
@@ -35,7 +42,7 @@ class Visitors:
     def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
                  show: Callable[[Any, str], None]):
         self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
-        self._lock = threading.Lock()
+        self._lock, self._frames = threading.Lock(), Tally()
         self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
         self._pageless: set[int] = set()  # here, but refused or with a page that failed
         self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
@@ -55,7 +62,7 @@ class Visitors:
         if admitted:
             self._admit(client)
         else:
-            self._show(client, "Every place on this server is taken. Reload the page in a while.")
+            self._show(client, FULL + AGAIN)
 
     def disconnect(self, client: Any) -> None:
         """Close the visitor's page, now or as soon as it is made."""
@@ -71,9 +78,32 @@ class Visitors:
             del self._pages[visitor]
         page.close()
 
+    def attend(self, token: str, watched: bool) -> bool:
+        """The browser with this token shows its page, or no longer. Whether there is such a page."""
+        with self._lock:
+            page = next((page for page in self._pages.values() if page and page.token == token), None)
+        if page is not None:
+            page.attend(watched)
+        return page is not None
+
+    def say_goodbye(self) -> None:
+        """Tell all who are here that the lab closes."""
+        with self._lock:
+            pages, self._pages = list(self._pages.values()), {}
+        for page in filter(None, pages):
+            page.close()
+            self._show(page.client, OVER)
+            page.client.flush()
+
+    def health(self) -> dict[str, Any]:
+        """How the server does: for whoever watches it."""
+        return {"ready": self._pool.wait_ready(0), "sessions": len(self._pages), "places": self._places,
+                "engines": len(self._pool.process_ids), "playing": self._pool.playing,
+                "frames_per_second": self._frames.a_second}
+
     def _admit(self, client: Any) -> None:
         """Make the page of a visitor who has a place; one that fails leaves nothing behind."""
-        visitor, links, page = client.client_id, PageLinks(self._pool), None
+        visitor, links, page = client.client_id, PageLinks(self._pool, self._frames), None
         try:
             page = self._make_page(client, links)
         except Exception:
@@ -106,8 +136,9 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else ()), None
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
-        server = _start_server(host, port, pool, max_sessions, addresses, code)
+        server, visitors = _start_server(host, port, pool, max_sessions, addresses, code)
         address = f"{'127.0.0.1' if host in ('', '0.0.0.0') else host}:{server.get_port()}"
         print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         if code:
@@ -115,6 +146,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
                   flush=True)
         threading.Event().wait()
     finally:
+        if server is not None:
+            visitors.say_goodbye()
         pool.close()
         if server is not None:
             with contextlib.redirect_stdout(io.StringIO()):
@@ -135,12 +168,12 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     # The viewer would announce itself in a box of its own. The doors come first: what they let in gets the index.
     with contextlib.redirect_stdout(io.StringIO()), doors.guarding(), own_index():
         server = Lab(host=host, port=port, verbose=False)
-    doors.watch(server)
     set_up(server.gui)
     visitors = Visitors(pool, max_sessions, Page, _show)
+    doors.watch(server, visitors)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     server.on_client_connect(visitors.connect)
-    return server
+    return server, visitors
 
 
 def _show(client: Any, sentence: str) -> None:

@@ -7,6 +7,7 @@ from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass
 from time import monotonic
 
+from app.page.health import Tally
 from app.page.history import History
 from app.page.limits import FASTEST, too_many
 from app.page.pinned import PinnedRun
@@ -41,11 +42,11 @@ def first_scene(problem: str) -> Scene:
 
 
 class PageLinks(ExitStack):
-    """The pool as one page sees it; ``close`` closes all that was opened."""
+    """The pool as one page sees it; ``close`` closes all that was opened. ``frames`` counts those of all pages."""
 
-    def __init__(self, pool: EnginePool):
+    def __init__(self, pool: EnginePool, frames: Tally | None = None):
         super().__init__()
-        self._pool = pool
+        self._pool, self.frames = pool, frames or Tally()
 
     def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
         return self.enter_context(closing(self._pool.open(listener, beside)))
@@ -65,7 +66,7 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
-        self._let_go_at = -math.inf
+        self._let_go_at, self._watched, self._rests = -math.inf, True, False
         self._plotted = QUANTITIES[0]
         self._dissected: int | None = None
         self._restarts = self._single_steps = self._number = self._compiled_for = 0
@@ -108,9 +109,27 @@ class Session:
     def play(self, playing: bool, single_steps: int = 0) -> None:
         """Go on or pause, and take so many time steps."""
         with self._lock:
-            self.playing = playing
+            self.playing, self._rests = playing, False
             self._single_steps += single_steps
             self._ask()
+
+    def rest(self) -> None:
+        """Pause until the visitor comes back."""
+        with self._lock:
+            self.playing, self._rests = False, True
+            self._ask()
+
+    def attend(self, watched: bool) -> None:
+        """Somebody looks, or nobody: then the run rests, and goes on later as if no time had passed."""
+        with self._lock:
+            if watched != self._watched:
+                self._watched = watched
+                self._ask()
+
+    @property
+    def untouched(self) -> float:
+        """Seconds since the visitor last asked for anything."""
+        return monotonic() - self._asked_at
 
     def dissect(self, particle: int | None) -> int:
         """Pause, and take one step apart around a particle; or ask for no more of that. The number of the wish."""
@@ -209,6 +228,9 @@ class Session:
                                   "and the scene begins again.")
         if self._refusal:
             return Notice("refused", f"{self._refusal}. The scene before it runs on.")
+        if self._rests and not self.playing:
+            return Notice("wait", "The run rests, because nobody has asked anything of it for a while. Press Play to "
+                                  "go on.")
         waited = monotonic() - self._asked_at
         if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
             so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
@@ -248,10 +270,11 @@ class Session:
 
     def _ask(self) -> None:
         self._trouble, self._asked_at = None, monotonic()
-        self._number = self._link.ask(self.scene, self.playing, self.speed * self.scene.period, self._restarts,
+        playing = self.playing and self._watched
+        self._number = self._link.ask(self.scene, playing, self.speed * self.scene.period, self._restarts,
                                       self._single_steps, self._differences, self._plotted, self._dissected)
         if self.pinned:
-            self.pinned.follow(self.playing, self.speed, self._single_steps, self._differences, self._plotted)
+            self.pinned.follow(playing, self.speed, self._single_steps, self._differences, self._plotted)
 
 
 def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:

@@ -1,13 +1,15 @@
 """The web server with its doors: who asks, with what code, and what is said to it, before the viewer hears of it."""
 
 import asyncio
+import json
 import logging
+import re
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, Protocol
 from urllib.parse import unquote
 
 import viser
@@ -36,6 +38,7 @@ TOO_MUCH = "too many messages"
 PROTOCOL = f"viser-v{viser.__version__}"
 NO_CODE = "The class code is missing. Load the page again and type it."
 
+_LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
 _PAGE = (Path(__file__).parent / "code.html").read_text(encoding="utf-8")
 
 
@@ -49,6 +52,14 @@ class Lab(viser.ViserServer):
         """There is nothing to disconnect."""
 
 
+class House(Protocol):
+    """What the doors are those of: it knows who is in, and how it does."""
+
+    def attend(self, token: str, watched: bool) -> bool: ...
+
+    def health(self) -> dict[str, Any]: ...
+
+
 class Doors:
     """The doors of one server. All but :meth:`guarding` is called on the web server's loop."""
 
@@ -57,10 +68,11 @@ class Doors:
         self._handshakes = Bucket(HANDSHAKES, HANDSHAKES_A_SECOND)
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
+        self._house: House | None = None
 
-    def watch(self, server: viser.ViserServer) -> None:
-        """This server's widgets are meant in what browsers say."""
-        self._server = server
+    def watch(self, server: viser.ViserServer, house: House) -> None:
+        """This server's widgets are meant in what browsers say, and these visitors."""
+        self._server, self._house = server, house
 
     @contextmanager
     def guarding(self) -> Iterator[None]:
@@ -106,6 +118,8 @@ class Doors:
             self._refusals.note(refusal, who)
             return _said(HTTPStatus.FORBIDDEN, refusal)
         path = request.path.partition("?")[0]
+        if path == "/health" and self._house and not opens_socket:
+            return _said(HTTPStatus.OK, json.dumps(self._house.health()), "application/json")
         if self._code and not opens_socket and path.endswith("/enter"):
             return self._enter(self._code, request.headers, who)
         if self._code and not self._code.knows(request.headers):
@@ -114,7 +128,14 @@ class Doors:
                 return _said(HTTPStatus.FORBIDDEN, NO_CODE)
             front = path in ("/", "/index.html")
             return _said(HTTPStatus.OK if front else HTTPStatus.FORBIDDEN, _PAGE, "text/html")
-        return self._wait(who) if opens_socket else None
+        if opens_socket:
+            return self._wait(who)
+        return self._attend(*looks.groups()) if (looks := _LOOKS.search(path)) else None
+
+    def _attend(self, state: str, token: str) -> Response:
+        """A browser says that its page is seen, or no longer."""
+        known = self._house is not None and self._house.attend(token, state == "here")
+        return _said(HTTPStatus.NO_CONTENT if known else HTTPStatus.NOT_FOUND, "")
 
     def _wait(self, who: str) -> Response | None:
         """Who opens a websocket may have to wait, because many do or because this address was sent away."""

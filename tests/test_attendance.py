@@ -1,0 +1,116 @@
+"""A server and those who look at it: what nobody sees rests, who watches the server is told, the end is said."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import urllib.error
+import urllib.request
+
+import pytest
+
+from app.page import health
+from app.page import session as page
+from app.page.health import Tally
+from app.page.serve import OVER
+from tests.browser.conftest import serving
+from tests.listening import PATIENCE, SCENE
+from tests.processes import children, ended, until
+from tests.raw import Raw
+
+
+@pytest.fixture(scope="module")
+def server():
+    with serving() as one:
+        yield one
+
+
+def get(server, path):
+    """Status and text of an answer."""
+    try:
+        with urllib.request.urlopen(f"{server[0]}/{path}") as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as refused:
+        return refused.code, refused.read().decode()
+
+
+def more(visitor, frames):
+    """Wait until so many more have come."""
+    before = visitor.frames
+    until(lambda: visitor.frames >= before + frames, "frames")
+
+
+def token(visitor):
+    """What the visitor's browser is known by."""
+    found = []
+    until(lambda: found or found.extend(re.findall(r"data-visitor='([\w-]+)'", " ".join(visitor.html.values()))),
+          "a token")
+    return found[0]
+
+
+def test_what_nobody_sees_rests(server):
+    """No frame comes to a page that is away, nor does its clock go on; it goes on when it is seen again."""
+    with Raw(server[0]) as visitor, Raw(server[0]) as other:
+        until(lambda: visitor.frames > 3 and other.frames > 3, "frames of both")
+        assert get(server, f"away/{token(visitor)}")[0] == 204
+        more(other, 10)  # one engine serves both: what was on its way to the visitor has come meanwhile
+        last = visitor.frames
+        more(other, 10)
+        assert visitor.frames == last
+        assert get(server, f"here/{token(visitor)}")[0] == 204
+        more(visitor, 3)
+    assert get(server, "away/nobody")[0] == 404
+
+
+def test_health(server):
+    until(lambda: json.loads(get(server, "health")[1])["sessions"] == 0, "those of other tests gone")
+    with Raw(server[0]) as visitor:
+        until(lambda: visitor.frames > 3, "frames")
+        until(lambda: json.loads(get(server, "health")[1])["frames_per_second"] > 0, "a rate")
+        found = json.loads(get(server, "health")[1])
+    assert found.keys() == {"ready", "sessions", "places", "engines", "playing", "frames_per_second"}
+    assert (found["ready"], found["sessions"], found["places"], found["playing"]) == (True, 1, 40, 1)
+    assert found["engines"] >= 1
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_the_end_is_told_and_leaves_nothing(end):
+    """Neither a process nor a word of warning (``serving`` looks for that), however it is ended."""
+    with serving() as (address, process), Raw(address) as one, Raw(address) as two:
+        until(lambda: one.frames > 3 and two.frames > 3, "frames")
+        engines = children(process, "spawn_main")
+        assert engines
+        os.kill(process, end)
+        until(lambda: one.closed is not None and two.closed is not None, "websockets closed")
+        for visitor in (one, two):
+            assert any(OVER in text for text in visitor.html.values())
+        until(lambda: ended(process) and all(map(ended, engines)), "server and engines ended")
+
+
+def test_a_tally_counts_whole_seconds(monkeypatch):
+    now = 10.0
+    monkeypatch.setattr(health, "monotonic", lambda: now)
+    tally = Tally()
+    for _ in range(3):
+        tally.add()
+    assert tally.a_second == 0
+    now = 11.2
+    assert tally.a_second == 3
+    tally.add()
+    now = 13.0
+    assert tally.a_second == 0  # nothing in the second before
+
+
+def test_a_run_that_nobody_touches_rests(pool):
+    """And says so; Play wakes it."""
+    one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: None)
+    until(lambda: one.report is not None and one.untouched < 60, "a frame", PATIENCE)
+    one.rest()
+    until(lambda: not one.report.playing, "at rest", PATIENCE)
+    assert one.notice().sentence.startswith("The run rests") and one.notice().sentence.endswith("Press Play to go on.")
+    one.play(True)
+    until(lambda: one.report.playing, "going on", PATIENCE)
+    assert one.notice() is None or "rests" not in one.notice().sentence
+    one.close()
