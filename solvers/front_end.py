@@ -5,14 +5,27 @@ where the machine code comes from the cache of compiled kernels. For every node 
 source with the node underlined, wrapped to 80 columns, in case of an error. For every call of a function it reads and
 tokenizes the function's source again. And for every function decorated it looks through all modules for the source
 around it, to see whether it belongs to a class. Here an error names file, line and function, source is read once, and
-no function belongs to a class. What is compiled is the same to the bit, and so is its key in the cache.
+no function belongs to a class. What is compiled is the same to the bit.
+
+And it writes down a number again wherever it is used, a thousand times in a kernel. The compiler then merges equal ones
+one by one, each with two walks through the whole kernel: that is most of its time. Here the numbers that are used most
+are variables that a kernel sets before all else; these the compiler replaces by their values at once, for all kernels
+alike, to the same code.
 """
 
 import functools
-from ast import expr, stmt
+from ast import expr as syntax
+from ast import mod, stmt
 
-from taichi.lang import kernel_impl
+from taichi.lang import expr, impl, kernel_impl
+from taichi.lang.ast import transform_tree
 from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
+
+USUAL = (*range(-1, 9), 0.0, 1.0, -1.0, 0.5, 0.25, 2.0, True)  # numbers
+
+_set: dict[tuple[type, object], expr.Expr] = {}  # the variables of the kernel that is being compiled
+_write = expr.make_constant_expr
+_subscript = impl.subscript
 
 
 def lighten() -> None:
@@ -20,9 +33,12 @@ def lighten() -> None:
     ASTTransformerContext.get_pos_info = _place
     kernel_impl.getsourcelines = functools.cache(kernel_impl.getsourcelines)
     kernel_impl._inside_class = _in_no_class
+    kernel_impl.transform_tree = _translate
+    expr.make_constant_expr = _number
+    impl.subscript = _entry
 
 
-def _place(context: ASTTransformerContext, node: expr | stmt) -> str:
+def _place(context: ASTTransformerContext, node: syntax | stmt) -> str:
     """Where a node stands in the source, as the first line of Taichi's own message says it."""
     line = node.lineno + context.lineno_offset
     return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n'
@@ -31,3 +47,43 @@ def _place(context: ASTTransformerContext, node: expr | stmt) -> str:
 def _in_no_class(level_of_class_stackframe: int) -> bool:
     """Whether the function being decorated is a method; Taichi passes its argument by this name."""
     return False
+
+
+def _translate(tree: mod, context: ASTTransformerContext) -> object:
+    """Translate a function; if it is a kernel, with the usual numbers in front."""
+    if not context.is_kernel:
+        return transform_tree(tree, context)
+    source = impl.get_runtime().src_info_stack
+    source.append("")  # of what has none
+    try:
+        variables = {_key(number): impl.expr_init(number) for number in USUAL}
+    finally:
+        source.pop()
+    _set.update(variables)
+    try:
+        return transform_tree(tree, context)
+    finally:
+        _set.clear()
+
+
+def _number(value: object, kind: object) -> expr.Expr:
+    """An expression for a number: the variable that has this value, if there is one; a given kind is a wish."""
+    known = _set.get(_key(value)) if _set and kind is None else None
+    return _write(value, kind) if known is None else known
+
+
+def _key(value: object) -> tuple[type, object]:
+    """What tells numbers apart: also 1 from 1.0, and 0.0 from -0.0."""
+    return type(value), repr(value)
+
+
+def _entry(builder: object, value: object, *places: object, **how: object) -> expr.Expr:
+    """An entry of an array or a vector. Which of a vector must be a number, for it to be known in advance."""
+    if not isinstance(value, expr.Expr):
+        return _subscript(builder, value, *places, **how)
+    aside = dict(_set)
+    _set.clear()
+    try:
+        return _subscript(builder, value, *places, **how)
+    finally:
+        _set.update(aside)

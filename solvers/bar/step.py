@@ -7,6 +7,7 @@ from solvers.bar.phases import find_weights, nodes_to_particles, update_grid
 from solvers.bar.samples import sample
 from solvers.bar.state import HOOKS, BarState
 from solvers.estimators import running
+from solvers.read_once import read_once
 from solvers.solver import CRUSHED, ESCAPED, INVERTED
 from solvers.turn import Phases, take_turn
 
@@ -51,7 +52,7 @@ def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti
     """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.turn.take_turn`."""
     ti.loop_config(serialize=True)
     for turn in range(turns):
-        take_turn(bar, turn, start, purpose, PHASES, on)
+        take_turn(read_once(bar), turn, start, purpose, PHASES, on)
 
 
 @ti.kernel

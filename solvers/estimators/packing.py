@@ -7,13 +7,14 @@ members as attributes, for reading and for writing to arrays, and ``part`` gives
 their names, so that functions written for a state (``bar.position[p]``) work on a second one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import taichi as ti
 
 from solvers import kinds
+from solvers.read_once import as_it_is, variable
 
 PREFIX = "memory_"  # of the arrays that hold the others
 #: Types of arrays that can be packed, by name, with the shape of an entry.
@@ -68,17 +69,23 @@ class Packing:
 
 
 class Look:
-    """A state, and the packed members as more of its attributes, while a kernel is compiled."""
+    """A state, and some of the packed members as more of its attributes, while a kernel is compiled.
 
-    def __init__(self, state: object, packing: Packing):
-        self._state, self._packing = state, packing
+    Numbers, and the places where arrays begin, are read once, where this is made: read at every use, they were a third
+    of what the compiler had to work through.
+    """
+
+    def __init__(self, state: object, packing: Packing, names: Iterable[str]):
+        self._state, self._members = state, {}
+        for name in names:
+            if name in packing.places:
+                array, slot, is_array = packing.places[name]
+                own = getattr(state, PREFIX + array)
+                number = variable(_entry(getattr(state, PREFIX + "integers") if is_array else own, slot))
+                self._members[name] = _Array(own, number) if is_array else number
 
     def __getattr__(self, name: str) -> object:
-        if name not in self._packing.places:
-            return getattr(self._state, name)
-        array, slot, is_array = self._packing.places[name]
-        integers, own = (getattr(self._state, PREFIX + held) for held in ("integers", array))
-        return _Array(own, _entry(integers, slot)) if is_array else _entry(own, slot)
+        return self._members[name] if name in self._members else getattr(self._state, name)
 
 
 class _Part:
@@ -103,12 +110,6 @@ class _Array:
 
 def _entry(array: object, index: object) -> object:
     return ti.lang.impl.subscript(None, array, index)
-
-
-def as_it_is(function: Any) -> Any:
-    """The compiler warns of a call that it does not translate unless told so; here nothing is to be."""
-    function.__dict__["_is_taichi_function"] = False
-    return function
 
 
 @as_it_is

@@ -3,17 +3,26 @@
 import numpy as np
 import taichi as ti
 
+from solvers.estimators.packing import part
+from solvers.kinds import integers, quads
+
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
 #: Places in the estimators' numbers: the reference's time step, the damping's time, how far the reference has come, and
 #: over all turns the sums of squares of the reference's fourth differences and of the error, in m^2.
 H, TAU, TURNS, ROUGH, SIZE = range(5)
-FOURTH = (1, -4, 6, -4, 1)  # the fourth difference of five values
 NEW, BEGUN, MOVED = 0, 1, 2  # the reference as allocated, with its acceleration at the start, past its first step
 FIT_CELLS = {"particle": 6}  # that a fit goes over; particles moved with their own velocity stand less evenly
 OTHER_FIT_CELLS = 4
 NARROWEST_FIT = 7  # particles: with five a cubic follows each of them
+TABLE = {"first": integers, "width": ti.i32, "weights": quads}  # members of a table of rows, with their types
 MOST_GROWTH = 2.0  # amplitudes of the motion
 MOST_STEPS = 50  # of the run between two of the estimator's
+
+
+@ti.func
+def fourth_factor(k):
+    """Of value ``k`` of five in their fourth difference: 1, -4, 6, -4, 1."""
+    return ti.select(k == 2, 6.0, ti.select(k % 2 == 1, -4.0, 1.0))
 
 
 @ti.func
@@ -71,30 +80,28 @@ def time_since(step, dt, interval):
 
 
 @ti.func
-def row_of(index: ti.template(), table: ti.template(), row, pattern):
-    """Where row ``row`` of a packed table begins: its first entry, and the first and the end of its weights.
+def row_of(state: ti.template(), table: ti.template(), row, pattern):
+    """Row ``row`` of a table: its first entry, and the first and the end of its weights.
 
-    ``pattern`` is the row itself, or the one that it repeats.
+    ``table`` is what the names of its members begin with; ``pattern`` is the row itself, or the one that it repeats.
     """
-    width = index[3 * table + 2]
-    begin = index[3 * table + 1] + pattern * width
-    return index[index[3 * table] + row], begin, begin + width
+    width = part(state, table).width
+    return part(state, table).first[row], pattern * width, (pattern + 1) * width
 
 
-def pack_tables(tables, counts=()):
-    """Several :class:`~solvers.estimators.lattice_lines.Rows` in two arrays, for :func:`row_of`; a kernel can take only
-    so many arguments.
+def table_types(names):
+    """The members that hold these tables, with their types."""
+    return {name + member: kind for name in names for member, kind in TABLE.items()}
 
-    The integers begin with three numbers a table: where its firsts begin, where its weights begin, and the width; then
-    come ``counts``.
+
+def table_values(tables):
+    """The members' values from :class:`~solvers.estimators.lattice_lines.Rows` by the names of the tables.
+
     Weights (rows, width, n) become vectors of n.
     """
-    header, firsts, weights = [], [], []
-    for rows in tables:
-        header += [3 * len(tables) + len(counts) + sum(map(len, firsts)), sum(map(len, weights)), rows.width]
-        firsts.append(rows.first)
-        weights.append(rows.weights.reshape(-1, rows.weights.shape[-1]))
-    return np.concatenate([np.array([*header, *counts]), *firsts]).astype(np.int32), np.concatenate(weights)
+    return {name + member: value for name, rows in tables.items() for member, value in (
+        ("first", rows.first.astype(np.int32)), ("width", rows.width),
+        ("weights", rows.weights.reshape(-1, rows.weights.shape[-1])))}
 
 
 def fit_cells(scene):

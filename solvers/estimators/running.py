@@ -4,13 +4,14 @@ import taichi as ti
 
 from solvers.estimators.interface import NEVER
 from solvers.estimators.memory import packing
-from solvers.estimators.packing import Look, as_it_is
+from solvers.estimators.packing import Look
+from solvers.read_once import as_it_is
 
 
 @as_it_is
-def whole(state, estimators):
-    """The state with the estimators' memory, which it keeps packed, as attributes, while kernels are compiled."""
-    return Look(state, packing(estimators))
+def with_memory(state, estimators, name):
+    """The state with an estimator's memory, which it keeps packed, as attributes, while kernels are compiled."""
+    return Look(state, packing(estimators), estimators[name].memory)
 
 
 @ti.func
@@ -19,7 +20,8 @@ def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.templa
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].in_step):
             if step % state.estimate_intervals[e] == 0:
-                estimators[on.estimators[e]].in_step(whole(state, estimators), e * state.particles, on)
+                estimators[on.estimators[e]].in_step(
+                    with_memory(state, estimators, on.estimators[e]), e * state.particles, on)
 
 
 @ti.func
@@ -28,7 +30,8 @@ def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.tem
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].after_step):
             if step % state.estimate_intervals[e] == 0:
-                estimators[on.estimators[e]].after_step(whole(state, estimators), e * state.particles, step, on)
+                estimators[on.estimators[e]].after_step(
+                    with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)
 
 
 @ti.func
@@ -37,4 +40,5 @@ def report(state: ti.template(), step, estimators: ti.template(), on: ti.templat
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].report):
             if state.estimate_intervals[e] != NEVER:
-                estimators[on.estimators[e]].report(whole(state, estimators), e * state.particles, step, on)
+                estimators[on.estimators[e]].report(
+                    with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)

@@ -6,6 +6,7 @@
 import taichi as ti
 
 from solvers.estimators import running
+from solvers.read_once import read_once
 from solvers.ring import margin, phases, remedies
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
@@ -55,7 +56,7 @@ def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, ring: RingState, on: 
     """On one thread, from step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.turn.take_turn`."""
     ti.loop_config(serialize=True)
     for turn in range(turns):
-        take_turn(ring, turn, start, purpose, PHASES, on)
+        take_turn(read_once(ring), turn, start, purpose, PHASES, on)
 
 
 @ti.kernel

@@ -39,8 +39,9 @@ from solvers.bar.nodes import stencil_of
 from solvers.estimators import recovery
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.lattice_lines import Line, Rows
+from solvers.estimators.packing import part
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H, row_of
-from solvers.kinds import integers, quads, reals
+from solvers.kinds import quads, reals
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 DEGREE = 3  # of the fits
@@ -49,7 +50,8 @@ PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
 
 #: Tables, with a weight for each component of a field: a fit (value of u, v and a, slope of u), B-splines likewise, M,
 #: C, what drives U (M of u and v, D of the fitted slope of u), and D of the slope of B-splines.
-FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = range(6)
+TABLES = tuple(f"recovered_{what}_" for what in ("fit", "spread", "gather", "smoothing", "drive", "stiffness"))
+FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = TABLES
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
 #: M sin 2 pi X, M sin 4 pi X and D of the fitted slope of u.
 MOTION, GATHERED, ERRORS, FORCE = range(4)
@@ -65,9 +67,9 @@ def block(bar: ti.template(), kind: ti.template(), i):
 def from_particles(bar: ti.template(), table: ti.template(), row):
     """A row of a table of the fields kept at particles."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    p, begin, end = row_of(bar.recovered_index, table, row, 0)
+    p, begin, end = row_of(bar, table, row, 0)
     for k in range(begin, end):
-        total += bar.recovered_weights[k] * bar.recovered_field[p]
+        total += part(bar, table).weights[k] * bar.recovered_field[p]
         p = ti.select(p + 1 < bar.particles, p + 1, 0)
     return total
 
@@ -76,9 +78,9 @@ def from_particles(bar: ti.template(), table: ti.template(), row):
 def from_nodes(bar: ti.template(), table: ti.template(), row, pattern, kind: ti.template()):
     """A row of a table of a block of nodal values."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    j, begin, end = row_of(bar.recovered_index, table, row, pattern)
+    j, begin, end = row_of(bar, table, row, pattern)
     for k in range(begin, end):
-        total += bar.recovered_weights[k] * bar.recovered_nodes[block(bar, kind, j)]
+        total += part(bar, table).weights[k] * bar.recovered_nodes[block(bar, kind, j)]
         j = ti.select(j + 1 < bar.cells, j + 1, 0)
     return total
 
@@ -102,8 +104,8 @@ def remember_sizes(bar: ti.template()):
     for i in range(bar.cells):
         fourth = 0.0
         j = ti.select(i < 2, i + bar.cells - 2, i - 2)
-        for k in ti.static(range(5)):
-            fourth += ti.static(recovery.FOURTH[k]) * bar.recovered_nodes[block(bar, MOTION, j)][0]
+        for k in range(5):
+            fourth += recovery.fourth_factor(k) * bar.recovered_nodes[block(bar, MOTION, j)][0]
             j = ti.select(j + 1 < bar.cells, j + 1, 0)
         rough += fourth * fourth
         size += bar.recovered_nodes[block(bar, GATHERED, i)][0] ** 2
@@ -202,19 +204,18 @@ def allocate(scene):
     """Operators of the material line, and the reference in the initial configuration."""
     cells, per_cell = scene.cells, scene.ppc
     tables = operators(scene)
-    index, weights = recovery.pack_tables(tables)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
     nodes = np.zeros((4, cells, 4))
     for k in (0, 1):
         nodes[FORCE, :, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
     nodes[MOTION, :, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]
-    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), "recovered_index": index,
-            "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
+            "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles, 4))}
 
 
 def operators(scene):
-    """The tables; cells are alike, and so are particles to a fit, so that most have one row of weights."""
+    """The tables by name; cells are alike, and so are particles to a fit, so that most have one row of weights."""
     cells, per_cell = scene.cells, scene.ppc
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
@@ -229,8 +230,9 @@ def operators(scene):
         np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
         np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,
                   slope * spread.weights[p % per_cell, :, 0, 1])
-    return [in_lanes(fit, 1), in_lanes(spread, 1), in_lanes(gather, 0), in_lanes(smoothing, 0),
-            around(drive, cells), around(stiffness, cells)]
+    rows = (in_lanes(fit, 1), in_lanes(spread, 1), in_lanes(gather, 0), in_lanes(smoothing, 0),
+            around(drive, cells), around(stiffness, cells))
+    return dict(zip(TABLES, rows, strict=True))
 
 
 def in_lanes(rows, last):
@@ -258,7 +260,7 @@ def verdict(scene, memory):
 HOOKS = EstimatorHooks(
     memory={
         "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
-        "recovered_index": integers, "recovered_weights": quads,  # the tables, packed
+        **recovery.table_types(TABLES),
         "recovered_nodes": quads,  # nodal values, block by block
         "recovered_field": quads,  # u, v, a, P at particles
     },

@@ -25,7 +25,7 @@ from solvers.estimators import recovery
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, TAU, TURNS, H
-from solvers.kinds import integers, quads, reals
+from solvers.kinds import quads, reals
 from solvers.ring import exact, validity
 from solvers.ring.estimators import recovered_operators as op
 from solvers.ring.material import kirchhoff_stress
@@ -42,8 +42,8 @@ def begin(ring: ti.template(), nodes: ti.template(), t, on: ti.template()):
     """Unless it is done: start the reference with the acceleration at time t, when the ring was undeformed, a = M b."""
     if ring.recovered_numbers[TURNS] == NEW:
         op.gather_force(ring, t, on)
-        B, step = op.across(ring), ring.recovered_numbers[H]
-        for a in range(op.node_count(ring) // B):
+        B, step = ring.recovered_across, ring.recovered_numbers[H]
+        for a in range(ring.recovered_count // B):
             e = nodes[op.node_at(ring, op.DIRECTION, a)]
             for b in range(B):
                 push = nodes[op.node_at(ring, op.FORCE, b)][0]
@@ -75,8 +75,8 @@ def after_step(ring: ti.template(), base, step, on: ti.template()):
 @ti.func
 def damped_errors(ring: ti.template(), nodes: ti.template()):
     """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
-    B = op.across(ring)
-    for a in range(op.node_count(ring) // B):
+    B = ring.recovered_across
+    for a in range(ring.recovered_count // B):
         for b in range(B):
             i = a * B + b
             r = nodes[op.node_at(ring, op.MOTION, i)]
@@ -85,14 +85,14 @@ def damped_errors(ring: ti.template(), nodes: ti.template()):
             nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b, op.ANGULAR_VALUES) - r
     op.remember_sizes(ring, nodes)
     op.radial_smoothing(ring)
-    for a in range(op.node_count(ring) // B):
+    for a in range(ring.recovered_count // B):
         for b in range(B):
             e = nodes[op.node_at(ring, op.GATHERED, a * B + b)]
             rough = e - op.angular_smoothing(ring, a, b)
             nodes[op.node_at(ring, op.GATHERED, a * B + b)] = rough
             nodes[op.node_at(ring, op.ERRORS, a * B + b)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
     op.radial_smoothing(ring)
-    for a in range(op.node_count(ring) // B):
+    for a in range(ring.recovered_count // B):
         for b in range(B):
             rough = nodes[op.node_at(ring, op.GATHERED, a * B + b)] - op.angular_smoothing(ring, a, b)
             damping = ring.recovered_numbers[TAU] * ti.Vector([rough[2], rough[3], 0.0, 0.0])
@@ -124,8 +124,8 @@ def polar_gradient(ring: ti.template(), p, along, around):
 @ti.func
 def move_reference(ring: ti.template(), nodes: ti.template(), first):
     """The acceleration of every node, and the rate that follows."""
-    B, step = op.across(ring), ring.recovered_numbers[H]
-    for a in range(op.node_count(ring) // B):
+    B, step = ring.recovered_across, ring.recovered_numbers[H]
+    for a in range(ring.recovered_count // B):
         e = nodes[op.node_at(ring, op.DIRECTION, a)]
         for b in range(B):
             push = nodes[op.node_at(ring, op.FORCE, b)][0]
@@ -145,55 +145,54 @@ def report(ring: ti.template(), base, step, on: ti.template()):
     if step > 0:
         since = recovery.time_since(step, ring.dt, ring.recovered_numbers[H])
         begin(ring, ring.recovered_nodes, step * ring.dt - since, on)
-    for p in range(ring.particles):
-        q, X = ring.motion[p], ring.material_position[p]
-        v_g, _, _ = gather(ring, p, ring.node_motion, on)  # the grid's velocity, with the last step's weights
-        field = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
-        ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = field
-    find_errors(ring, ring.recovered_nodes, step, False)
-    for p in range(ring.particles):
-        line, j = p // ring.radius_count, p % ring.radius_count
-        fitted, along, around = op.angular_fit(ring, line, j)
-        error, error_along, error_around = op.radial_spread(ring, line, j)
-        field, q = ring.recovered_particles[op.particle_at(ring, op.FIELD, p)], ring.motion[p]
-        ring.estimate[base + p] = error + field - fitted + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
+    # First x, v and sigma, then a, by the same code: it is compiled once.
+    for of_acceleration in range(ti.static(2 if on.acceleration else 1)):
+        for p in range(ring.particles):
+            field = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            if of_acceleration == 0:
+                q, X = ring.motion[p], ring.material_position[p]
+                v_g, _, _ = gather(ring, p, ring.node_motion, on)  # the grid's velocity, with the last step's weights
+                field = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
+            elif ti.static(on.acceleration):
+                a_p = ring.acceleration[p]
+                field = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
+            ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = field
+        find_errors(ring, ring.recovered_nodes, step, of_acceleration)
+        for p in range(ring.particles):
+            report_particle(ring, base, p, of_acceleration)
+    unknown = step > 0 and ring.recovered_uneven  # of sigma and a
+    if step == 0 or unknown:
+        nothing = ti.math.nan if unknown else 0.0
+        for p in range(ring.particles):
+            if step == 0:
+                ring.estimate[base + p] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            ring.estimate_stress[base + p] = ti.Vector([nothing] * 4)
+            ring.estimate_acceleration[base + p] = ti.Vector([nothing] * 2)
+
+
+@ti.func
+def report_particle(ring: ti.template(), base, p, of_acceleration):
+    """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
+    line, j = p // ring.radius_count, p % ring.radius_count
+    fitted, along, around = op.angular_fit(ring, line, j)
+    error, error_along, error_around = op.radial_spread(ring, line, j)
+    field, q = ring.recovered_particles[op.particle_at(ring, op.FIELD, p)], ring.motion[p]
+    E = error + field - fitted
+    if of_acceleration:
+        ring.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
+    else:
+        ring.estimate[base + p] = E + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
         ring.estimate_stress[base + p] = stress_error(ring, p, along - error_along, around - error_around)
         ring.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
-    if ti.static(on.acceleration):
-        report_acceleration(ring, base, step)
-    if step > 0 and ring.recovered_index[op.UNEVEN]:
-        for p in range(ring.particles):
-            ring.estimate_stress[base + p] = ti.Vector([ti.math.nan] * 4)
-            ring.estimate_acceleration[base + p] = ti.Vector([ti.math.nan] * 2)
-    if step == 0:
-        for p in range(ring.particles):
-            ring.estimate[base + p] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            ring.estimate_stress[base + p] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            ring.estimate_acceleration[base + p] = ti.Vector([0.0, 0.0])
 
 
 @ti.func
-def report_acceleration(ring: ti.template(), base, step):
-    """Estimated error of the last step's acceleration."""
-    for p in range(ring.particles):
-        a_p = ring.acceleration[p]
-        ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
-    find_errors(ring, ring.recovered_nodes, step, True)
-    for p in range(ring.particles):
-        line, j = p // ring.radius_count, p % ring.radius_count
-        fitted, _, _ = op.angular_fit(ring, line, j)
-        error, _, _ = op.radial_spread(ring, line, j)
-        E = error + ring.recovered_particles[op.particle_at(ring, op.FIELD, p)] - fitted
-        ring.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
-
-
-@ti.func
-def find_errors(ring: ti.template(), nodes: ti.template(), step, of_acceleration: ti.template()):
+def find_errors(ring: ti.template(), nodes: ti.template(), step, of_acceleration):
     """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted along each radius."""
     op.radial_gather(ring, op.FIELD, op.VALUE)
-    B, length = op.across(ring), ring.recovered_numbers[H]
+    B, length = ring.recovered_across, ring.recovered_numbers[H]
     since = recovery.time_since(step, ring.dt, length)
-    for a in range(op.node_count(ring) // B):
+    for a in range(ring.recovered_count // B):
         for b in range(B):
             i = a * B + b
             r, rate = nodes[op.node_at(ring, op.MOTION, i)], nodes[op.node_at(ring, op.RATE, i)]
@@ -202,11 +201,11 @@ def find_errors(ring: ti.template(), nodes: ti.template(), step, of_acceleration
             U_x, V_x, A_x = recovery.reference_at(x, length, since, ring.dt)
             U_y, V_y, A_y = recovery.reference_at(y, length, since, ring.dt)
             true_mean = ti.Vector([U_x, U_y, V_x, V_y])
-            if ti.static(of_acceleration):
+            if of_acceleration:
                 true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
             nodes[op.node_at(ring, op.GATHERED, i)] = op.angular_gather(ring, a, b, op.ANGULAR_VALUES) - true_mean
     op.radial_smoothing(ring)
-    for a in range(op.node_count(ring) // B):
+    for a in range(ring.recovered_count // B):
         for b in range(B):
             e = nodes[op.node_at(ring, op.GATHERED, a * B + b)]
             nodes[op.node_at(ring, op.ERRORS, a * B + b)] = 2 * e - op.angular_smoothing(ring, a, b)
@@ -248,8 +247,7 @@ def allocate(scene):
     width, R = recovery.fit_width(scene), exact.INNER + radius.quadrature()[0] / radius.per_point
     angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
     radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
-    index, weights = recovery.pack_tables([*map(across_planes, angular), *map(of_four, radial)],
-                                          (angle.nodes * radius.nodes, radius.nodes, validity.uneven(scene)))
+    tables = dict(zip(op.TABLES, [*map(across_planes, angular), *map(of_four, radial)], strict=True))
     theta = angle.particles() / angle.per_point
     direction = np.stack([angular[2](wave)[:, c, 0] for c, wave in enumerate((np.cos(theta), np.sin(theta)))], axis=1)
     # The initial velocity is radial.
@@ -258,8 +256,9 @@ def allocate(scene):
     nodes = np.zeros((op.NODE_BLOCKS, angle.nodes * radius.nodes, 4))
     nodes[op.MOTION, :, 2:] = (direction[:, None] * radial[2](v0)[:, 0, 0, None]).reshape(-1, 2)
     nodes[op.DIRECTION, :angle.nodes, :2] = direction
-    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), "recovered_index": index,
-            "recovered_weights": weights, "recovered_nodes": nodes.reshape(-1, 4),
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
+            "recovered_count": angle.nodes * radius.nodes, "recovered_across": radius.nodes,
+            "recovered_uneven": int(validity.uneven(scene)), "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_particles": np.zeros((fields, 4))}
 
 
@@ -282,7 +281,9 @@ def of_four(rows):
 HOOKS = EstimatorHooks(
     memory={
         "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
-        "recovered_index": integers, "recovered_weights": quads,  # the tables, packed
+        **recovery.table_types(op.TABLES),
+        "recovered_count": ti.i32, "recovered_across": ti.i32,  # nodes of the error grid, and those on a radius
+        "recovered_uneven": ti.i32,  # a flag
         "recovered_nodes": quads,  # nodal values, block by block
         "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
     },

@@ -7,12 +7,15 @@ come for x and y, because a symmetry plane mirrors them differently: (value x, v
 
 import taichi as ti
 
-from solvers.estimators.recovery import FOURTH, ROUGH, SIZE, row_of
+from solvers.estimators.packing import part
+from solvers.estimators.recovery import ROUGH, SIZE, fourth_factor, row_of
 from solvers.ring.material import radial_force_at
 
 # Tables. Along the radius their weights are (value, slope, value over R, nothing).
-ANGULAR_FIT, ANGULAR_SPREAD, ANGULAR_GATHER, ANGULAR_SMOOTHING = 0, 1, 2, 3
-RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = 4, 5, 6, 7
+TABLES = tuple(f"recovered_{way}_{what}_" for way in ("angular", "radial")
+               for what in ("fit", "spread", "gather", "smoothing"))
+ANGULAR_FIT, ANGULAR_SPREAD, ANGULAR_GATHER, ANGULAR_SMOOTHING = TABLES[:4]
+RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = TABLES[4:]
 
 #: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
 #: along the radius; unsmoothed; M b along the radius, with unit direction; M e_R along the angle.
@@ -27,28 +30,17 @@ STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for repor
 #: Which of a weight's four numbers two vectors (x, y, x, y) are taken times.
 VALUE, SLOPE, SLOPE_AND_OVER_R = (0, 0, 0, 0), (1, 1, 1, 1), (1, 1, 2, 2)  # along the radius
 ANGULAR_VALUES, ANGULAR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
-COUNT, ACROSS, UNEVEN = 24, 25, 26  # after the tables' headers: nodes of the error grid, those on a radius; a flag
-
-
-@ti.func
-def node_count(ring: ti.template()):
-    return ring.recovered_index[COUNT]
-
-
-@ti.func
-def across(ring: ti.template()):
-    return ring.recovered_index[ACROSS]
 
 
 @ti.func
 def node_at(ring: ti.template(), block: ti.template(), i):
-    return block * node_count(ring) + i
+    return block * ring.recovered_count + i
 
 
 @ti.func
 def line_at(ring: ti.template(), block: ti.template(), line, b):
     radii = ring.particles // ring.radius_count
-    return PARTICLE_BLOCKS * ring.particles + (block * radii + line) * across(ring) + b
+    return PARTICLE_BLOCKS * ring.particles + (block * radii + line) * ring.recovered_across + b
 
 
 @ti.func
@@ -59,12 +51,28 @@ def particle_at(ring: ti.template(), block: ti.template(), p):
 @ti.func
 def values_of(weight):
     """The angular weights of two vector fields."""
-    return ti.Vector([weight[0], weight[1], weight[0], weight[1]])
+    x, y = weight[0], weight[1]
+    return ti.Vector([x, y, x, y])
 
 
 @ti.func
 def slopes_of(weight):
-    return ti.Vector([weight[2], weight[3], weight[2], weight[3]])
+    x, y = weight[2], weight[3]
+    return ti.Vector([x, y, x, y])
+
+
+@ti.func
+def picked(weight, pick: ti.template()):
+    """The four of a weight's numbers that ``pick`` names."""
+    ready = weight
+    if ti.static(pick != EACH):
+        first, third = weight[pick[0]], weight[pick[2]]
+        if ti.static(pick[0] == pick[1]):
+            ready = ti.Vector([first, first, third, third])
+        else:
+            second = weight[pick[1]]
+            ready = ti.Vector([first, second, first, second])
+    return ready
 
 
 @ti.func
@@ -72,11 +80,10 @@ def row_sum(ring: ti.template(), table: ti.template(), row, pick: ti.template(),
     """The sum over a row of a table: entry ``start + stride i`` of ``field`` times the four of the row's i-th weights
     that ``pick`` names."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    first, begin, end = row_of(ring.recovered_index, table, row, row)
+    first, begin, end = row_of(ring, table, row, row)
     entry = start + stride * first
     for k in range(begin, end):
-        w = ring.recovered_weights[k]
-        total += ti.Vector([w[pick[0]], w[pick[1]], w[pick[2]], w[pick[3]]]) * field[entry]
+        total += picked(part(ring, table).weights[k], pick) * field[entry]
         entry += stride
     return total
 
@@ -88,7 +95,7 @@ def radial_gather(ring: ti.template(), block: ti.template(), pick: ti.template()
     With ``VALUE`` those of N_b f R; with ``SLOPE_AND_OVER_R`` of N_b' R P e_R and of N_b P e_angle, side by side.
     """
     for line in range(ring.particles // ring.radius_count):
-        for b in range(across(ring)):
+        for b in range(ring.recovered_across):
             ring.recovered_particles[line_at(ring, VALUES, line, b)] = row_sum(
                 ring, RADIAL_GATHER, b, pick, ring.recovered_particles,
                 particle_at(ring, block, line * ring.radius_count), 1)
@@ -98,7 +105,8 @@ def radial_gather(ring: ti.template(), block: ti.template(), pick: ti.template()
 def angular_gather(ring: ti.template(), a, b, pick: ti.template()):
     """At node (a, b), from what the radii gathered: M f with ``ANGULAR_VALUES``; with ``EACH`` the two parts of D P,
     the first vector with N_a and the second with N_a'."""
-    return row_sum(ring, ANGULAR_GATHER, a, pick, ring.recovered_particles, line_at(ring, VALUES, 0, b), across(ring))
+    return row_sum(ring, ANGULAR_GATHER, a, pick, ring.recovered_particles, line_at(ring, VALUES, 0, b),
+                   ring.recovered_across)
 
 
 @ti.func
@@ -108,7 +116,7 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
         for j in range(ring.radius_count):
             b_j = radial_force_at(ring, ring.radii[j], t, on)
             ring.recovered_particles[particle_at(ring, FITTED_SLOPE, j)] = ti.Vector([b_j, b_j, b_j, b_j])
-        for b in range(across(ring)):
+        for b in range(ring.recovered_across):
             ring.recovered_nodes[node_at(ring, FORCE, b)] = row_sum(
                 ring, RADIAL_GATHER, b, VALUE, ring.recovered_particles, particle_at(ring, FITTED_SLOPE, 0), 1)
 
@@ -116,8 +124,8 @@ def gather_force(ring: ti.template(), t, on: ti.template()):
 @ti.func
 def radial_smoothing(ring: ti.template()):
     """The radial half of C."""
-    B = across(ring)
-    for a in range(node_count(ring) // B):
+    B = ring.recovered_across
+    for a in range(ring.recovered_count // B):
         for b in range(B):
             ring.recovered_nodes[node_at(ring, HALF_SMOOTHED, a * B + b)] = row_sum(
                 ring, RADIAL_SMOOTHING, b, VALUE, ring.recovered_nodes, node_at(ring, GATHERED, a * B), 1)
@@ -127,19 +135,19 @@ def radial_smoothing(ring: ti.template()):
 def angular_smoothing(ring: ti.template(), a, b):
     """C of the gathered nodal values at node (a, b), from the radial half."""
     return row_sum(ring, ANGULAR_SMOOTHING, a, ANGULAR_VALUES, ring.recovered_nodes, node_at(ring, HALF_SMOOTHED, b),
-                   across(ring))
+                   ring.recovered_across)
 
 
 @ti.func
 def angular_spread(ring: ti.template()):
     """The nodal errors interpolated along the angle, and their slopes: the angular half of sum N_i e_i."""
     for line in range(ring.particles // ring.radius_count):
-        a, begin, _ = row_of(ring.recovered_index, ANGULAR_SPREAD, line, line)
-        for b in range(across(ring)):
+        a, begin, _ = row_of(ring, ANGULAR_SPREAD, line, line)
+        for b in range(ring.recovered_across):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-            for k in ti.static(range(3)):
-                w = ring.recovered_weights[begin + k]
-                e = ring.recovered_nodes[node_at(ring, ERRORS, (a + k) * across(ring) + b)]
+            for k in range(3):
+                w = part(ring, ANGULAR_SPREAD).weights[begin + k]
+                e = ring.recovered_nodes[node_at(ring, ERRORS, (a + k) * ring.recovered_across + b)]
                 value += values_of(w) * e
                 slope += slopes_of(w) * e
             ring.recovered_particles[line_at(ring, VALUES, line, b)] = value
@@ -150,12 +158,13 @@ def angular_spread(ring: ti.template()):
 def radial_spread(ring: ti.template(), i, j):
     """The errors at particle (i, j) with their slopes along the radius and the angle, from the angular half."""
     value, along, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    b, begin, _ = row_of(ring.recovered_index, RADIAL_SPREAD, j, j)
-    for k in ti.static(range(3)):
-        w, e = ring.recovered_weights[begin + k], ring.recovered_particles[line_at(ring, VALUES, i, b + k)]
-        value += w[0] * e
-        along += w[1] * e
-        around += w[0] * ring.recovered_particles[line_at(ring, SLOPES, i, b + k)]
+    b, begin, _ = row_of(ring, RADIAL_SPREAD, j, j)
+    for k in range(3):
+        w, e = part(ring, RADIAL_SPREAD).weights[begin + k], ring.recovered_particles[line_at(ring, VALUES, i, b + k)]
+        at_value, at_slope = w[0], w[1]
+        value += at_value * e
+        along += at_slope * e
+        around += at_value * ring.recovered_particles[line_at(ring, SLOPES, i, b + k)]
     return value, along, around
 
 
@@ -174,10 +183,10 @@ def radial_fit(ring: ti.template()):
     for line in range(ring.particles // K):
         for j in range(K):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-            other, begin, end = row_of(ring.recovered_index, RADIAL_FIT, j, j)
+            other, begin, end = row_of(ring, RADIAL_FIT, j, j)
             p = particle_at(ring, FIELD, line * K + other)
             for k in range(begin, end):
-                w, field = ring.recovered_weights[k], ring.recovered_particles[p]
+                w, field = part(ring, RADIAL_FIT).weights[k], ring.recovered_particles[p]
                 value += w[0] * field
                 slope += w[1] * field
                 p += 1
@@ -190,10 +199,10 @@ def angular_fit(ring: ti.template(), i, j):
     """The fields recovered over a patch around particle (i, j), with slopes along the radius and the angle."""
     K = ring.radius_count
     value, along, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    other, begin, end = row_of(ring.recovered_index, ANGULAR_FIT, i, i)
+    other, begin, end = row_of(ring, ANGULAR_FIT, i, i)
     p = other * K + j
     for k in range(begin, end):
-        w, fitted = ring.recovered_weights[k], ring.recovered_particles[particle_at(ring, FITTED, p)]
+        w, fitted = part(ring, ANGULAR_FIT).weights[k], ring.recovered_particles[particle_at(ring, FITTED, p)]
         value += values_of(w) * fitted
         along += values_of(w) * ring.recovered_particles[particle_at(ring, FITTED_SLOPE, p)]
         around += slopes_of(w) * fitted
@@ -204,12 +213,12 @@ def angular_fit(ring: ti.template(), i, j):
 @ti.func
 def remember_sizes(ring: ti.template(), nodes: ti.template()):
     """Add this turn's fourth differences of U along both lines, and e, to the sums that the verdict looks at."""
-    B, rough, size = across(ring), 0.0, 0.0
-    A = node_count(ring) // B
+    B, rough, size = ring.recovered_across, 0.0, 0.0
+    A = ring.recovered_count // B
     for a in range(A):
         for b in range(B):
             around, along = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
-            for k in ti.static(range(5)):
+            for k in range(5):
                 i, j = a + k - 2, ti.min(ti.max(b + k - 2, 0), B - 1)
                 x, y = 1.0, 1.0  # signs beyond a plane
                 if i < 0:
@@ -217,12 +226,13 @@ def remember_sizes(ring: ti.template(), nodes: ti.template()):
                 if i >= A:
                     i, x = 2 * A - 1 - i, -1.0
                 U, V = nodes[node_at(ring, MOTION, i * B + b)], nodes[node_at(ring, MOTION, a * B + j)]
-                around += ti.static(FOURTH[k]) * ti.Vector([x * U[0], y * U[1]])
-                along += ti.static(FOURTH[k]) * ti.Vector([V[0], V[1]])
+                factor = fourth_factor(k)
+                around += factor * ti.Vector([x * U[0], y * U[1]])
+                along += factor * ti.Vector([V[0], V[1]])
             rough += around.dot(around)
             if b > 1 and b < B - 2:  # nothing lies beyond the free ends
                 rough += along.dot(along)
             e = nodes[node_at(ring, GATHERED, a * B + b)]
             size += e[0] * e[0] + e[1] * e[1]
-    ring.recovered_numbers[ROUGH] += rough / node_count(ring)
-    ring.recovered_numbers[SIZE] += size / node_count(ring)
+    ring.recovered_numbers[ROUGH] += rough / ring.recovered_count
+    ring.recovered_numbers[SIZE] += size / ring.recovered_count
