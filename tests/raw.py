@@ -8,14 +8,12 @@ from collections import Counter
 from time import monotonic
 
 import msgspec
-import viser
-import zstandard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from app.commands.visitor import PROTOCOL, unpacked
 from tests.processes import until
 
-PROTOCOL = f"viser-v{viser.__version__}"
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,
           "near": 1.0, "far": 600.0, "image_height": 720, "image_width": 600, "look_at": [0.0, 0.0, 0.0],
           "up_direction": [0.0, 1.0, 0.0]}
@@ -69,14 +67,12 @@ class Raw:
         return {widget["props"].get("label"): name for name, widget in dict(self.widgets).items()}
 
     def _read(self):
-        unpack = zstandard.ZstdDecompressor()
         try:
             for raw in self.socket:
-                size, packed = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
-                said = msgspec.msgpack.decode(unpack.decompress(raw[16:16 + packed], max_output_size=size))
-                for message in said["messages"]:
+                messages = unpacked(raw)
+                for message in messages:
                     self._hear(message)
-                self.frames += any("points" in m.get("updates", {}) for m in said["messages"])
+                self.frames += any("points" in message.get("updates", {}) for message in messages)
         except ConnectionClosed:
             pass
         self.closed = self.socket.close_code

@@ -29,7 +29,7 @@ LOG = 15_000  # bytes of log for all attacks together: some minutes with ten lin
 @pytest.fixture(scope="module")
 def served():
     log = []
-    with serving(log=log) as (address, process), Raw(address) as honest:
+    with serving(log=log, frames=30) as (address, process), Raw(address) as honest:
         until(lambda: honest.frames > 60, "the honest visitor's frames")
         yield address, process, honest
     assert "refused" in log[0] and len(log[0]) < LOG, f"{len(log[0])} bytes of log: {log[0][:2000]}"

@@ -146,6 +146,7 @@ def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys,
     (["--port", "0"], "--port 0: give a whole number from 1 to 65535"),
     (["serve", "--port", "http"], "--port http: give a whole number"),
     (["serve", "--max-sessions", "0"], "--max-sessions 0: give a whole number"),
+    (["serve", "--frames", "0"], "--frames 0: give a number above 0 and up to 60"),
     (["serve", "--host", ""], "--host (no value):"),
 ])
 def test_bad_commands_are_one_line(words, says, capsys):

@@ -13,7 +13,8 @@ from app.page.panels.plots import grey_curves
 from app.words import differing
 from solvers.bar.scene import BarScene
 from solvers.engine import successor
-from solvers.engine.stepper import FRAME_SECONDS, MOST_APART
+from solvers.engine.messages import FRAME_SECONDS
+from solvers.engine.stepper import MOST_APART
 from solvers.ring.scene import RingScene
 from solvers.run import build
 from tests.listening import PATIENCE, SCENE, Listener

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from app.commands.flags import BadInput, NamesFlag, NumberFlag, TextFlag
 from app.page.doors.address import is_name
 from app.page.doors.code import LONGEST, SHORTEST, plain
-from solvers.rules import require_whole
+from solvers.rules import require_number, require_whole
+
+MOST_FRAMES = 60
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,8 @@ class Serve:
     """Class code that visitors must know; without one it is made up, except on this machine alone."""
     name: NamesFlag = ()
     """Public names of the lab behind a proxy, with commas between, such as lab.school.example."""
+    frames: NumberFlag = 30
+    """Pictures a second that each visitor gets at most; fewer for a slow network: one has some 50 kB."""
     warm_up: bool = True
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
@@ -33,9 +37,10 @@ class Serve:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
         self._check_doors()
         require_whole("max_sessions", self.max_sessions, 1, 10_000)
+        require_number("frames", self.frames, 0, MOST_FRAMES)
         from app.page.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
         try:
-            serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name)
+            serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name, self.frames)
         except ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

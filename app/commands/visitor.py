@@ -16,6 +16,14 @@ CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position
           "near": 1.0, "far": 400.0, "image_height": 640, "image_width": 760, "look_at": (0.5, 0.5, 0.0),
           "up_direction": (0.0, 1.0, 0.0)}
 LARGEST = 50 * 2**20  # bytes of a message
+PROTOCOL = client.Subprotocol(f"viser-v{viser.__version__}")
+
+
+def unpacked(raw: bytes) -> list[dict[str, Any]]:
+    """The messages that came together, without their arrays: in front of these is their size, packed and not."""
+    size, packed = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
+    words = zstandard.ZstdDecompressor().decompress(raw[16:16 + packed], max_output_size=size)
+    return msgspec.msgpack.decode(words)["messages"]
 
 
 @dataclass
@@ -45,7 +53,7 @@ class Visitor:
         """Until the connection is closed, from either side."""
         self.asked = monotonic()
         async with client.connect(f"ws://{self.address}", max_size=LARGEST, compression=None, open_timeout=60,
-                                  subprotocols=[client.Subprotocol(f"viser-v{viser.__version__}")],
+                                  subprotocols=[PROTOCOL],
                                   additional_headers=self.headers) as connection:
             self._connection = connection
             await self.send(CAMERA)
@@ -85,9 +93,8 @@ class Visitor:
         return max(later - earlier for earlier, later in pairwise(times))
 
     def _take(self, raw: bytes) -> None:
-        packed = int.from_bytes(raw[8:16], "little")
         framed = False
-        for message in msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(raw[16:16 + packed]))["messages"]:
+        for message in unpacked(raw):
             match message["type"]:
                 case "SceneNodeUpdateMessage":
                     framed |= message["name"].endswith(FRAME) and "points" in message["updates"]

@@ -18,6 +18,7 @@ from app.page.doors.code import ClassCode, made_up
 from app.page.health import Tally
 from app.page.session import FIRST_SCENE, PageLinks
 from app.page.usual import usual_scenes
+from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
@@ -125,8 +126,9 @@ class Visitors:
 
 
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
-          names: tuple[str, ...] = ()) -> None:
-    """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it.
+          names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS) -> None:
+    """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
+    ``frames`` a second, if they can be had.
 
     Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
     ``names`` are those of proxies before the lab. Raises :class:`ServeError` when host and port cannot be had.
@@ -135,7 +137,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     code = code or ("" if addresses.private else made_up())
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
-    pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else ()), None
+    pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else (),
+                              1 / frames), None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
         server, visitors = _start_server(host, port, pool, max_sessions, addresses, code)

@@ -8,6 +8,8 @@ from solvers.anatomy import Anatomy
 from solvers.scene import Scene
 from solvers.soundness import OK
 
+FRAME_SECONDS = 1 / 30
+
 
 @dataclass(frozen=True)
 class Wish:
@@ -18,7 +20,8 @@ class Wish:
     seconds a second. ``memory`` names the shared memory block that frames go to; ``differences`` asks that they hold
     the sizes of estimate minus truth too, ``plotted`` is the key of the quantity whose field they should hold, if any.
     ``partner`` is another session of the same engine: the two keep together in periods, and start again together.
-    ``dissected`` is the number of a particle, if any, around which single steps are taken apart.
+    ``dissected`` is the number of a particle, if any, around which single steps are taken apart. ``frame_seconds`` is
+    the time between two frames of a run that plays.
     """
 
     session: int
@@ -33,6 +36,7 @@ class Wish:
     plotted: str | None = None
     partner: int | None = None
     dissected: int | None = None
+    frame_seconds: float = FRAME_SECONDS
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from solvers.engine import frames
 from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FrameReport, Goodbye, Seen, Wish
+from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Seen, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
 from solvers.processes import adopt_orphans
 from solvers.scene import Scene
@@ -33,10 +33,11 @@ class Listener(Protocol):
 
 class EnginePool:
     """A fixed number of engine processes and the sessions they serve. They compile ``warm_up`` before they are ready,
-    and what is ``usual`` beside their work."""
+    and what is ``usual`` beside their work. Each session gets a frame every ``frame_seconds``, if it can be had."""
 
-    def __init__(self, warm_up: Scene, engines: int = 1, usual: Sequence[Scene] = ()):
-        self._numbers = itertools.count(1)
+    def __init__(self, warm_up: Scene, engines: int = 1, usual: Sequence[Scene] = (),
+                 frame_seconds: float = FRAME_SECONDS):
+        self._numbers, self._frame_seconds = itertools.count(1), frame_seconds
         adopt_orphans()
         self._engines = [EngineProcess(warm_up, usual) for _ in range(engines)]
 
@@ -44,7 +45,8 @@ class EnginePool:
         """A new session, on the engine that has fewest; on one that has been given up only if all have. One that is
         opened ``beside`` another is on the same engine, and its partner (:class:`~solvers.engine.messages.Wish`)."""
         engine = beside.engine if beside else min(self._engines, key=lambda e: (e.given_up, len(e.links)))
-        return SessionLink(next(self._numbers), engine, listener, beside.session if beside else None)
+        return SessionLink(next(self._numbers), engine, listener, beside.session if beside else None,
+                           self._frame_seconds)
 
     def wait_ready(self, timeout: float) -> bool:
         """Wait until every engine has compiled the first page's kernels; False when time is up."""
@@ -70,10 +72,11 @@ class SessionLink:
     """One session's line to its engine. Thread-safe; a wish replaces the one before. The engine's reader thread calls
     :meth:`receive` and :meth:`engine_lost`."""
 
-    def __init__(self, session: int, engine: EngineProcess, listener: Listener, partner: int | None = None):
+    def __init__(self, session: int, engine: EngineProcess, listener: Listener, partner: int | None,
+                 frame_seconds: float):
         self.session, self.engine, self.listener = session, engine, listener
         self.wish: Wish | None = None
-        self._partner = partner
+        self._partner, self._frame_seconds = partner, frame_seconds
         self._lock = threading.Lock()
         self._block: SharedMemory | None = None
         self._outgrown: list[SharedMemory] = []
@@ -90,7 +93,8 @@ class SessionLink:
                 return last
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene).name, differences, plotted, self._partner, dissected)
+                             self._fitting_block(scene).name, differences, plotted, self._partner, dissected,
+                             self._frame_seconds)
             self._deaths = 0
             self.engine.send(self.wish)
         if self.engine.given_up:

@@ -15,7 +15,6 @@ from solvers.run import build
 from solvers.scene import MOST_STEPS
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
-FRAME_SECONDS = 1 / 30
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
@@ -149,7 +148,8 @@ class Stepper:
         self._fresh, self._frame_wanted, self._unseen = False, False, True
         # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is
         # late by what the last one was, and 30 a second become 24. Within limits, so that frames come evenly.
-        self._due = min(max(self._due + FRAME_SECONDS, now + 0.5 * FRAME_SECONDS), now + FRAME_SECONDS)
+        apart = self.wish.frame_seconds
+        self._due = min(max(self._due + apart, now + 0.5 * apart), now + apart)
         return report
 
     @property
@@ -194,7 +194,7 @@ class Stepper:
         """How far ahead of its partner a session may be, in s: a frame's worth, but not so far that one would see it at
         high speeds; and two steps in any case, so that the one behind can always take one."""
         scene = self.solver.scene
-        return max(min(FRAME_SECONDS * self.wish.speed, MOST_APART * scene.period), 2 * scene.time_step)
+        return max(min(self.wish.frame_seconds * self.wish.speed, MOST_APART * scene.period), 2 * scene.time_step)
 
     def _advance(self, steps: int, dissected: int | None = None) -> None:
         """Take steps, the last of them apart around the particle ``dissected``, if any."""

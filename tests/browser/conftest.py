@@ -34,6 +34,7 @@ FEW_FRAMES = """
     addEventListener("DOMContentLoaded", () => document.head.insertAdjacentHTML(
         "beforeend", "<style>canvas { image-rendering: pixelated; }</style>"));
 """
+FEW = 10  # frames a second
 SIZE = {"width": 1280, "height": 720}
 FAILED = pytest.StashKey[bool]()
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
@@ -49,14 +50,15 @@ def _browser() -> str:
 
 
 @contextmanager
-def serving(environment=None, arguments=(), coded=False, log=None):
+def serving(environment=None, arguments=(), coded=False, log=None, frames=FEW):
     """Address and process id of a page served by the command line itself, with further ``arguments``, and where it is
     ``coded`` also the line that says the class code; ``log`` is extended by what it says later. Nothing is compiled
-    unasked: the tests need the processor."""
+    unasked, and few ``frames`` a second come: the tests need the processors."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         port = str(trial.getsockname()[1])
-    command = [sys.executable, "-m", "app", "serve", "--port", port, "--no-warm-up", *arguments]
+    command = [sys.executable, "-m", "app", "serve", "--port", port, "--no-warm-up", "--frames", str(frames),
+               *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2],
                                env={**os.environ, **(environment or {})})
     line = process.stderr.readline()
