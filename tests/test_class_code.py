@@ -45,7 +45,7 @@ def test_no_path_gives_anything_without_the_code(locked):
     files = [f"/{path.relative_to(BUILD).as_posix()}" for path in BUILD.rglob("*") if path.is_file()]
     assert files
     others = ["/", "//", "/?code=" + CODE, f"/index.html?{CODE}", "/%69ndex.html", "/.", "/./index.html", "/entering",
-              "/a/enter/../index.html", "/enter/", "/INDEX.HTML", "/health", "*", "/index.html#enter"]
+              "/a/enter/../index.html", "/enter/", "/INDEX.HTML", "*", "/index.html#enter"]
     cookies = ["", f"mpm-lab-{port}=", f"mpm-lab-{port}={CODE}", f"mpm-lab-{port}", "mpm-lab=1; x=2", "=", ";;;"]
     for path in files + others:
         for cookie in cookies if path in ("/", "/index.html") else cookies[:3]:

@@ -141,7 +141,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
                               1 / frames), None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
-        server, visitors = _start_server(host, port, pool, max_sessions, addresses, code)
+        server = _start_server(host, port, pool, max_sessions, addresses, code)
         address = f"{'127.0.0.1' if host in ('', '0.0.0.0') else host}:{server.get_port()}"
         print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         if code:
@@ -150,14 +150,14 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
         threading.Event().wait()
     finally:
         if server is not None:
-            visitors.say_goodbye()
+            server.visitors.say_goodbye()
         pool.close()
         if server is not None:
             with contextlib.redirect_stdout(io.StringIO()):
                 server.stop()
 
 
-def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str):
+def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str) -> Any:
     from app.page.doors.server import Doors, Lab
     from app.page.index import own_index
     from app.page.page import Page
@@ -176,7 +176,8 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     doors.watch(server, visitors)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     server.on_client_connect(visitors.connect)
-    return server, visitors
+    server.visitors = visitors
+    return server
 
 
 def _show(client: Any, sentence: str) -> None:

@@ -43,7 +43,10 @@ _PAGE = (Path(__file__).parent / "code.html").read_text(encoding="utf-8")
 
 
 class Lab(viser.ViserServer):
-    """The viewer's server without its tunnel: nothing that is asked for makes the lab public."""
+    """The viewer's server without its tunnel: nothing that is asked for makes the lab public. Its ``visitors`` are who
+    has come through the doors."""
+
+    visitors: Any = None
 
     def request_share_url(self, verbose: bool = True) -> None:
         """There is none."""
@@ -104,9 +107,12 @@ class Doors:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _no_traces(self, record: logging.LogRecord) -> bool:
-        """Who speaks no HTTP is refused; that is no error of ours."""
+        """Who speaks no HTTP is refused; that is no error of ours. Who says nothing at all has only left."""
         if ours := record.getMessage() != "opening handshake failed":
             return ours
+        error = record.exc_info[1] if record.exc_info else None
+        if error is not None and isinstance(error.__cause__, EOFError):
+            return False
         self._refusals.note("a connection that does not speak HTTP")
         return False
 
