@@ -1,15 +1,22 @@
 """Starting Taichi: one place, so that every run is in double precision and says what it really ran on."""
 
+import atexit
 import contextlib
 import io
 import os
-from typing import NoReturn
+import weakref
+from typing import Any, NoReturn
 
 import taichi as ti
 
 from solvers import front_end
 
 front_end.lighten()
+
+PROCESSORS = ("x64", "arm64")  # as Taichi calls them
+
+#: What holds on to the running Taichi, and has a ``forget`` to let go of it: before another one starts, and at the end.
+holders: weakref.WeakSet[Any] = weakref.WeakSet()
 
 _started: tuple[str, int] | None = None
 _options: dict = {}
@@ -43,6 +50,7 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     """
     global _started
     if _started != (arch, threads):
+        _let_go()
         with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
             ti.init(arch=ti.cuda if arch == "gpu" else ti.cpu, default_fp=ti.f64, cpu_max_num_threads=threads,
                     fast_math=False, real_matrix_scalarize=arch == "gpu", log_level=ti.ERROR, verbose=False, **_options)
@@ -53,3 +61,15 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
 def running_arch() -> str:
     """The architecture Taichi was started on."""
     return ti.lang.impl.current_cfg().arch.name
+
+
+def on_processor() -> bool:
+    """Whether Taichi runs on processors, where arrays are what numpy sees."""
+    return running_arch() in PROCESSORS
+
+
+@atexit.register  # later than Taichi's own end, and so run before it
+def _let_go() -> None:
+    """Have all that was made of the running Taichi go before it does: later it would look for what is no more."""
+    for holder in list(holders):
+        holder.forget()

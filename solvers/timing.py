@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from solvers.runtime import PROCESSORS
 from solvers.solver import Solver
 
 SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
 SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.006, 0.06, 9  # within a run that somebody waits for
-PROCESSORS = ("x64", "arm64")  # as Taichi calls them; others work while this thread waits
 
 
 class Stretch:
@@ -29,7 +29,7 @@ class Stretch:
 
     def __init__(self, solver: Solver, seconds: float = SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
-        alone = solver.plan == "serial" and solver.arch in PROCESSORS
+        alone = solver.plan == "serial" and solver.arch in PROCESSORS  # others work while this thread waits
         # The processor's own time where one thread does it all, so that what else runs on the machine is not counted.
         self._clock = time.thread_time if alone else time.perf_counter
         scene, most = solver.scene, solver.longest_advance

@@ -12,6 +12,7 @@ from solvers.bar.field import field
 from solvers.bar.scene import BarScene
 from solvers.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
 from solvers.bar.step import advance, find_margin, freeze
+from solvers.launch import Launch
 from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.result import Snapshot
 from solvers.solver import MEASURE, REPORT, STEP, Solver
@@ -34,12 +35,14 @@ class BarSolver(Solver):
         self._switches = switches(scene)
         self._arrays = allocate(scene)
         self._pack = BarState(**self._arrays.members())
+        self._advance, self._look_at_margin = (Launch(kernel, self._pack, self._switches)
+                                               for kernel in (advance, find_margin))
         if self._switches.frozen:
             freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        advance(self.step, 1, REPORT, self._pack, self._switches)
+        self._advance(self.step, 1, REPORT)
         a, scene, t = self._arrays, self.scene, self.time
         X = a.material_position
         errors = None
@@ -68,13 +71,13 @@ class BarSolver(Solver):
         return anatomy(self.scene, self._arrays, particle, self.step, before)
 
     def _run(self, steps: int) -> None:
-        advance(self.step, steps, STEP, self._pack, self._switches)
+        self._advance(self.step, steps, STEP)
 
     def _find_margin(self) -> None:
-        find_margin(self._pack, self._switches)
+        self._look_at_margin()
 
     def _measure(self) -> None:
-        advance(self.step, 1, MEASURE, self._pack, self._switches)
+        self._advance(self.step, 1, MEASURE)
 
     def _escape(self) -> str:
         return f"moved {farthest(self.scene):.3g} m or more from where it began"

@@ -4,6 +4,7 @@ import time
 
 from solvers import runtime
 from solvers.anatomy import Anatomy, Carried
+from solvers.launch import Launch
 from solvers.remedies import COUPLED, FILTER, FROZEN
 from solvers.result import Snapshot
 from solvers.ring.anatomy import anatomy, carried
@@ -37,6 +38,8 @@ class RingSolver(Solver):
         self._switches = switches(scene)
         self._arrays = allocate(scene, self.threads)
         self._pack = RingState(**self._arrays.members())
+        self._advance, self._step, self._inspect, self._look_at_margin = (
+            Launch(kernel, self._pack, self._switches) for kernel in (advance, step_in_slabs, inspect, find_margin))
         if self._switches.frozen:
             freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun
@@ -58,8 +61,8 @@ class RingSolver(Solver):
     def compile(self) -> None:
         super().compile()
         if self.plan == "parallel":
-            step_in_slabs(0, 0, self._pack, self._switches)
-            inspect(0, -1, REPORT, self._pack, self._switches)
+            self._step(0, 0)
+            self._inspect(0, -1, REPORT)
 
     def _carried(self) -> Carried:
         return carried(self._arrays)
@@ -69,20 +72,20 @@ class RingSolver(Solver):
 
     def _run(self, steps: int) -> None:
         if self.plan == "serial":
-            advance(self.step, steps, STEP, self._pack, self._switches)
+            self._advance(self.step, steps, STEP)
             return
         interval, row = self.scene.sample_interval, 0
         for step in range(self.step, self.step + steps):
-            step_in_slabs(step, self.threads, self._pack, self._switches)
+            self._step(step, self.threads)
             sampled = (step + 1) % interval == 0
             if sampled or (step + 1) % CHECK_EVERY == 0:
-                inspect(step + 1, row if sampled else -1, STEP, self._pack, self._switches)
+                self._inspect(step + 1, row if sampled else -1, STEP)
                 row += sampled
             if self._arrays.verdict[0] != SOUND:
                 break
 
     def _find_margin(self) -> None:
-        find_margin(self._pack, self._switches)
+        self._look_at_margin()
 
     def _measure(self) -> None:
         self._look(MEASURE)
@@ -90,9 +93,9 @@ class RingSolver(Solver):
     def _look(self, purpose: int) -> None:
         """Launch what samples the state into line 0."""
         if self.plan == "serial":
-            advance(self.step, 1, purpose, self._pack, self._switches)
+            self._advance(self.step, 1, purpose)
         else:
-            inspect(self.step, 0, purpose, self._pack, self._switches)
+            self._inspect(self.step, 0, purpose)
 
     def _escape(self) -> str:
         return (f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, beyond a plane, "
