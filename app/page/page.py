@@ -39,7 +39,7 @@ from solvers.scene import Scene
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on
-RESTING = 20  # times as long as a refresh takes, at least, until the next: with many visitors frames come first
+RESTING = 4  # times as long as a refresh takes, for each stage that moves, until the next: frames come first
 
 
 class Page:
@@ -47,7 +47,7 @@ class Page:
     calls it by its ``token`` (``attendance.js``)."""
 
     def __init__(self, client: viser.ClientHandle, pool: PageLinks):
-        self.client, self._ready, self._frames = client, False, pool.frames
+        self.client, self._ready, self._links = client, False, pool
         self.token, self._watched = secrets.token_urlsafe(12), True
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._recent = Recent()
@@ -104,7 +104,7 @@ class Page:
             add_about(client.gui)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        self._frames.add()
+        self._links.frames.add()
         if report.fresh:
             self._scale.forget()
         self._recent.add(report, arrays)
@@ -184,7 +184,7 @@ class Page:
                         self._refresh()
             except Exception:  # one bad refresh must not silence the page for the rest of the visit
                 logging.getLogger(__name__).exception("the page could not be refreshed")
-            pause = max(REFRESH_SECONDS, RESTING * (monotonic() - begun))
+            pause = max(REFRESH_SECONDS, RESTING * self._links.playing * (monotonic() - begun))
 
     def _refresh(self) -> None:
         if self._last is not None and self._view is not None:
