@@ -25,7 +25,7 @@ from tests.browser.driving import (
 def ring(page):
     """The page with the ring running."""
     to_the_ring(page)
-    until(lambda: number(page, r"time\s+(\S+) s") > 1e-4 and "estimate" in readout(page), "the ring running")
+    until(lambda: "of 25 µs" in readout(page) and number(page, r"time\s+(\S+) s") > 1e-4, "the ring running")
     return page
 
 

@@ -15,7 +15,7 @@ from urllib.parse import unquote
 import viser
 import websockets.asyncio.server
 from websockets.datastructures import Headers
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
@@ -107,11 +107,11 @@ class Doors:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _no_traces(self, record: logging.LogRecord) -> bool:
-        """Who speaks no HTTP is refused; that is no error of ours. Who says nothing at all has only left."""
+        """Who speaks no HTTP is refused; that is no error of ours. Who leaves before all is said has only left."""
         if ours := record.getMessage() != "opening handshake failed":
             return ours
         error = record.exc_info[1] if record.exc_info else None
-        if error is not None and isinstance(error.__cause__, EOFError):
+        if not isinstance(error, InvalidMessage) or isinstance(error.__cause__, (EOFError, OSError)):
             return False
         self._refusals.note("a connection that does not speak HTTP")
         return False
