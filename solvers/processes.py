@@ -13,6 +13,7 @@ import json
 import os
 import queue
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -171,3 +172,10 @@ def die_with_parent(wanted: bool) -> None:
 def _process_control(option: int, value: int) -> None:
     if LINUX:
         ctypes.CDLL(None).prctl(option, value)
+
+
+def free_port() -> int:
+    """A port of this machine on which nobody listens now."""
+    with socket.socket() as trial:
+        trial.bind(("127.0.0.1", 0))
+        return trial.getsockname()[1]

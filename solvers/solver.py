@@ -30,12 +30,13 @@ class Solver(ABC):
     """Owns the arrays of one run. All calls must come from the thread that started Taichi.
 
     A problem's solver sets ``_arrays`` (a state with a member ``material_position``), ``arch`` and ``threads``, and
-    supplies the kernels and the estimators.
+    supplies the kernels and the estimators. ``_find_margin`` launches the kernel that finds the margin of the step.
     """
 
     plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
     _arrays: Watch
+    _find_margin: Callable[[], None]
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -196,10 +197,6 @@ class Solver(ABC):
     @abstractmethod
     def _run(self, steps: int) -> None:
         """Launch the kernels for ``steps`` steps from ``self.step``."""
-
-    @abstractmethod
-    def _find_margin(self) -> None:
-        """Launch the kernel that finds the margin of the step."""
 
     @abstractmethod
     def _measure(self) -> None:

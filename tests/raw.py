@@ -11,7 +11,8 @@ import msgspec
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.commands.visitor import PROTOCOL, unpacked
+from app.commands.visitor import unpacked
+from app.page.wire import PROTOCOL
 from tests.processes import until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
+from solvers.processes import free_port
 from solvers.study import places
 from solvers.study.grid import plan
 from tests.processes import until
@@ -32,9 +32,7 @@ def start(module: str, *arguments: str) -> subprocess.Popen:
 @pytest.fixture
 def workers(tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
     """The scheduler's address, and two workers that nobody restarts."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     address = f"tcp://127.0.0.1:{port}"
     scheduler = start("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
     flags = (address, "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path))

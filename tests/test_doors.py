@@ -21,8 +21,10 @@ from app.page.doors.refusals import Refusals
 from app.page.limits import FASTEST, MOST_WATCHED, too_many
 from app.page.serve import _start_server
 from app.page.session import FIRST_SCENE, Session
+from app.page.wire import PROTOCOL
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
+from solvers.processes import free_port
 from tests.processes import until
 from tests.raw import CAMERA, Raw, unknown
 
@@ -57,9 +59,7 @@ class Pool:
 @contextmanager
 def lab(host="127.0.0.1", names=(), code=""):
     """The page's own web server in this process, without engines; and its address."""
-    with socket.socket() as trial:
-        trial.bind(("127.0.0.1", 0))
-        port = trial.getsockname()[1]
+    port = free_port()
     one = _start_server(host, port, Pool(), 4, Addresses(host, names), code)
     try:
         yield one, f"http://127.0.0.1:{port}"
@@ -279,7 +279,7 @@ def test_foreign_pages_and_hosts_are_refused(here, headers, allowed):
 
 
 UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
-           "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Protocol": f"viser-v{viser.__version__}"}
+           "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Protocol": PROTOCOL}
 
 
 def get(address, path="/", headers=()):

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from websockets.exceptions import InvalidStatus
 
+from solvers.processes import free_port
 from tests.processes import HANG, until
 from tests.raw import Raw
 from tests.test_doors import lab
@@ -35,12 +36,6 @@ def found(program):
     if path is None:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(HOW.format(program))
     return path
-
-
-def free_port():
-    with socket.socket() as trial:
-        trial.bind(("127.0.0.1", 0))
-        return trial.getsockname()[1]
 
 
 @pytest.fixture(scope="module")

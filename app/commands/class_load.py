@@ -4,17 +4,17 @@ import asyncio
 import os
 import random
 import signal
-import socket
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from time import monotonic
 from typing import Any
 
 from app.commands.visitor import Visitor
+from solvers.processes import free_port
 
 SCHEMA = "mpm-lab/class/1"
 JOINING = 5.0  # seconds within which all come
@@ -33,11 +33,9 @@ class Load:
 
 
 @contextmanager
-def serving(*arguments: str):
-    """A server of the page in a process of its own: its address (host:port) and process id."""
-    with socket.socket() as trial:
-        trial.bind(("127.0.0.1", 0))
-        port = trial.getsockname()[1]
+def serving(*arguments: str) -> Iterator[str]:
+    """A server of the page in a process of its own: its address (host:port)."""
+    port = free_port()
     command = [sys.executable, "-m", "app", "serve", "--port", str(port), *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert process.stderr
@@ -45,7 +43,7 @@ def serving(*arguments: str):
         line = process.stderr.readline()
         if not line.startswith("mpm-lab is at"):
             raise RuntimeError(f"the server did not start: {line.strip()}")
-        yield f"127.0.0.1:{port}", process.pid
+        yield f"127.0.0.1:{port}"
     finally:
         process.send_signal(signal.SIGINT)
         with suppress(subprocess.TimeoutExpired):
@@ -56,7 +54,7 @@ def serving(*arguments: str):
 
 def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
     """Have a class use a server, and say what its visitors got."""
-    with serving("--max-sessions", str(load.visitors)) as (address, _):
+    with serving("--max-sessions", str(load.visitors)) as address:
         return asyncio.run(_attend(address, load, on_progress))
 
 

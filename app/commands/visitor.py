@@ -7,16 +7,16 @@ from time import monotonic
 from typing import Any
 
 import msgspec
-import viser
 import websockets.asyncio.client as client
 import zstandard
+
+from app.page.wire import PROTOCOL
 
 FRAME = "/truth"  # the end of the name of what every frame of every problem sets: half of the particles
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position": (0.5, 0.5, 20.0), "fov": 0.07,
           "near": 1.0, "far": 400.0, "image_height": 640, "image_width": 760, "look_at": (0.5, 0.5, 0.0),
           "up_direction": (0.0, 1.0, 0.0)}
 LARGEST = 50 * 2**20  # bytes of a message
-PROTOCOL = client.Subprotocol(f"viser-v{viser.__version__}")
 
 
 def unpacked(raw: bytes) -> list[dict[str, Any]]:
@@ -43,18 +43,15 @@ class Visitor:
     """One visitor of the page at ``address`` (host:port). Times are of ``time.monotonic``."""
 
     address: str
-    headers: dict[str, str] = field(default_factory=dict)
     asked: float = 0.0  # when it knocked
     frames: list[float] = field(default_factory=list)  # when they came
     controls: dict[str, Control] = field(default_factory=dict)  # by their number
-    words: dict[str, str] = field(default_factory=dict)  # content of the texts by their number
 
     async def stay(self) -> None:
         """Until the connection is closed, from either side."""
         self.asked = monotonic()
         async with client.connect(f"ws://{self.address}", max_size=LARGEST, compression=None, open_timeout=60,
-                                  subprotocols=[PROTOCOL],
-                                  additional_headers=self.headers) as connection:
+                                  subprotocols=[client.Subprotocol(PROTOCOL)]) as connection:
             self._connection = connection
             await self.send(CAMERA)
             async for raw in connection:
@@ -63,9 +60,6 @@ class Visitor:
 
     async def send(self, message: dict[str, Any]) -> None:
         await self._connection.send(msgspec.msgpack.encode(message))
-
-    async def leave(self) -> None:
-        await self._connection.close()
 
     async def move(self, control: str, value: Any) -> None:
         """Set the control with this number."""
@@ -98,20 +92,12 @@ class Visitor:
             match message["type"]:
                 case "SceneNodeUpdateMessage":
                     framed |= message["name"].endswith(FRAME) and "points" in message["updates"]
-                case "GuiUpdateMessage":
-                    self._update(message["uuid"], message["updates"])
+                case "GuiUpdateMessage" if message["uuid"] in self.controls:
+                    self.controls[message["uuid"]].props.update(message["updates"])
                 case "GuiRemoveMessage":
                     self.controls.pop(message["uuid"], None)
                 case kind if kind.startswith("Gui") and "props" in message:
                     self.controls[message["uuid"]] = Control(kind, {"value": message.get("value"), **message["props"]})
-                    self._update(message["uuid"], message["props"])
         if framed:
             self.frames.append(monotonic())
-
-    def _update(self, number: str, updates: dict[str, Any]) -> None:
-        if number in self.controls:
-            self.controls[number].props.update(updates)
-        text = updates.get("_content", updates.get("content"))
-        if isinstance(text, str):
-            self.words[number] = text
 

@@ -48,7 +48,7 @@ class Page:
 
     def __init__(self, client: viser.ClientHandle, pool: PageLinks):
         self.client, self._ready, self._links = client, False, pool
-        self.token, self._watched = secrets.token_urlsafe(12), True
+        self.token = secrets.token_urlsafe(12)
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._recent = Recent()
         self._trace = Trace(self._recent)
@@ -78,14 +78,14 @@ class Page:
 
     def attend(self, watched: bool) -> None:
         """The browser shows the page, or no longer: then nothing is computed or sent for it."""
-        self._watched = watched
         self._session.attend(watched)
 
     def close(self) -> None:
         """The visitor has gone, or is to see something else: nothing is drawn or said any more."""
         self._closed.set()
-        with self._drawing, self._refreshing:  # what is under way comes to its end
-            pass
+        for under_way in (self._drawing, self._refreshing):  # each comes to its end, whatever it does meanwhile
+            with under_way:
+                pass
         self._slow.close()
         self._session.close()
         self._cost.jobs.close()
@@ -180,7 +180,7 @@ class Page:
             begun = monotonic()
             try:
                 with self._refreshing:
-                    if self._watched and not self._closed.is_set():
+                    if self._session.watched and not self._closed.is_set():
                         self._refresh()
             except Exception:  # one bad refresh must not silence the page for the rest of the visit
                 logging.getLogger(__name__).exception("the page could not be refreshed")

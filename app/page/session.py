@@ -66,7 +66,7 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
-        self._let_go_at, self._watched, self._rests = -math.inf, True, False
+        self._let_go_at, self.watched, self._rests = -math.inf, True, False
         self._plotted = QUANTITIES[0]
         self._dissected: int | None = None
         self._restarts = self._single_steps = self._number = self._compiled_for = 0
@@ -122,8 +122,8 @@ class Session:
     def attend(self, watched: bool) -> None:
         """Somebody looks, or nobody: then the run rests, and goes on later as if no time had passed."""
         with self._lock:
-            if watched != self._watched:
-                self._watched = watched
+            if watched != self.watched:
+                self.watched = watched
                 self._ask()
 
     @property
@@ -270,7 +270,7 @@ class Session:
 
     def _ask(self) -> None:
         self._trouble, self._asked_at = None, monotonic()
-        playing = self.playing and self._watched
+        playing = self.playing and self.watched
         self._number = self._link.ask(self.scene, playing, self.speed * self.scene.period, self._restarts,
                                       self._single_steps, self._differences, self._plotted, self._dissected)
         if self.pinned:

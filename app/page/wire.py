@@ -6,8 +6,11 @@ import asyncio
 from contextlib import suppress
 from dataclasses import dataclass, field
 
+import viser
 from viser.infra import _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
+
+PROTOCOL = f"viser-v{viser.__version__}"  # by which page and server know that they are of one version
 
 
 class LoopsEvent(asyncio.Event):

@@ -35,7 +35,7 @@ class BarSolver(Solver):
         self._switches = switches(scene)
         self._arrays = allocate(scene)
         self._pack = BarState(**self._arrays.members())
-        self._advance, self._look_at_margin = (Launch(kernel, self._pack, self._switches)
+        self._advance, self._find_margin = (Launch(kernel, self._pack, self._switches)
                                                for kernel in (advance, find_margin))
         if self._switches.frozen:
             freeze(self._pack, self._switches)
@@ -72,9 +72,6 @@ class BarSolver(Solver):
 
     def _run(self, steps: int) -> None:
         self._advance(self.step, steps, STEP)
-
-    def _find_margin(self) -> None:
-        self._look_at_margin()
 
     def _measure(self) -> None:
         self._advance(self.step, 1, MEASURE)

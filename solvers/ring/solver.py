@@ -38,7 +38,7 @@ class RingSolver(Solver):
         self._switches = switches(scene)
         self._arrays = allocate(scene, self.threads)
         self._pack = RingState(**self._arrays.members())
-        self._advance, self._step, self._inspect, self._look_at_margin = (
+        self._advance, self._step, self._inspect, self._find_margin = (
             Launch(kernel, self._pack, self._switches) for kernel in (advance, step_in_slabs, inspect, find_margin))
         if self._switches.frozen:
             freeze(self._pack, self._switches)
@@ -83,9 +83,6 @@ class RingSolver(Solver):
                 row += sampled
             if self._arrays.verdict[0] != SOUND:
                 break
-
-    def _find_margin(self) -> None:
-        self._look_at_margin()
 
     def _measure(self) -> None:
         self._look(MEASURE)

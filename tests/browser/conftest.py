@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 from contextlib import ExitStack, closing, contextmanager
@@ -15,6 +14,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import sync_playwright
 
+from solvers.processes import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
 from tests.processes import HANG, STARVED, until
@@ -54,11 +54,8 @@ def serving(environment=None, arguments=(), coded=False, log=None, frames=FEW):
     """Address and process id of a page served by the command line itself, with further ``arguments``, and where it is
     ``coded`` also the line that says the class code; ``log`` is extended by what it says later. Nothing is compiled
     unasked, and few ``frames`` a second come: the tests need the processors."""
-    with socket.socket() as trial:
-        trial.bind(("127.0.0.1", 0))
-        port = str(trial.getsockname()[1])
-    command = [sys.executable, "-m", "app", "serve", "--port", port, "--no-warm-up", "--frames", str(frames),
-               *arguments]
+    command = [sys.executable, "-m", "app", "serve", "--port", str(free_port()), "--no-warm-up",
+               "--frames", str(frames), *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2],
                                env={**os.environ, **(environment or {})})
     line = process.stderr.readline()

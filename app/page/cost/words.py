@@ -58,7 +58,7 @@ def relative(value: float | None) -> str:
 
 def too_large(scene: Scene) -> str:
     """What to do with a scene that the stage cannot show."""
-    return (f"{too_many(scene)}. Run it in a terminal: {command_line(scene)}")
+    return f"{too_many(scene)}. Run it in a terminal: {command_line(scene)}"
 
 
 def seconds(value: float | None) -> str:

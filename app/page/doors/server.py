@@ -24,6 +24,7 @@ from app.page.doors.address import Addresses, is_ip, is_loopback
 from app.page.doors.bucket import Bucket
 from app.page.doors.code import ClassCode
 from app.page.doors.refusals import Refusals
+from app.page.wire import PROTOCOL
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
@@ -35,7 +36,6 @@ BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
 HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 400, 1, 30
 GOING, AWAY = 1.0, 10.0  # seconds that one who is sent away has to say goodbye, and in which its address must wait
 TOO_MUCH = "too many messages"
-PROTOCOL = f"viser-v{viser.__version__}"
 NO_CODE = "The class code is missing. Load the page again and type it."
 
 _LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
