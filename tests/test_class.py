@@ -10,14 +10,14 @@ from app.cli import main
 from app.commands.class_load import SCHEMA, Load, class_load, class_table
 from app.commands.visitor import Control, Visitor
 
-VISITORS = 4
+VISITORS, SECONDS = 3, 4.0
 
 
 @pytest.fixture(scope="module")
 def found():
     """What a small class got within a few seconds."""
     parts = []
-    yield class_load(Load(VISITORS, 6.0), parts.append)
+    yield class_load(Load(VISITORS, SECONDS), parts.append)
     assert parts == sorted(parts) and parts[-1] == 1.0
 
 
@@ -33,8 +33,8 @@ def test_all_see_a_moving_picture(found):
 
 def test_a_table_for_a_person(found):
     table = class_table(found)
-    for words in (f"{VISITORS} visitors for 6 s", f"{VISITORS} of {VISITORS}", "frames a second each", "(slowest)",
-                  "longest standstill", "connections lost       0"):
+    for words in (f"{VISITORS} visitors for {SECONDS:g} s", f"{VISITORS} of {VISITORS}", "frames a second each",
+                  "(slowest)", "longest standstill", "connections lost       0"):
         assert words in table
     assert max(map(len, table.splitlines())) <= 120
     nobody = {**found, "moving": 0, "joined_median": None, "joined_95": None, "lost": ["refused"]}

@@ -124,7 +124,7 @@ from solvers.study import row
 from solvers.study.grid import plan
 inputs = {"ppc": 2, "amplitude": 0.004, "periods": 0.2, "linearity_preserving": True}
 scene = BarScene(cells=20, estimators=names("bar"), **inputs)
-figure = run_figure(run(scene))
+figure = run_figure(run(scene, prices=False))
 assert png_bytes(figure).startswith(b"\\x89PNG")
 axes = {"cells": [16, 20], "estimator": [names("bar")], **{name: [value] for name, value in inputs.items()}}
 rows = [row.measure(task) for task in plan("bar", axes, repeats=1)]

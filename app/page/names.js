@@ -8,16 +8,16 @@
 
   function name() {
     all("label[for]", label => row(label)?.forEach(input => set(input, "aria-label", label.innerText)));
-    all("div:has(> .lab-typed)", mark => {  // the text beside a slider: its label is there, but cannot be seen
+    all("[data-lab~=lab-typed]", mark => {  // the text beside a slider: its label is there, but cannot be seen
       const next = mark.nextElementSibling, label = next?.querySelector("label");
       set(next?.querySelector("input"), "aria-label", label?.textContent);
     });
     all("[role=slider]", slider => {  // a logarithm is no number that anybody wants to hear
-      const text = slider.closest("div:has(> .lab-logarithmic) + div")?.nextElementSibling?.nextElementSibling;
+      const text = slider.closest("[data-lab~=lab-logarithmic] + div")?.nextElementSibling?.nextElementSibling;
       set(slider, "aria-valuetext", text?.querySelector("input")?.value);
     });
     all(".uplot-container", plot => {
-      const heading = plot.closest("div:has(> .uplot-container)")?.previousElementSibling?.innerText;
+      const heading = plot.closest("div:has(> .uplot-container)")?.previousElementSibling?.textContent;
       set(plot, "role", "img");
       set(plot, "aria-label", `plot over time: ${heading || ""}`);
     });

@@ -25,11 +25,20 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
          "--disable-gpu-compositing",  # by the renderer: a third of the time, which the processors that simulate spend
          "--disable-features=PreloadTopChromeWebUI",  # of a browser's own window: a renderer more
          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
-# However cheap a picture is, the browser would draw as many as it can, beside the simulation: a few a second will do.
+# However cheap a picture is, the browser would draw as many as it can, beside the simulation. The page takes in what
+# has come as often as it draws, so it is let do both a few times a second, and what it draws comes to nothing but once.
 FEW_FRAMES = """
     const soon = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 300);
+    let drawn = 0, drawing = true;
+    window.requestAnimationFrame = (draw) => setTimeout(() => soon((now) => {
+        if (drawing = now - drawn > 900) drawn = now;
+        draw(now);
+    }), 300);
     window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
+    for (const name of ["clear", "drawArrays", "drawArraysInstanced", "drawElements", "drawElementsInstanced"]) {
+        const usual = WebGL2RenderingContext.prototype[name];
+        WebGL2RenderingContext.prototype[name] = function (...what) { if (drawing) usual.apply(this, what); };
+    }
     // The stage has half the pixels in each direction: enlarged as they are, they keep their colours.
     addEventListener("DOMContentLoaded", () => document.head.insertAdjacentHTML(
         "beforeend", "<style>canvas { image-rendering: pixelated; }</style>"));

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from app.colours import colour_table
-from tests.browser.conftest import serving, visit
+from tests.browser.conftest import serving
 from tests.browser.driving import PATIENCE, click, coloured, number, readout, row, stage, stage_box, time, until
 from tests.processes import STARVED
+from tests.raw import Raw
 
 #: Looks at every frame that the browser paints: is the middle of the window covered, or is there a stage to see?
 LOOK = """
@@ -58,8 +59,8 @@ def test_nothing_half_made_is_ever_seen(server, chromium):
 
 def test_a_refusal_is_not_covered(chromium):
     """Who finds every place taken reads so."""
-    with serving(arguments=("--max-sessions", "1")) as (address, _), visit(chromium, address), \
-            newcomer(chromium) as page:
+    with serving(arguments=("--max-sessions", "1")) as (address, _), Raw(address) as first, newcomer(chromium) as page:
+        until(lambda: first.frames, "somebody in the only place")
         page.goto(address)
         page.get_by_text("Every place on this server is taken.").wait_for()
         page.locator("#lab-ground").wait_for(state="hidden")

@@ -48,7 +48,7 @@ def test_everything_has_a_place_of_its_own(page):
 
 def labels_that_wrap(page):
     return page.evaluate("""() => [...document.querySelectorAll('label, .mantine-Button-label')]
-        .filter(e => e.offsetParent && e.innerText.trim() && !e.closest('div:has(> .lab-typed) + div'))
+        .filter(e => e.offsetParent && e.innerText.trim() && !e.closest('[data-lab~=lab-typed] + div'))
         .filter(e => { const range = document.createRange(); range.selectNodeContents(e);
                        return new Set([...range.getClientRects()].map(r => Math.round(r.top / 8))).size > 1; })
         .map(e => e.innerText)""")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import pytest
+
 from tests.browser.conftest import visit
 from tests.browser.driving import choose, engine_processes, readout, scene, steps, unfold, until
 from tests.listening import PATIENCE
@@ -75,6 +77,7 @@ def test_a_dozen_toggles_in_a_row_are_all_met(page):
     until(lambda: steps(page) != before, "a run that goes on")
 
 
+@pytest.mark.slow
 def test_the_stage_never_stands_still(server, chromium):
     """A dozen toggles, nearly all of which have to be compiled: in the page itself no two frames of the stage come
     longer apart than one would notice, but for time in which other work had the processors."""

@@ -24,7 +24,7 @@ PICKED = "<i class='lab-picked'></i>"
 # A drawing has no callbacks. One handler finds what was clicked and types its number into the hidden field, as a
 # visitor would; the time makes every click another text.
 _PICK = ("const d=event.target.closest('[data-run]');if(d&&(event.type=='click'||event.key=='Enter')){"
-         "const i=document.querySelector('div:has(> .lab-picked) + div input');"
+         "const i=document.querySelector('[data-lab~=lab-picked] + div input');"
          "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,d.dataset.run+' '+Date.now());"
          "i.dispatchEvent(new Event('input',{bubbles:true}))}")
 
