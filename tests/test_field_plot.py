@@ -17,6 +17,7 @@ from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 from solvers.run import build
 from solvers.samples import QUANTITIES
+from tests.drawn import Scene
 
 BAR, RING = BarScene(cells=10, ppc=2, periods=1), RingScene(cells=12, periods=1)
 
@@ -109,15 +110,9 @@ def test_axis_comes_back_once_a_peak_is_gone():
 
 
 def plot():
-    """A plot on a stage that sends nothing: its handles are what it shows."""
-    made = {}
-
-    class Scene:
-        def __getattr__(self, kind):
-            return lambda name, *a, **k: made.setdefault(
-                name.rsplit("/", 1)[1], SimpleNamespace(name=name, text="", points=None, font_screen_scale=1.0))
-
-    return FieldPlot(Scene(), "bar", BAR_FIELD, 0.006), made
+    """A plot on a stage that sends nothing, and what it shows by the last part of its name."""
+    scene = Scene()
+    return FieldPlot(scene, "bar", BAR_FIELD, 0.006), scene.made
 
 
 def test_a_run_gone_bad_breaks_nothing_and_is_said():

@@ -19,15 +19,9 @@ from app.scale import ColourScale
 from solvers.engine import frames as memory
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
+from tests.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
-
-
-class Scene:
-    """Stands in for the viewer's scene: remembers what was drawn and sends nothing."""
-
-    def __getattr__(self, name):
-        return lambda *args, **kwargs: SimpleNamespace(name=args[0], text="", font_screen_scale=1.0)
 
 
 @contextmanager

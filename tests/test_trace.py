@@ -19,6 +19,7 @@ from solvers.bar.scene import BarScene
 from solvers.ring.scene import RingScene
 from solvers.run import build
 from solvers.samples import QUANTITIES
+from tests.drawn import Scene
 from tests.test_recent import engine_frame
 from tests.test_view import report_of
 
@@ -118,19 +119,11 @@ def test_only_what_is_there_is_traced(run):
     assert trace.traced is None
 
 
-class Drawn:
-    """Stands in for the viewer's scene: keeps what is drawn last."""
-
-    def __getattr__(self, name):
-        return lambda *args, **kwargs: SimpleNamespace(name=args[0], text="", points=np.zeros((0, 3)), visible=True,
-                                                       font_screen_scale=1.0)
-
-
 @pytest.fixture
 def stage(run):
     stages = {"bar": BarStage, "ring": RingStage}
     report, arrays = run[-1]
-    stage = stages[report.scene.problem](SimpleNamespace(scene=Drawn()), ColourScale())
+    stage = stages[report.scene.problem](SimpleNamespace(scene=Scene()), ColourScale())
     stage.plotted = "x"
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], report.time, 1.0)
     return stage
@@ -153,7 +146,7 @@ def test_every_image_is_found_by_a_click(run, stage):
 def test_height_in_the_lanes_does_not_count():
     """As wide as a particle is the column in which it is meant, between the lanes as well."""
     report, arrays = frame_of(BAR)
-    stage = BarStage(SimpleNamespace(scene=Drawn()), ColourScale())
+    stage = BarStage(SimpleNamespace(scene=Scene()), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
     for y in (ESTIMATE_LANE + 0.04, (ESTIMATE_LANE + TRUTH_LANE) / 2, TRUTH_LANE - 0.04):
         assert [stage.nearest((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
@@ -167,7 +160,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     recent.add(report, arrays)
     clicks, drawn = [], []
 
-    class Scene:
+    class Rings:
         def add_line_segments(self, *args, **kwargs):
             drawn.append(SimpleNamespace(points=None, visible=True))
             return drawn[-1]
@@ -176,7 +169,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
             return clicks.append
 
     trace = Trace(recent)
-    mark = Mark(SimpleNamespace(scene=Scene()), trace)
+    mark = Mark(SimpleNamespace(scene=Rings()), trace)
     mark.look(stage, arrays)
     assert not any(rings.visible for rings in drawn)
     images = stage.images(arrays, slice(5, 6))[:, 0, :2]

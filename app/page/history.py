@@ -1,6 +1,7 @@
 """The history of a live run: the sampled norms from its start until now, at a resolution that fits a plot."""
 
 import math
+import threading
 
 import numpy as np
 
@@ -10,25 +11,57 @@ from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
 CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are counted
+MOST_WAITING = 500  # frames' samples that may wait for a reader
 
 
 class History(Courses):
     """Sampled norms and the running error index of one run. One thread adds, any may read.
 
     Its series are named as in ``solvers.samples.read``, and up to that time the error index (eq 35) and the pointwise
-    distance as ``transport/index_x`` and ``transport/distance_x``.
+    distance as ``transport/index_x`` and ``transport/distance_x``. Frames come more often than anybody reads, and a few
+    samples cost as much work as many: they wait for the next reader.
     """
 
     def __init__(self, scene: Scene, particles: int):
         super().__init__(scene.period)
         self.scene, self._particles = scene, particles
-        self.margin = math.nan  # of the step, as last looked at: few samples do
+        self._lock = threading.Lock()
+        self._waiting: list[np.ndarray] = []
+        self._margin = math.nan
         self._sums: dict[str, float] = {}
 
     def add(self, rows: np.ndarray) -> None:
         """Append rows of samples (``solvers.samples``)."""
-        if not len(rows):
-            return
+        with self._lock:
+            if len(rows):
+                self._waiting.append(rows)
+            many = len(self._waiting) > MOST_WAITING
+        if many:
+            self._take_in()
+
+    @property
+    def series(self) -> dict[str, np.ndarray]:
+        self._take_in()
+        return super().series
+
+    @property
+    def latest(self) -> dict[str, np.ndarray]:
+        self._take_in()
+        return super().latest
+
+    @property
+    def margin(self) -> float:
+        """Of the step, as last looked at: few samples do."""
+        self._take_in()
+        return self._margin
+
+    def _take_in(self) -> None:
+        with self._lock:
+            waiting, self._waiting = self._waiting, []
+            if waiting:
+                self._extend(np.concatenate(waiting))
+
+    def _extend(self, rows: np.ndarray) -> None:
         scene = self.scene
         new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step)
         for estimator in scene.active_estimators:
@@ -39,7 +72,7 @@ class History(Courses):
                         new[f"{estimator}/{ratio}_{q}"] = np.where(
                             true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
         looked = np.flatnonzero(np.isfinite(new["margin"]))
-        self.margin = float(new["margin"][looked[-1]]) if len(looked) else self.margin
+        self._margin = float(new["margin"][looked[-1]]) if len(looked) else self._margin
         self.append(new)
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

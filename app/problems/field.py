@@ -79,13 +79,13 @@ class FieldPlot:
         self._caption_it(scene, quantity, magnified, int(np.count_nonzero(~np.isfinite(values))))
         self._number(QUANTITIES[quantity].unit)
         points = self.points(at, values)
-        self._dots.points = points
+        drawing.put(self._dots, points)
         shown = points[crossed]
         shown[:, 2] = 0.015
-        self._crossed.points = shown if len(shown) else np.full((1, 3), drawing.AWAY, np.float32)
+        drawing.put_few(self._crossed, shown)
         if scene.solution_known:
             curve = self.points(self._line, self._place.exact(scene, quantity, self._line, t))
-            self._curve.points = drawing.joined(curve[:-1], curve[1:])
+            drawing.put(self._curve, drawing.joined(curve[:-1], curve[1:]))
 
     def places(self, particles: slice, count: int) -> np.ndarray:
         """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
@@ -146,7 +146,7 @@ class Dots:
         values = seen(scene, field, magnified)
         points, self.reach = self._plot.points(at, values), largest(np.abs(values))
         points[:, 2] = 0.0
-        self._dots.points = points
+        drawing.put(self._dots, points)
 
     def forget(self) -> None:
         """Show nothing."""

@@ -29,15 +29,16 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
 # has come as often as it draws, so it is let do both a few times a second, and what it draws comes to nothing but once.
 FEW_FRAMES = """
     const soon = window.requestAnimationFrame.bind(window);
-    let drawn = 0, drawing = true;
-    window.requestAnimationFrame = (draw) => setTimeout(() => soon((now) => {
-        if (drawing = now - drawn > 900) drawn = now;
-        draw(now);
-    }), 300);
+    let frame = 0, drawn = 0;  // times: of this frame, and of the last one that was drawn
+    window.requestAnimationFrame = (draw) => setTimeout(() => soon((now) => draw(frame = now)), 300);
     window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
     for (const name of ["clear", "drawArrays", "drawArraysInstanced", "drawElements", "drawElementsInstanced"]) {
         const usual = WebGL2RenderingContext.prototype[name];
-        WebGL2RenderingContext.prototype[name] = function (...what) { if (drawing) usual.apply(this, what); };
+        WebGL2RenderingContext.prototype[name] = function (...what) {
+            if (frame !== drawn && frame - drawn < 900) return;
+            drawn = frame;
+            usual.apply(this, what);
+        };
     }
     // The stage has half the pixels in each direction: enlarged as they are, they keep their colours.
     addEventListener("DOMContentLoaded", () => document.head.insertAdjacentHTML(

@@ -1,5 +1,7 @@
 """The bar, as long as the stage: two lanes of particles, the estimate above the truth, and the field plot below."""
 
+import math
+
 import numpy as np
 import viser
 
@@ -15,7 +17,7 @@ ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
 FIELD = Place(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field)
 NAME_LINE, LOWER = 0.05, 0.49  # what a line of words takes; by how much a pinned run's lanes are below the others
-LANE_POINTS = 4000  # points that a lane may be made of
+LANE_POINTS = 2000  # points that a lane may be made of
 
 
 class BarStage(Stage[BarScene]):
@@ -66,12 +68,12 @@ class BarStage(Stage[BarScene]):
                     true: np.ndarray | None, t: float, speed: float) -> None:
         x = self._across(arrays)
         for lane, middle, sizes in zip(self._lanes, (ESTIMATE_LANE, TRUTH_LANE), (estimated, true), strict=True):
-            lane.points = self._lane.points(x, middle)
-            lane.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (self._lane.rows, 1))
+            drawing.put(lane, self._lane.points(x, middle),
+                        np.tile(drawing.shades(self._scale, sizes, len(x)), (self._lane.rows, 1)))
         since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
         shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS) & self._marked
-        self._flashes.points = drawing.in_plane(x, np.where(shown, CROSSINGS_AT, drawing.AWAY), 0.02)
-        self._flashes.colors = drawing.flash_colours(since)
+        drawing.put_few(self._flashes, drawing.in_plane(x[shown], CROSSINGS_AT, 0.02),
+                        drawing.flash_colours(since[shown]))
         if self.plotted:
             X = (np.arange(scene.particles) + 0.5) / scene.particles
             self._field.draw(scene, self.plotted, self.magnified, X, arrays.plotted, t, shown)
@@ -102,7 +104,7 @@ class _Lane:
 
     def __init__(self, particles: int):
         column = 1 / particles
-        self.rows = max(6, min(int(LANE_HEIGHT / (1.3 * column)), LANE_POINTS // particles))
+        self.rows = max(6, min(math.ceil(LANE_HEIGHT / (2 * column)), LANE_POINTS // particles))
         self.size = LANE_HEIGHT / self.rows
         self.shift = (self.size - column) / 2
 

@@ -71,12 +71,10 @@ class RingStage(Stage[RingScene]):
                     true: np.ndarray | None, t: float, speed: float) -> None:
         x = _in_view(arrays.position)
         for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
-            half.points = self._images(x, mirrors)
-            half.colors = np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1))
+            drawing.put(half, self._images(x, mirrors), np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1)))
         steps = arrays.steps_since_crossing
         just_crossed = (steps >= 0) & (steps < BRIEF * speed / scene.time_step) & self._marked
-        crossing = x[just_crossed]
-        self._flashes.points = self._images(crossing if len(crossing) else np.full((1, 2), drawing.AWAY), MIRRORS, 0.02)
+        drawing.put_few(self._flashes, self._images(x[just_crossed], MIRRORS, 0.02))
         self._draw_domains(scene, arrays, x)
         if self.plotted:
             self._field.draw(scene, self.plotted, self.magnified, self._radii, arrays.plotted, t, just_crossed)
@@ -146,7 +144,7 @@ class RingStage(Stage[RingScene]):
         first, second = np.moveaxis(half_edges(scene, F, self._edges), 1, 0)
         corners = [x - first - second, x + first - second, x + first + second, x - first + second]
         placed = [self._images(corner, MIRRORS[::2], 0.01) for corner in corners]
-        self._outlines.points = np.concatenate([drawing.joined(placed[k - 1], placed[k]) for k in range(4)])
+        drawing.put(self._outlines, np.concatenate([drawing.joined(placed[k - 1], placed[k]) for k in range(4)]))
 
 
 def _in_view(x: np.ndarray) -> np.ndarray:

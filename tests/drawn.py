@@ -1,0 +1,25 @@
+"""A scene of the viewer's that sends nothing: what was drawn can be read from its handles."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+
+class Handle(SimpleNamespace):
+    """Something that was drawn. Its properties are set one by one, or by messages to the browser."""
+
+    def __init__(self, name):
+        super().__init__(name=name, text="", points=np.zeros((0, 3)), visible=True, font_screen_scale=1.0)
+        self._impl = SimpleNamespace(props=self, api=SimpleNamespace(_queue_scene_message=lambda message: None))
+
+
+class Scene:
+    """Remembers what was drawn, by the last part of its name."""
+
+    def __init__(self):
+        self.made = {}
+
+    def __getattr__(self, kind):
+        return lambda name, *args, **options: self.made.setdefault(name.rsplit("/", 1)[1], Handle(name))
