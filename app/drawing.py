@@ -2,6 +2,7 @@
 
 import textwrap
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Literal
 from weakref import WeakKeyDictionary
 
@@ -155,14 +156,17 @@ def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:
         handle.text, handle.visible = text, bool(text)  # else its ground would show
 
 
+@lru_cache(1000)
 def wrapped(text: str, width: int) -> str:
     """The text in lines of at most so many characters."""
     return "\n".join(textwrap.wrap(text, width))
 
 
 def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:
-    """Points (n, 3) from coordinates (n,) or one for all."""
-    return np.stack(np.broadcast_arrays(x, y, z), axis=1).astype(np.float32)
+    """Points (n, 3) from coordinates (n,) or one for all; written in place, for it is done with every frame."""
+    points = np.empty((len(x), 3), np.float32)
+    points[:, 0], points[:, 1], points[:, 2] = x, y, z
+    return points
 
 
 def joined(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:

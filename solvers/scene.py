@@ -161,12 +161,12 @@ class Scene(ABC):
         A, w = self.motion_amplitude, self.angular_frequency
         return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
 
-    @property
+    @functools.cached_property
     def period(self) -> float:
         """One full vibration, 2 pi/w."""
         return 2 * math.pi / self.angular_frequency
 
-    @property
+    @functools.cached_property
     def time_step(self) -> float:
         """The step in seconds, from ``dt`` or ``cfl``."""
         if self.dt == AUTO:
@@ -196,12 +196,12 @@ class Scene(ABC):
             return self.t_end
         return (self.DEFAULT_PERIODS if self.periods is None else self.periods) * self.period
 
-    @property
+    @functools.cached_property
     def steps(self) -> int:
         """Whole steps to the end time; the end time is met to the nearest step."""
         return max(1, round(self.end_time / self.time_step))
 
-    @property
+    @functools.cached_property
     def sample_interval(self) -> int:
         """Steps between two samples of the norms."""
         if self.sample_every is not None:
@@ -211,12 +211,12 @@ class Scene(ABC):
         wanted = max(wanted, math.ceil(self.steps / SAMPLES_A_RUN))
         return max(1, wanted // self.estimate_interval) * self.estimate_interval
 
-    @property
+    @functools.cached_property
     def look_interval(self) -> int:
         """Steps between two looks for contradictions, at samples that are due."""
         return self.sample_interval * max(1, int(self.period / self.time_step / LOOKS_A_PERIOD / self.sample_interval))
 
-    @property
+    @functools.cached_property
     def margin_interval(self) -> int:
         """Steps between two looks at the margin of the step: each costs a launch, so that long runs have fewer."""
         return self.look_interval * max(1, self.steps // (MOST_MARGINS * self.look_interval))

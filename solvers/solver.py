@@ -111,9 +111,13 @@ class Solver(ABC):
 
     def not_valid(self) -> dict[str, str]:
         """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
-        memory = memory_parts(self.HOOKS, self._arrays.memory)
-        found = {name: self.HOOKS[name].verdict(self.scene, memory) for name in self.scene.active_estimators}
+        found = {name: self.HOOKS[name].verdict(self.scene, self._memory) for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
+
+    @functools.cached_property
+    def _memory(self) -> dict[str, np.ndarray]:
+        """The estimators' arrays: views of those that the kernels write to."""
+        return memory_parts(self.HOOKS, self._arrays.memory)
 
     @property
     def estimate_intervals(self) -> tuple[int, ...]:

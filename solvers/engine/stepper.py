@@ -135,7 +135,7 @@ class Stepper:
             self._window = (now, solver.time)
         particle_steps = self._kernel_steps * solver.scene.particles  # since the build
         rows, not_valid = np.concatenate(self._rows), solver.not_valid()
-        self._verdict.look(rows, len(shot.position))
+        self._verdict.look(rows, len(shot.position), self._running)
         status, reason, since = self._verdict.tell(solver, not_valid)
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,

@@ -9,24 +9,36 @@ from solvers.scene import Scene
 from solvers.solver import Solver
 from solvers.soundness import Finding, earliest, findings, verdict
 
+MOST_WAITING = 20  # samples
+
 
 class Verdict:
     """What has been found so far in the samples of one run (``solvers.soundness``)."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
+        self._waiting: list[np.ndarray] = []  # samples to be judged with those that come next
         self._findings: dict[str, Finding] = {}
         self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
 
-    def look(self, rows: np.ndarray, particles: int) -> None:
-        """Judge new samples of so many particles. Once something is found that stays, nothing later can be first."""
+    def look(self, rows: np.ndarray, particles: int, goes_on: bool = False) -> None:
+        """Judge new samples of so many particles. Once something is found that stays, nothing later can be first.
+
+        To judge a few costs as much as to judge many: in a run that ``goes_on`` they wait for one that looked for
+        contradictions, or until they are many.
+        """
         scene = self._scene
-        if not len(rows) or any(name not in scene.active_estimators for name in self._findings):
+        if len(rows):
+            self._waiting.append(rows)
+        if not self._waiting or any(name not in scene.active_estimators for name in self._findings):
             return
-        rows = rows if self._looked is None else np.concatenate([self._looked, rows])
         looked = np.flatnonzero(np.isfinite(rows[:, samples.column("place")]))
-        self._looked = rows[looked[-1:]] if len(looked) else None
-        series = samples.read(rows, scene.active_estimators, particles, scene.time_step)
+        if goes_on and not len(looked) and sum(map(len, self._waiting)) < MOST_WAITING:
+            return
+        waiting = [*([] if self._looked is None else [self._looked]), *self._waiting]
+        self._waiting = []
+        self._looked = rows[looked[-1:]] if len(looked) else self._looked
+        series = samples.read(np.concatenate(waiting), scene.active_estimators, particles, scene.time_step)
         self._findings = {**findings(scene, series), **self._findings}
 
     def tell(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:

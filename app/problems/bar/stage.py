@@ -62,7 +62,7 @@ class BarStage(Stage[BarScene]):
 
     def _across(self, arrays: FrameArrays) -> np.ndarray:
         """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
-        return np.clip(np.nan_to_num(arrays.position[:, 0], nan=drawing.AWAY), -0.5, 1.5)
+        return np.fmin(np.fmax(arrays.position[:, 0], -0.5), 1.5)  # fmax takes the number where one is none
 
     def _draw_frame(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
                     true: np.ndarray | None, t: float, speed: float) -> None:
@@ -110,9 +110,11 @@ class _Lane:
 
     def points(self, x: np.ndarray, middle: float) -> np.ndarray:
         """(rows * P, 3) points of particles at x in the lane around y = middle."""
-        heights = middle + (np.arange(self.rows) - (self.rows - 1) / 2) * self.size
-        x = np.clip(x + self.shift, self.size / 2, 1 - self.size / 2)
-        return drawing.in_plane(np.tile(x, self.rows), np.repeat(heights, len(x)))
+        out = np.empty((self.rows, len(x), 3), np.float32)
+        out[:, :, 0] = np.minimum(np.maximum(x + self.shift, self.size / 2), 1 - self.size / 2)
+        out[:, :, 1] = middle + (np.arange(self.rows)[:, None] - (self.rows - 1) / 2) * self.size
+        out[:, :, 2] = 0.0
+        return out.reshape(-1, 3)
 
 
 STAGE = BarStage
