@@ -30,7 +30,8 @@ class ColourBar:
 
     def __init__(self, s: viser.SceneApi, scale: ColourScale):
         self._scale = scale
-        self._drawn: list[tuple[float, str]] = []
+        self._drawn: tuple[str, str, float, bool, bool] | None = None
+        self._ticked: list[tuple[float, str]] = []
         self.root = s.add_frame("/colours", show_axes=False)
         ends = COLOUR_BAR_HEIGHT / 2
         bar = points(s, "/colours/bar", COLOUR_BAR_HEIGHT, "square")
@@ -42,10 +43,14 @@ class ColourBar:
 
     def draw(self, measures: str, unit: str) -> None:
         """Show the scale as it is now, with what it measures."""
-        write(self._title, f"{measures} / {power_text(self._scale.power)}{unit}")
-        ticks = self._scale.ticks()
-        if ticks != self._drawn:
-            self._drawn = ticks
+        scale = self._scale
+        if (now := (measures, unit, scale.top, scale.logarithmic, scale.exceeded)) == self._drawn:
+            return
+        self._drawn = now
+        write(self._title, f"{measures} / {power_text(scale.power)}{unit}")
+        ticks = scale.ticks()
+        if ticks != self._ticked:
+            self._ticked = ticks
             for tick, (at, text) in zip(self._ticks, ticks + [(AWAY, "")] * MOST_TICKS, strict=False):
                 tick.text, tick.position = text, (at, COLOUR_BAR - TICK_GAP, 0.0)
 

@@ -10,6 +10,7 @@ from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 
 MOST_FRAMES = 200
+FEW_BYTES = 4000  # of samples, that a frame may keep: to make a report without them takes time
 MOST_BYTES = 48_000_000  # of one visitor: a large scene is remembered for less long
 
 Frame = tuple[FrameReport, FrameArrays]
@@ -25,7 +26,8 @@ class Recent:
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Take in the run's newest frame, and show it if the run has moved; a fresh one begins another run."""
-        report = replace(report, rows=report.rows[:0].copy())  # the history has them
+        if report.rows.nbytes > FEW_BYTES:
+            report = replace(report, rows=report.rows[:0].copy())  # the history has them
         with self._lock:
             if report.fresh:
                 self._frames.clear()

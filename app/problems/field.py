@@ -47,6 +47,7 @@ class FieldPlot:
         self.root = s.add_frame(f"/{problem}/field", show_axes=False)
         self._place, self._axis = place, Axis()
         self._drawn: tuple[Scene, str, int] | None = None
+        self._said: tuple[Scene, str, int, int, float] | None = None  # what caption and numbers are of
         self._time = 0.0
         self._curve = drawing.lines(s, name("exact"), drawing.rgb(TRUTH), 3.0)
         self._dots = drawing.points(s, name("particles"), size)
@@ -76,8 +77,11 @@ class FieldPlot:
         self._drawn, self._time = (scene, quantity, magnified), t
         values = seen(scene, field, magnified)
         self._axis.follow(max(largest(np.abs(values)), self.lent.reach), self._reach)
-        self._caption_it(scene, quantity, magnified, int(np.count_nonzero(~np.isfinite(values))))
-        self._number(QUANTITIES[quantity].unit)
+        unknown = len(values) - int(np.count_nonzero(np.isfinite(values)))
+        if (now := (scene, quantity, magnified, unknown, self._axis.top)) != self._said:
+            self._said = now
+            self._caption_it(scene, quantity, magnified, unknown)
+            self._number(QUANTITIES[quantity].unit)
         points = self.points(at, values)
         drawing.put(self._dots, points)
         shown = points[crossed]

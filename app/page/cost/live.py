@@ -22,9 +22,11 @@ class LiveRows:
         """The run's row when this frame ends it or it has stopped, once; else None. A lost run goes to its end."""
         if report.fresh:
             self._done = False
+        if self._done:
+            return None
         scene = report.scene
         ended = report.time >= scene.end_time - 0.5 * scene.time_step
-        if self._done or not (ended or report.status == UNSTABLE) or history.scene != scene or not report.step:
+        if not (ended or report.status == UNSTABLE) or history.scene != scene or not report.step:
             return None
         self._done = True
         return live_row(report, history)
