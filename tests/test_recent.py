@@ -11,7 +11,7 @@ import pytest
 from app.page.course import LAST_PERIODS, MOST_ROWS, Course, until
 from app.page.history import History
 from app.page.panels.readout import readout
-from app.page.recent import MOST_BYTES, MOST_FRAMES, Recent, size
+from app.page.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
 from app.page.summary import summary
 from app.page.view import NOT_COMPARED, look
 from app.page.worst import WorstRegions
@@ -54,7 +54,15 @@ def test_the_last_frames_are_kept():
     assert most == MOST_FRAMES - 1 and periods == pytest.approx(most * BAR.time_step / BAR.period)
     recent.go_back(10**6)
     assert shown(recent) == 51
-    assert recent.frames[0][0].rows.size == 0  # the history has them
+
+
+def test_many_samples_are_not_kept():
+    """The history has them."""
+    report, arrays = frame(0)
+    recent = Recent()
+    for rows, kept in ((16, 16), (17, 0)):
+        recent.add(replace(report, fresh=True, rows=np.ones((rows, FEW_BYTES // 128))), arrays)
+        assert len(recent.frames[0][0].rows) == kept
 
 
 def test_memory_is_bounded_and_large_frames_are_fewer():
