@@ -114,3 +114,24 @@ def test_a_run_that_nobody_touches_rests(pool):
     until(lambda: one.report.playing, "going on", PATIENCE)
     assert one.notice() is None or "rests" not in one.notice().sentence
     one.close()
+
+
+def test_who_shares_the_computer_is_told(pool, monkeypatch):
+    """Where a run is slower than it was asked to be because of others', the page says so, for as long as one reads."""
+    one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: None)
+    until(lambda: one.report is not None and one.report.real_speed is not None, "a speed", PATIENCE)
+    one.play(False)
+    until(lambda: not one.report.playing, "a run that stands still", PATIENCE)
+    asked = one.speed * SCENE.period
+    alone, shared = (type(one.report)(**{**vars(one.report), "playing": True, "real_speed": 0.5 * asked, "number": n})
+                     for n in (10**6, 10**6 + 1))
+    one.report = alone
+    assert one.notice() is None  # slow, but nobody else is to blame
+    monkeypatch.setattr(type(pool), "playing", 7)
+    one.report = shared
+    assert one.notice().sentence.startswith("8 runs share this computer")
+    one.report = type(one.report)(**{**vars(one.report), "real_speed": asked})
+    assert one.notice().sentence.startswith("8 runs share")  # it stays a while
+    monkeypatch.setattr(page, "TO_BE_READ", -1.0)
+    assert one.notice() is None
+    one.close()

@@ -19,6 +19,7 @@ from app.page.doors import messages, server, widgets
 from app.page.doors.address import Addresses
 from app.page.doors.refusals import Refusals
 from app.page.limits import FASTEST, MOST_WATCHED, too_many
+from app.page.panels.controls import Controls
 from app.page.serve import _start_server
 from app.page.session import FIRST_SCENE, Session
 from app.page.wire import PROTOCOL
@@ -346,6 +347,33 @@ def test_log_has_few_lines_however_much_is_refused(caplog):
     assert len(caplog.records) == 4 and "refused 997 more" in caplog.records[3].getMessage()
     refusals.note("again")
     assert caplog.records[4].getMessage() == "refused: again"
+
+
+def test_problem_that_is_chosen_while_the_page_is_made(here, monkeypatch):
+    """As fast as its control is there: it is met when the others are."""
+    build, chosen = Controls._build, []
+
+    def slowly(controls):
+        if not chosen:
+            chosen.append(1)
+            visitor.set(visitor.find("Problem"), "expanding ring")
+            until(lambda: controls._problem.value == "expanding ring", "the choice to come")
+        build(controls)
+
+    monkeypatch.setattr(Controls, "_build", slowly)
+    with Raw(here[1], arrive=False) as visitor:
+        visitor.say(CAMERA)
+        visitor.find("Cells, h = 1.2/24")
+
+
+def test_socket_that_never_speaks_is_closed(monkeypatch, here):
+    """Also one that says only what is refused; who says where the camera is may then be as silent as it likes."""
+    monkeypatch.setattr(server, "SILENT", 0.5)
+    with Raw(here[1], arrive=False) as mute, Raw(here[1], arrive=False) as babbler, Raw(here[1]) as visitor:
+        babbler.say(b"nothing that means anything")
+        until(lambda: mute.closed and babbler.closed, "both closed")
+        assert (mute.closed, babbler.closed, visitor.closed) == (1008, 1008, None)
+        assert mute.socket.close_reason == server.NOTHING_SAID
 
 
 def test_session_asks_for_no_more_than_one_visitor_may_have():

@@ -121,6 +121,21 @@ def test_leaving_while_the_page_is_made_closes_it():
     assert len(house.pool.links) == 1 and house.open_links == 0 and house.empty
 
 
+@pytest.mark.parametrize("first", ["leave", "stay"])
+def test_goodbye_while_the_page_is_made_closes_it(first):
+    """Also where its visitor has left by then; and nobody is let in afterwards."""
+    def ending(client, pool):
+        if first == "leave":
+            house.leave(client.client_id)
+        house.visitors.say_goodbye()
+        return Page(client, pool)
+
+    house = House(ending)
+    house.come(1)
+    house.come(2)
+    assert len(house.pool.links) == 1 and house.open_links == 0 and not house.visitors._pages and not house.shown
+
+
 def test_leaving_before_being_let_in_makes_no_page():
     """The web server's threads may call in either order."""
     house = House()

@@ -72,6 +72,7 @@ class Page:
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
         self._slow = SlowMotion(client, self._session, self._redraw)
         self._tabs(client)
+        self._controls.begin()
         self._ready = True
         self._redraw()
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()

@@ -47,13 +47,14 @@ class Visitors:
         self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
         self._pageless: set[int] = set()  # here, but refused or with a page that failed
         self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
+        self._over = False  # goodbye has been said: pages that are still being made are for nobody
 
     def connect(self, client: Any) -> None:
         """Take a visitor in, or say why not."""
         visitor = client.client_id
         with self._lock:
-            if visitor in self._left:
-                self._left.remove(visitor)
+            if visitor in self._left or self._over:
+                self._left.discard(visitor)
                 return
             admitted = len(self._pages) < self._places
             if admitted:
@@ -90,7 +91,7 @@ class Visitors:
     def say_goodbye(self) -> None:
         """Tell all who are here that the lab closes."""
         with self._lock:
-            pages, self._pages = list(self._pages.values()), {}
+            pages, self._pages, self._over = list(self._pages.values()), {}, True
         for page in filter(None, pages):
             page.close()
             self._show(page.client, OVER)
@@ -111,12 +112,12 @@ class Visitors:
             logging.getLogger(__name__).exception("the page of visitor %d could not be made", visitor)
             links.close()
         with self._lock:
-            left = visitor in self._left
+            left = visitor in self._left or self._over
             self._left.discard(visitor)
             if page is not None and not left:
                 self._pages[visitor] = page
                 return
-            del self._pages[visitor]
+            self._pages.pop(visitor, None)
             if not left:
                 self._pageless.add(visitor)
         if page is not None:

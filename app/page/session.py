@@ -4,15 +4,16 @@ import math
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from time import monotonic
 
 from app.page.health import Tally
 from app.page.history import History
 from app.page.limits import FASTEST, too_many
+from app.page.notice import Notice, doubt
 from app.page.pinned import PinnedRun
 from app.problems.views import VIEWS
-from app.words import on_page, ratio
+from app.words import on_page
 from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -23,17 +24,9 @@ from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
 FIRST_SCENE = BarScene(periods=1, estimators=("recovered", "transport"))  # the first is the one that is drawn
-BROKEN = 30.0  # error index from which on an estimate is no estimate
 TO_BE_READ = 8.0  # seconds that what has happened is said
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
-
-
-@dataclass(frozen=True)
-class Notice:
-    """A sentence for the visitor. ``kind`` is "refused", "unstable", "lost", "wait" or "trouble"."""
-
-    kind: str
-    sentence: str
+CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told of those who share the computer
 
 
 def first_scene(problem: str) -> Scene:
@@ -66,7 +59,8 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
-        self._let_go_at, self.watched, self._rests = -math.inf, True, False
+        self._let_go_at = self._crowded_at = -math.inf
+        self.watched, self._rests = True, False
         self._plotted = QUANTITIES[0]
         self._dissected: int | None = None
         self._restarts = self._single_steps = self._number = self._compiled_for = 0
@@ -197,7 +191,11 @@ class Session:
     @property
     def others_playing(self) -> bool:
         """Whether other visitors' stages move on this server."""
-        return self._pool.playing > self.playing * (1 + bool(self.pinned))
+        return self._others > 0
+
+    @property
+    def _others(self) -> int:
+        return self._pool.playing - self.playing * (1 + bool(self.pinned))
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:
@@ -217,7 +215,7 @@ class Session:
             waiting = self.report is None or self.report.number < self._number
             urgent, history, valid = self._urgent(waiting), self.history, self.valid_estimators
         # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
-        return urgent or (None if waiting else _doubt(history, valid))
+        return urgent or (None if waiting else doubt(history, valid) or self._crowd())
 
     def _urgent(self, waiting: bool) -> Notice | None:
         """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
@@ -241,6 +239,17 @@ class Session:
         if monotonic() < self._let_go_at + TO_BE_READ:
             return Notice("wait", "The pinned run has gone: the two are compared on one problem only.")
         return None
+
+    def _crowd(self) -> Notice | None:
+        """That others' runs slow this one down. What is said stays a while: real speeds go up and down."""
+        report, others = self.report, self._others
+        if report and report.playing and report.real_speed is not None and others \
+                and report.real_speed < CROWDED_BELOW * self.speed * report.scene.period:
+            self._crowded_at = monotonic()
+        if monotonic() > self._crowded_at + TO_BE_READ:
+            return None
+        return Notice("wait", f"{others + 1} runs share this computer, which cannot move all of them as fast as they "
+                              "are asked to: they take turns, and each is as right as ever.")
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """From the engine's reader thread, as the two below."""
@@ -275,17 +284,3 @@ class Session:
                                       self._single_steps, self._differences, self._plotted, self._dissected)
         if self.pinned:
             self.pinned.follow(playing, self.speed, self._single_steps, self._differences, self._plotted)
-
-
-def _doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
-    """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
-    series, scene = history.series, history.scene
-    if not len(series.get("error_x", ())):
-        return None
-    for estimator in valid:
-        index = series[f"{estimator}/index_x"][-1]
-        if index > BROKEN:
-            return Notice("refused", f"The estimate {estimator} has broken down: it is {ratio(index)} times the "
-                                     "true error of x. Do not trust it here.")
-    warnings = scene.warnings()
-    return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

@@ -35,7 +35,8 @@ BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
 # takes so many more, as far as there are: who comes again and again would have the server make nothing but pages.
 HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 400, 1, 30
 GOING, AWAY = 1.0, 10.0  # seconds that one who is sent away has to say goodbye, and in which its address must wait
-TOO_MUCH = "too many messages"
+SILENT = 60.0  # seconds in which a browser, however busy, says where its camera is; one that never speaks is none
+TOO_MUCH, NOTHING_SAID = "too many messages", "nothing was said"
 NO_CODE = "The class code is missing. Load the page again and type it."
 
 _LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
@@ -69,6 +70,7 @@ class Doors:
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, Refusals()
         self._handshakes = Bucket(HANDSHAKES, HANDSHAKES_A_SECOND)
+        self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
         self._house: House | None = None
@@ -89,8 +91,12 @@ class Doors:
                     self._refusals.note("a page of another version", self._who(connection))
                     await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
                     return
-                self._listen(connection)
-                await handler(connection)
+                silent = asyncio.get_running_loop().call_later(SILENT, self._cull, connection)
+                self._listen(connection, silent)
+                try:
+                    await handler(connection)
+                finally:
+                    silent.cancel()
 
             def answer(connection: Any, request: Request) -> Response | None:
                 return self._answer(connection, request) or process_request(connection, request)
@@ -168,8 +174,16 @@ class Doors:
         return _said(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.sentence,
                      wait=entry.wait)
 
-    def _listen(self, connection: Any) -> None:
-        """Have a websocket give the viewer only what a browser may say, and at a browser's pace."""
+    def _cull(self, connection: Any) -> None:
+        """Close a websocket that has said nothing."""
+        self._refusals.note("a connection that says nothing", self._who(connection))
+        going = asyncio.ensure_future(_send_away(connection, NOTHING_SAID))
+        self._going.add(going)  # else it could be collected while it goes
+        going.add_done_callback(self._going.discard)
+
+    def _listen(self, connection: Any, silent: asyncio.TimerHandle) -> None:
+        """Have a websocket give the viewer only what a browser may say, and at a browser's pace. The first word ends
+        the ``silent`` time."""
         receive, rate, calm, who = connection.recv, Bucket(MESSAGES, A_SECOND), monotonic(), self._who(connection)
 
         async def checked(*args: Any, **options: Any) -> Any:
@@ -189,11 +203,12 @@ class Doors:
                 elif monotonic() - calm > PATIENCE:
                     self._refusals.note(TOO_MUCH, who)
                     self._keep_away(who)
-                    await _send_away(connection)
+                    await _send_away(connection, TOO_MUCH)
                     raise connection.protocol.close_exc
                 if rate.left < 0:
                     await asyncio.sleep(rate.wait(0))
                 if refusal is None:
+                    silent.cancel()
                     return message
                 self._refusals.note(refusal, who)
 
@@ -215,10 +230,10 @@ class Doors:
         return page.gui._gui_input_handle_from_uuid.get(widget) if page else None
 
 
-async def _send_away(connection: Any) -> None:
+async def _send_away(connection: Any, why: str) -> None:
     """Close a websocket, also one whose other end does not listen."""
     with suppress(asyncio.TimeoutError):
-        await asyncio.wait_for(connection.close(1008, TOO_MUCH), GOING)
+        await asyncio.wait_for(connection.close(1008, why), GOING)
     connection.transport.abort()
     await connection.wait_closed()
 

@@ -43,8 +43,13 @@ class Controls:
         self.estimators = EstimatorChoice(session, on_view, self._patience)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
-        self._problem.on_update(lambda _: self._choose_problem())
         self._build()
+
+    def begin(self) -> None:
+        """The page is made: from now on another problem may be chosen, or has been meanwhile. Before, its widgets would
+        be made while others are made around them."""
+        self._problem.on_update(lambda _: self._choose_problem())
+        self._choose_problem()
 
     def load(self, scene: Scene) -> None:
         """Put a scene on the stage, and all that it says into the widgets."""

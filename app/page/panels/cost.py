@@ -13,7 +13,8 @@ from app.page.cost.quiet import QuietStage
 from app.page.cost.runs import LIVE, Runs, csv_bytes
 from app.page.history import History
 from app.page.limits import too_many
-from app.page.session import Notice, Session
+from app.page.notice import Notice
+from app.page.session import Session
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
 from solvers.study.grid import Task
