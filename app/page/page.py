@@ -4,7 +4,7 @@ import logging
 import secrets
 import threading
 from html import escape
-from time import monotonic
+from time import monotonic, thread_time
 
 import numpy as np
 import viser
@@ -39,7 +39,7 @@ from solvers.scene import Scene
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on
-RESTING = 4  # times as long as a refresh takes, for each stage that moves, until the next: frames come first
+RESTING = 12  # times a refresh's work, for each stage that moves, until the next: frames come first
 
 
 class Page:
@@ -178,14 +178,14 @@ class Page:
     def _refresh_loop(self) -> None:
         pause = REFRESH_SECONDS
         while not self._closed.wait(pause):
-            begun = monotonic()
+            begun = thread_time()
             try:
                 with self._refreshing:
                     if self._session.watched and not self._closed.is_set():
                         self._refresh()
             except Exception:  # one bad refresh must not silence the page for the rest of the visit
                 logging.getLogger(__name__).exception("the page could not be refreshed")
-            pause = max(REFRESH_SECONDS, RESTING * self._links.playing * (monotonic() - begun))
+            pause = max(REFRESH_SECONDS, RESTING * self._links.playing * (thread_time() - begun))
 
     def _refresh(self) -> None:
         if self._last is not None and self._view is not None:

@@ -59,7 +59,7 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
-        self._let_go_at = self._crowded_at = -math.inf
+        self._let_go_at = self._crowded_at = self._lost_at = -math.inf
         self.watched, self._rests = True, False
         self._plotted = QUANTITIES[0]
         self._dissected: int | None = None
@@ -236,6 +236,9 @@ class Session:
                                   "is compiled the first time it is used; several estimators at once take longest.")
         if self.report and self.report.reason and not waiting:
             return Notice(self.report.status, f"{on_page(self.report.reason)}.")
+        if monotonic() < self._lost_at + TO_BE_READ:
+            return Notice("wait", "The simulation process ended unexpectedly; another one has taken its place, and the "
+                                  "scene has begun again.")
         if monotonic() < self._let_go_at + TO_BE_READ:
             return Notice("wait", "The pinned run has gone: the two are compared on one problem only.")
         return None
@@ -270,7 +273,7 @@ class Session:
 
     def on_engine_lost(self) -> None:
         with self._lock:
-            self._engine_lost = True
+            self._engine_lost, self._lost_at = True, monotonic()
             self._number += 1  # the link asks again under the next number
 
     def _start(self, scene: Scene) -> None:
