@@ -137,8 +137,9 @@ def test_made_up_codes_are_long_and_plain():
 def test_lab_that_others_reach_makes_up_a_code_and_prints_it():
     """On any address but this machine's own, and with a public name; with it there are frames, without it nothing."""
     with serving(arguments=("--host", "0.0.0.0"), coded=True) as (address, _, line):
-        printed = re.search(r"class code is (\S+); (\S+)", line)
-        assert printed[2] == f"{address}/#code={printed[1]}"
+        printed = re.search(r"class code is (\S+); (http://\S+)/#code=(\S+)", line)
+        assert printed[1] == printed[3] and "0.0.0.0" not in address + printed[2]
+        assert get(printed[2])[0] == get(address)[0] == 200  # under this machine's own name for itself, and for others
         with pytest.raises(InvalidStatus):
             Raw(address)
         assert enter(address, "wrong-code")[0] == 403 and DOOR in get(address)[1]

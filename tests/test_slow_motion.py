@@ -99,6 +99,12 @@ def test_an_engine_sends_what_a_wish_asks_for():
         report = after(single_steps=3)
         assert report.step == report.anatomy.step == 3 and report.anatomy.particle == 4
         assert after(plotted="v").anatomy is report.anatomy
+        other = after(dissected=5)  # of the same step
+        assert (other.step, other.anatomy.step, other.anatomy.particle) == (3, 3, 5)
+        back = after(dissected=4)
+        assert back.step == 3 and back.anatomy is not report.anatomy
+        for name, values in vars(report.anatomy).items():
+            assert not isinstance(values, np.ndarray) or np.array_equal(vars(back.anatomy)[name], values), name
         assert after(dissected=None).anatomy is None
         session.accept(replace(session.wish, playing=True, dissected=4))
         session.turn()

@@ -188,7 +188,7 @@ def test_margin_of_the_step_is_read(margin, shown):
 
 def readout_of(scene, margin):
     session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0, pinned=None)
-    return readout(session, report_of(scene), "x", "transport", None, WorstRegions())
+    return readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions())
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

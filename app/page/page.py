@@ -52,7 +52,7 @@ class Page:
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._recent = Recent()
         self._trace = Trace(self._recent)
-        self._view: View | None = None
+        self._seen: tuple[FrameReport, FrameArrays, View] | None = None  # what is drawn
         self._shown: tuple[str, str | None, bool] | None = None  # quantity, estimator, and whether it is compared
         self._scale = ColourScale()
         set_up(client.gui)
@@ -165,7 +165,7 @@ class Page:
             self._camera.show(RECTANGLE if self._slow.showing else stage.rectangle)
             self.client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
-            self._view = view
+            self._seen = report, arrays, view
 
     def _draw_pinned(self, pinned: PinnedRun, stage: Stage, view: View, report: FrameReport,
                      arrays: FrameArrays, other: Scene) -> None:
@@ -188,8 +188,8 @@ class Page:
             pause = max(REFRESH_SECONDS, RESTING * self._links.playing * (thread_time() - begun))
 
     def _refresh(self) -> None:
-        if self._last is not None and self._view is not None:
-            self._worst.look(*self._last, self._view)
+        if self._seen is not None:
+            self._worst.look(*self._seen)
         self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst, self._recent,
                                    self._trace.traced, self._presenter.on)
         if self._session.playing and not self._presenter.on and self._session.untouched > UNTOUCHED:
@@ -207,12 +207,12 @@ class Page:
 
     def _say(self) -> None:
         """Say what is seen, now and then; that there is something to see lifts the page's ground (``ground.html``)."""
-        if self._last is None or self._view is None:
-            return
-        controls = self._controls
+        controls, seen = self._controls, self._seen
         slow, pinned, history = self._slow.sentence, self._session.pinned, self._session.history
+        if seen is None or history.scene != seen[0].scene:
+            return  # nothing is drawn yet, or another run has begun just now
         beside = compared(history.latest, pinned.history.latest, controls.quantity) if pinned else ""
-        sentence = slow or summary(*self._last, self._view, self._worst, history.series, controls.quantity,
+        sentence = slow or summary(*seen, self._worst, history.series, controls.quantity,
                                    controls.estimators.drawn, self._recent.ago, beside)
         if self._pace.lets(sentence, monotonic(), bool(slow)):
             self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"

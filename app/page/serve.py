@@ -21,6 +21,7 @@ from app.page.usual import usual_scenes
 from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 
+EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
 
@@ -143,10 +144,11 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
         server = _start_server(host, port, pool, max_sessions, addresses, code)
-        address = f"{'127.0.0.1' if host in ('', '0.0.0.0') else host}:{server.get_port()}"
+        address = f"{HERE if host in EVERYWHERE else host}:{server.get_port()}"
         print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         if code:
-            print(f"the class code is {code}; http://{address}/#code={quote(code)} brings it along", file=sys.stderr,
+            outside = f"{_outside(host)}:{server.get_port()}"
+            print(f"the class code is {code}; http://{outside}/#code={quote(code)} brings it along", file=sys.stderr,
                   flush=True)
         threading.Event().wait()
     finally:
@@ -189,6 +191,16 @@ def _show(client: Any, sentence: str) -> None:
     client.scene.reset()
     add_head(client.gui)
     client.gui.add_html(f"<div class='lab-notice lab-refused'>{sentence}</div>")
+
+
+def _outside(host: str) -> str:
+    """Under which address others find this machine, as far as can be known: of all its own the one that leads out."""
+    if host not in EVERYWHERE:
+        return host
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as trial, contextlib.suppress(OSError):
+        trial.connect(("192.0.2.1", 9))  # nobody's (RFC 5737): nothing is sent, only a way out looked for
+        return str(trial.getsockname()[0])
+    return HERE
 
 
 def _engine_count() -> int:

@@ -125,13 +125,14 @@ class Session:
         """Seconds since the visitor last asked for anything."""
         return monotonic() - self._asked_at
 
-    def dissect(self, particle: int | None) -> int:
-        """Pause, and take one step apart around a particle; or ask for no more of that. The number of the wish."""
+    def dissect(self, particle: int | None, step: bool = True) -> int:
+        """Pause, and take one ``step`` apart around a particle, or the last one again; None asks for no more of that.
+        The number of the wish."""
         with self._lock:
             self._dissected = particle
             if particle is not None:
                 self.playing = False
-                self._single_steps += 1
+                self._single_steps += step
             self._ask()
             return self._number
 
@@ -200,8 +201,7 @@ class Session:
     @property
     def valid_estimators(self) -> tuple[str, ...]:
         """The estimators of the present run that hold in it, as far as is known by now."""
-        report = self.report
-        return tuple(e for e in report.scene.active_estimators if e not in report.not_valid) if report else ()
+        return self.report.valid_estimators if self.report else ()
 
     @property
     def compiling(self) -> bool:

@@ -88,6 +88,11 @@ class FrameReport:
     plotted: str | None = None
     anatomy: Anatomy | None = None
 
+    @property
+    def valid_estimators(self) -> tuple[str, ...]:
+        """The estimators of the run that hold in it, as far as is known by now."""
+        return tuple(name for name in self.scene.active_estimators if name not in self.not_valid)
+
 
 @dataclass(frozen=True)
 class Trouble:

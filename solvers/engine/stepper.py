@@ -1,6 +1,7 @@
 """One session inside an engine: a solver, a clock that says how far it should be, and its frames."""
 
 import contextlib
+from collections.abc import Callable
 from multiprocessing.shared_memory import SharedMemory
 from time import perf_counter
 from typing import Any
@@ -49,6 +50,7 @@ class Stepper:
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
         self._anatomy: Anatomy | None = None  # of the last step
+        self._put_back: Callable[[], None] | None = None  # to where that step began
         self._kernel_seconds, self._kernel_steps = 0.0, 0
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
         self._start_clock()
@@ -73,20 +75,23 @@ class Stepper:
             self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance), wish.dissected)
             if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
                 self._rows.append(self.solver.measure())
+        elif wish.dissected not in (None, old.dissected) and self._put_back:
+            self._put_back()
+            self._anatomy = self.solver.dissect(wish.dissected)[1]
         self._start_clock()
         return anew
 
     def state(self) -> dict[str, Any]:
         """All that a stepper in another process needs to go on from here (:meth:`resumed`); clocks are shared."""
         return {**{name: value for name, value in vars(self).items()
-                   if name not in ("solver", "partner", "_block")},
+                   if name not in ("solver", "partner", "_block", "_put_back")},
                 "solver": self.solver.state()}
 
     @classmethod
     def resumed(cls, state: dict[str, Any]) -> "Stepper":
         """The stepper that had this state, to the bit."""
         stepper = cls.__new__(cls)
-        vars(stepper).update(state, solver=build(state["wish"].scene), partner=None,
+        vars(stepper).update(state, solver=build(state["wish"].scene), partner=None, _put_back=None,
                              _block=_attach(state["wish"].memory))
         stepper.solver.put(*state["solver"])
         return stepper
@@ -198,12 +203,13 @@ class Stepper:
 
     def _advance(self, steps: int, dissected: int | None = None) -> None:
         """Take steps, the last of them apart around the particle ``dissected``, if any."""
-        begun, self._anatomy = perf_counter(), None
+        begun, self._anatomy, self._put_back = perf_counter(), None, None
         if dissected is None:
             self._rows.append(self.solver.advance(steps))
         else:
             self._rows.append(self.solver.advance(steps - 1))
             if self.solver.sound:
+                self._put_back = self.solver.bookmark()
                 rows, self._anatomy = self.solver.dissect(dissected)
                 self._rows.append(rows)
         took = max(perf_counter() - begun, 1e-7)

@@ -41,6 +41,11 @@ def test_a_visitor_walks_through_a_step_and_back(page):
             click(page, "Forward")
     click(page, "Back")
     shown(page, f"Step {first}, phase 5 of 6")
+    particle = page.get_by_label("Particle", exact=True)
+    chosen = int(particle.input_value())
+    particle.fill(str(chosen + 3))
+    until(lambda: f"Particle {chosen + 3}:" in table(page), "the same step around another particle")
+    shown(page, f"Step {first}, phase 5 of 6")
     click(page, "Forward")
     shown(page, f"Step {first}, phase 6 of 6")  # of clicks within a twentieth of a second the viewer sends the last
     click(page, "Forward")

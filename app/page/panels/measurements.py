@@ -49,7 +49,8 @@ class Measurements:
             self._described = report.scene
             self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(report.scene)))}'></i>"
         quantity, drawn, pinned = controls.quantity, controls.estimators.drawn, session.pinned
-        self._readout.content = readout(session, report, quantity, drawn, probed, worst, recent.ago)
+        self._readout.content = readout(session, history, report, quantity, drawn, probed, worst,
+                                        recent.ago)
         # The plots share what the window leaves below the readout.
         left = self._client.camera.image_height - READOUT_HEIGHT - LINE * (
             extra_lines(report, history.series, quantity) + (pinned_lines(pinned, report) if pinned else 0))
@@ -59,8 +60,7 @@ class Measurements:
         if len(history.series.get("time", ())) < 2:
             self._plots.clear()
         else:
-            valid = session.valid_estimators
-            latest = controls.looking.latest
+            valid, latest = report.valid_estimators, controls.looking.latest
             self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity), latest, pinned, drawn)
             if traced is not None and traced.scene == history.scene:
                 self._plots.show_trace(traced, valid, quantity, latest, report.time)

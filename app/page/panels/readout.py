@@ -7,6 +7,7 @@ import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
 from app.page.course import until
+from app.page.history import History
 from app.page.pinned import PinnedRun
 from app.page.session import Session
 from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
@@ -38,12 +39,13 @@ HINTS = {
 }
 
 
-def readout(session: Session, report: FrameReport, quantity: str, drawn: str | None, probed: str | None,
-            worst: WorstRegions, ago: float = 0.0) -> str:
+def readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
+            probed: str | None, worst: WorstRegions, ago: float = 0.0) -> str:
     """The readout as html, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage, for
-    a frame ``ago`` periods before the newest."""
-    series = until(session.history.series, report.time)
-    return (f"<div class='lab-readout'>{_run(session, report, series, probed, ago)}"
+    a frame ``ago`` periods before the newest. The ``history`` is that of the frame's run: the session may have begun
+    another one since."""
+    series = until(history.series, report.time)
+    return (f"<div class='lab-readout'>{_run(session, history, report, series, probed, ago)}"
             f"{_estimates(session, report, series, quantity, drawn)}{_worst(worst, drawn, quantity)}</div>")
 
 
@@ -60,14 +62,15 @@ def pinned_lines(run: PinnedRun, report: FrameReport) -> int:
     return 1 + math.ceil((len(_said(run, report)) + 8) / SILENCE_LINE)
 
 
-def _run(session: Session, report: FrameReport, series: dict[str, np.ndarray], probed: str | None, ago: float) -> str:
+def _run(session: Session, history: History, report: FrameReport, series: dict[str, np.ndarray], probed: str | None,
+         ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     real = NOTHING if speed is None else f"{speed:.3g}"
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
     state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE else " <b>paused</b>"
-    margin = _last(series.get("margin", np.zeros(0))) if ago else session.history.margin
+    margin = _last(series.get("margin", np.zeros(0))) if ago else history.margin
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
             ("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
             *([("step", _margin(margin))] if scene.has("margin") else []),

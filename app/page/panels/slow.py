@@ -55,7 +55,7 @@ class SlowMotion:
             seconds = gui.add_slider("Seconds a phase", least, most, 0.5, self._seconds)
             particles = self._session.scene.particles
             self._particle = gui.add_number("Particle", particles // 3, min=0, max=particles - 1, step=1,
-                                            hint="the one in front; another begins with the next step")
+                                            hint="the one in front of the others")
             self._text = gui.add_html("")
         self._box.on_update(lambda event: self._switch(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
@@ -68,9 +68,9 @@ class SlowMotion:
             if not self.on or report.number < self._asked:
                 return
             if report.anatomy is not None:
-                before, self._step = self._step, (report.scene, report.anatomy)
+                before, self._step, self._drawn = self._step, (report.scene, report.anatomy), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
-                    self._phase, self._s, self._drawn = 0, 0.0, None
+                    self._phase, self._s = 0, 0.0
                 if before is None:
                     self._on_view()
             elif report.fresh and not report.playing:  # another scene, or from the start
@@ -116,9 +116,10 @@ class SlowMotion:
         self._seconds = seconds
 
     def _again(self) -> None:
+        """The same step, around another particle."""
         with self._lock:
             if self.on:
-                self._take()
+                self._take(step=self._step is None)
 
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
@@ -135,10 +136,10 @@ class SlowMotion:
         self._session.dissect(None)
         self._on_view()
 
-    def _take(self) -> None:
-        """Ask for the next step; the last is shown until it comes."""
+    def _take(self, step: bool = True) -> None:
+        """Ask for the next step, or for the last one again; that is shown until the answer comes."""
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
-        self._asked = self._session.dissect(particle)
+        self._asked = self._session.dissect(particle, step)
 
     def _draw_loop(self, over: threading.Event) -> None:
         while not over.wait(TICK):
