@@ -16,6 +16,8 @@ from solvers.run import build
 from solvers.scene import MOST_STEPS
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
+ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn: shorter ones then
+SHORTEST_SLICE = 0.001  # some twenty launches' worth
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
@@ -32,6 +34,7 @@ class Stepper:
 
     def __init__(self, wish: Wish):
         self.wish = wish
+        self.sessions = 1  # that share the engine
         self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
         self._unseen = False
         self._block = _attach(wish.memory)
@@ -164,7 +167,8 @@ class Stepper:
     @property
     def _slice(self) -> int:
         """Steps that fit into one turn."""
-        return max(1, int(SLICE_SECONDS / self._seconds_a_step))
+        seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, ROUND_SECONDS / self.sessions))
+        return max(1, int(seconds / self._seconds_a_step))
 
     @property
     def _enough(self) -> int:

@@ -135,9 +135,9 @@ class Worker:
                      if session == wish.partner or stepper.wish.partner == wish.session), None)
 
     def _pair(self) -> None:
-        """Let partners know each other: either may have come, left or failed."""
+        """Let sessions know how many they are, and partners each other: anyone may have come, left or failed."""
         for stepper in self._steppers.values():
-            stepper.partner = None
+            stepper.partner, stepper.sessions = None, len(self._steppers)
         for stepper in self._steppers.values():
             if partner := self._steppers.get(stepper.wish.partner or 0):
                 stepper.partner, partner.partner = partner, stepper
