@@ -66,7 +66,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
          ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
-    real = NOTHING if speed is None else f"{speed:.3g}"
+    real = NOTHING if speed is None else f"{speed:.2g}"
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
     state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE else " <b>paused</b>"
