@@ -31,7 +31,6 @@ class ColourBar:
     def __init__(self, s: viser.SceneApi, scale: ColourScale):
         self._scale = scale
         self._drawn: tuple[str, str, float, bool, bool] | None = None
-        self._ticked: list[tuple[float, str]] = []
         self.root = s.add_frame("/colours", show_axes=False)
         ends = COLOUR_BAR_HEIGHT / 2
         bar = points(s, "/colours/bar", COLOUR_BAR_HEIGHT, "square")
@@ -48,11 +47,8 @@ class ColourBar:
             return
         self._drawn = now
         write(self._title, f"{measures} / {power_text(scale.power)}{unit}")
-        ticks = scale.ticks()
-        if ticks != self._ticked:
-            self._ticked = ticks
-            for tick, (at, text) in zip(self._ticks, ticks + [(AWAY, "")] * MOST_TICKS, strict=False):
-                tick.text, tick.position = text, (at, COLOUR_BAR - TICK_GAP, 0.0)
+        for tick, (at, text) in zip(self._ticks, scale.ticks() + [(AWAY, "")] * MOST_TICKS, strict=False):
+            tick.text, tick.position = text, (at, COLOUR_BAR - TICK_GAP, 0.0)
 
 
 def shades(scale: ColourScale, sizes: np.ndarray | None, count: int) -> np.ndarray:
@@ -103,13 +99,8 @@ def put_few(cloud: viser.PointCloudHandle, points: np.ndarray, colours: np.ndarr
     """As :func:`put`, for points of which there are often none: nothing is sent then."""
     if len(points):
         put(cloud, points, colours)
-    elif not is_away(cloud):
+    elif not (len(cloud.points) == 1 and cloud.points[0, 0] == AWAY):
         put(cloud, np.full((1, 3), AWAY, np.float32), colours if colours is None else np.zeros((1, 3), np.uint8))
-
-
-def is_away(cloud: viser.PointCloudHandle) -> bool:
-    """Whether nothing of it is shown."""
-    return len(cloud.points) == 1 and cloud.points[0, 0] == AWAY
 
 
 def lines(s: viser.SceneApi, name: str, colour: tuple[int, int, int], thickness: float) -> viser.LineSegmentsHandle:

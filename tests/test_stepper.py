@@ -61,6 +61,15 @@ def test_playing_keeps_the_asked_speed(clock):
     assert report.real_speed == pytest.approx(speed, rel=0.02)
 
 
+def test_turns_are_shorter_where_many_share_an_engine():
+    """Eight thousandths of a second, until fifty are too few for all; not so short that launches are most of it."""
+    with one_session(Wish(1, 1, SCENE, True, 1.0, 0, 0, "")) as session:
+        session._seconds_a_step = 1e-6
+        for sessions, steps in ((1, 8000), (6, 8000), (10, 5000), (30, 1666), (200, 1000)):
+            session.sessions = sessions
+            assert session._slice == pytest.approx(steps, abs=1)
+
+
 @pytest.mark.parametrize("apart", [FRAME_SECONDS, 0.1])
 def test_frames_keep_their_beat(clock, apart):
     """Looked after only every 7 ms, and 10 ms late for a turn, frames still come 30 a second, and evenly, or as many as

@@ -115,11 +115,6 @@ class Page:
             self._slow.follow(report)
             self._cost.follow(report, self._session.history)
 
-    @property
-    def _last(self) -> tuple[FrameReport, FrameArrays] | None:
-        """The frame to show: the newest, unless the visitor looks back."""
-        return self._recent.shown
-
     def _show_stage(self, problem: str | None) -> None:
         """Show one of them, or none."""
         self._colour_bar.root.visible = problem is not None
@@ -130,7 +125,7 @@ class Page:
         if not self._ready or self._closed.is_set():
             return
         with self._drawing:
-            if (last := self._last) is None:
+            if (last := self._recent.shown) is None:
                 return
             (report, arrays), back = last, self._recent.back
             scene, controls, choice = report.scene, self._controls, self._controls.estimators

@@ -59,7 +59,8 @@ class Session:
         self._refusal: str | None = None
         self._trouble: str | None = None
         self._engine_lost = self._differences = False
-        self._let_go_at = self._crowded_at = self._lost_at = -math.inf
+        self._news = (-math.inf, "")  # when something has happened, and what is said of it for a while
+        self._crowded_at = -math.inf
         self.watched, self._rests = True, False
         self._plotted = QUANTITIES[0]
         self._dissected: int | None = None
@@ -96,7 +97,7 @@ class Session:
                 return
             if scene.problem != self.scene.problem and self.pinned:
                 self.unpin()
-                self._let_go_at = monotonic()
+                self._news = monotonic(), "The pinned run has gone: the two are compared on one problem only."
             self._start(scene)
             self._ask()
 
@@ -199,11 +200,6 @@ class Session:
         return self._pool.playing - self.playing * (1 + bool(self.pinned))
 
     @property
-    def valid_estimators(self) -> tuple[str, ...]:
-        """The estimators of the present run that hold in it, as far as is known by now."""
-        return self.report.valid_estimators if self.report else ()
-
-    @property
     def compiling(self) -> bool:
         """Whether the last wish waits for a compiler. The scene before it goes on meanwhile."""
         answered = 0 if self.report is None else self.report.number
@@ -213,7 +209,8 @@ class Session:
         """The one thing that the visitor should read now, if any."""
         with self._lock:
             waiting = self.report is None or self.report.number < self._number
-            urgent, history, valid = self._urgent(waiting), self.history, self.valid_estimators
+            urgent, history = self._urgent(waiting), self.history
+            valid = self.report.valid_estimators if self.report else ()
         # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
         return urgent or (None if waiting else doubt(history, valid) or self._crowd())
 
@@ -236,12 +233,8 @@ class Session:
                                   "is compiled the first time it is used; several estimators at once take longest.")
         if self.report and self.report.reason and not waiting:
             return Notice(self.report.status, f"{on_page(self.report.reason)}.")
-        if monotonic() < self._lost_at + TO_BE_READ:
-            return Notice("wait", "The simulation process ended unexpectedly; another one has taken its place, and the "
-                                  "scene has begun again.")
-        if monotonic() < self._let_go_at + TO_BE_READ:
-            return Notice("wait", "The pinned run has gone: the two are compared on one problem only.")
-        return None
+        happened, sentence = self._news
+        return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None
 
     def _crowd(self) -> Notice | None:
         """That others' runs slow this one down. What is said stays a while: real speeds go up and down."""
@@ -273,7 +266,9 @@ class Session:
 
     def on_engine_lost(self) -> None:
         with self._lock:
-            self._engine_lost, self._lost_at = True, monotonic()
+            self._engine_lost = True
+            self._news = monotonic(), ("The simulation process ended unexpectedly; another one has taken its place, "
+                                       "and the scene has begun again.")
             self._number += 1  # the link asks again under the next number
 
     def _start(self, scene: Scene) -> None:

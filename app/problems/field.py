@@ -47,7 +47,7 @@ class FieldPlot:
         self.root = s.add_frame(f"/{problem}/field", show_axes=False)
         self._place, self._axis = place, Axis()
         self._drawn: tuple[Scene, str, int] | None = None
-        self._said: tuple[Scene, str, int, int, float] | None = None  # what caption and numbers are of
+        self._said: tuple[int, float] | None = None  # of what is drawn: numbers that are none, and the axis
         self._time = 0.0
         self._curve = drawing.lines(s, name("exact"), drawing.rgb(TRUTH), 3.0)
         self._dots = drawing.points(s, name("particles"), size)
@@ -73,13 +73,14 @@ class FieldPlot:
         exact, which are drawn ``magnified`` times. ``crossed`` (P,) says which have just crossed a cell boundary."""
         if (scene, quantity, magnified) != self._drawn or t < self._time:
             self._axis.forget()
+            self._said = None
             self._begin(scene, quantity)
         self._drawn, self._time = (scene, quantity, magnified), t
         values = seen(scene, field, magnified)
         self._axis.follow(max(largest(np.abs(values)), self.lent.reach), self._reach)
         unknown = len(values) - int(np.count_nonzero(np.isfinite(values)))
-        if (now := (scene, quantity, magnified, unknown, self._axis.top)) != self._said:
-            self._said = now
+        if (unknown, self._axis.top) != self._said:
+            self._said = unknown, self._axis.top
             self._caption_it(scene, quantity, magnified, unknown)
             self._number(QUANTITIES[quantity].unit)
         points = self.points(at, values)
@@ -154,7 +155,8 @@ class Dots:
 
     def forget(self) -> None:
         """Show nothing."""
-        self.reach, self._dots.points = 0.0, np.full((1, 3), drawing.AWAY, np.float32)
+        self.reach = 0.0
+        drawing.put_few(self._dots, np.empty((0, 3), np.float32))
 
 
 def field_name(quantity: str) -> str:

@@ -35,8 +35,8 @@ class BarSolver(Solver):
         self._switches = switches(scene)
         self._arrays = allocate(scene)
         self._pack = BarState(**self._arrays.members())
-        self._advance, self._find_margin = (Launch(kernel, self._pack, self._switches)
-                                               for kernel in (advance, find_margin))
+        self._advance, self._find_margin = (
+            Launch(kernel, self._pack, self._switches) for kernel in (advance, find_margin))
         if self._switches.frozen:
             freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun

@@ -49,8 +49,7 @@ class Measurements:
             self._described = report.scene
             self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(report.scene)))}'></i>"
         quantity, drawn, pinned = controls.quantity, controls.estimators.drawn, session.pinned
-        self._readout.content = readout(session, history, report, quantity, drawn, probed, worst,
-                                        recent.ago)
+        self._readout.content = readout(session, history, report, quantity, drawn, probed, worst, recent.ago)
         # The plots share what the window leaves below the readout.
         left = self._client.camera.image_height - READOUT_HEIGHT - LINE * (
             extra_lines(report, history.series, quantity) + (pinned_lines(pinned, report) if pinned else 0))
