@@ -44,6 +44,7 @@ class Quantity:
 #: By their keys in samples and results, in the order of the error columns.
 QUANTITIES = {"x": Quantity("displacement", "x", "m"), "v": Quantity("velocity", "v", "m/s"),
               "sigma": Quantity("stress", "σ", "Pa"), "a": Quantity("acceleration", "a", "m/s²")}
+MAGNIFICATIONS = (1, 10, 100, 1000)  # of what a field misses, in its plot
 #: Norms that one problem has.
 EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
                "a_nodes": Quantity("acceleration", "a at nodes", "m/s²")}

@@ -10,6 +10,7 @@ import functools
 from app.commands.advise import Advise, search_flags
 from app.commands.bench import Bench
 from app.commands.flags import Switch
+from app.commands.lesson import LessonCheck, LessonList
 from app.commands.run import Run
 from app.commands.scene_flags import of_problem, with_flags
 from app.commands.serve import Serve
@@ -32,4 +33,5 @@ def commands() -> dict[tuple[str, ...], type]:
     found |= {("tables",): Tables}
     found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}
     found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
+    found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck}
     return found | {("bench",): Bench}

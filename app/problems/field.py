@@ -15,7 +15,6 @@ from app.words import QUANTITIES, with_unit
 from solvers.effects import EFFECTS
 from solvers.scene import Scene
 
-MAGNIFICATIONS = (1, 10, 100, 1000)
 CURVE_POINTS = 121
 INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
 

@@ -14,7 +14,6 @@ from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
 from app.page.panels.slow import SlowMotion
 from app.page.session import Session, first_scene
-from app.problems.field import MAGNIFICATIONS
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from solvers.effects import EFFECTS, Effect
@@ -177,7 +176,7 @@ class Controls:
         quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
         quantity = gui.add_dropdown("Error of", tuple(quantities), initial_value=str(words.QUANTITIES[self.quantity]),
                                     hint="the quantity whose error gives the colours, and whose field is plotted")
-        factors = {f"× {factor}": factor for factor in MAGNIFICATIONS}
+        factors = {f"× {factor}": factor for factor in words.MAGNIFICATIONS}
         magnify = gui.add_dropdown("Magnify error", tuple(factors), initial_value=f"× {self.magnified}",
                                    hint="in the plot of the field: how many times the deviation of the particles "
                                         "from the exact curve is drawn")

@@ -1,0 +1,122 @@
+"""``mpm-lab lesson list|check|guide|grade``: lessons without a page."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from app.commands.flags import BadInput, NamesFlag, NumberFlag, PathFlag, Switch, default_hint
+from app.commands.output import json_target, json_text, say, working
+from solvers.rules import require_whole
+
+if TYPE_CHECKING:
+    from app.lessons.lesson import Lesson
+    from app.lessons.outcomes import Outcomes
+
+OK, FAILED, BAD_INPUT = 0, 1, 2
+CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
+
+LessonNames = Annotated[NamesFlag, tyro.conf.Positional]
+
+
+@dataclass(frozen=True)
+class LessonList:
+    """List the lessons: name, minutes and title.
+
+    Exit status: 0 ok, 1 a lesson's file has a mistake.
+    """
+
+    def execute(self) -> int:
+        """List them; a file with a mistake is told on standard error."""
+        from app.lessons import shelf
+        from app.lessons.lesson import LessonError
+        status, width = OK, max(map(len, shelf.names()), default=0)
+        for name in shelf.names():
+            try:
+                lesson = shelf.lesson(name)
+            except LessonError as error:
+                say(error)
+                status = FAILED
+            else:
+                print(f"{name:<{width}}  {lesson.minutes:>3} min  {lesson.title}")
+        return status
+
+
+@dataclass(frozen=True)
+class LessonCheck:
+    """Run every scene of lessons and check every claim, headless.
+
+    Exit status: 0 all claims hold, 1 one does not, or a file has a mistake, 2 bad input.
+    """
+
+    names: Annotated[LessonNames, default_hint("all lessons")] = ()
+    """Lessons, by name or number."""
+    variants: Annotated[NumberFlag, default_hint("all")] = None
+    """How many of each lesson's sets of numbers are tried."""
+    processes: NumberFlag = 2
+    """Processes that run scenes."""
+    json: Annotated[PathFlag, default_hint("failures and a count are printed instead")] = None
+    """File for every check as JSON; - is standard output."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar."""
+
+    def execute(self) -> int:
+        """Check them all; each claim that does not hold is a line on standard error."""
+        require_whole("processes", self.processes, 1, 64)
+        if self.variants is not None:
+            require_whole("variants", self.variants, 1, 1000)
+        target = json_target(self.json)
+        lessons, mistakes = _read(self.names)
+        found = []
+        with working(self.quiet) as show, _running(self.processes) as outcomes:
+            from app.lessons.checking import checks
+            from app.lessons.outcomes import scene_texts
+            texts = [text for lesson in lessons for numbers in lesson.variants[:self.variants]
+                     for text in scene_texts(lesson, numbers)]
+            outcomes.prepare(texts, lambda done, total: show(done / total))
+            found = [check for lesson in lessons for check in checks(lesson, outcomes, self.variants)]
+        failed = [check for check in found if not check.holds]
+        for check in failed:
+            say(check)
+        if target:
+            target.write(json_text({"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
+                                    "checks": [vars(check) for check in found]}, lines=not target.is_stdout).encode())
+        else:
+            print(f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}, {len(found)} checks, {len(failed)} failed")
+        return FAILED if failed or mistakes else OK
+
+
+@contextlib.contextmanager
+def _running(processes: int) -> Iterator[Outcomes]:
+    from app.lessons.outcomes import Outcomes
+    outcomes = Outcomes(processes)
+    try:
+        yield outcomes
+    finally:
+        outcomes.close()
+
+
+def _read(names: tuple[str, ...]) -> tuple[list[Lesson], int]:
+    """The lessons of these names, or all, and how many files have a mistake, which is told."""
+    from app.lessons import shelf
+    from app.lessons.lesson import LessonError
+    lessons, mistakes = [], 0
+    for name in dict.fromkeys(map(_full_name, names)) if names else shelf.names():
+        try:
+            lessons.append(shelf.lesson(name))
+        except LessonError as error:
+            say(error)
+            mistakes += 1
+    return lessons, mistakes
+
+
+def _full_name(name: str) -> str:
+    from app.lessons import shelf
+    try:
+        return shelf.called(name)
+    except shelf.UnknownLesson as error:
+        raise BadInput("", name, str(error)) from None

@@ -1,0 +1,1 @@
+"""Lessons: a file each in ``lessons/``, read, checked, marked and shown."""

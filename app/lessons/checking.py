@@ -1,0 +1,66 @@
+"""Running everything that a lesson claims, without a page."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from app.lessons.claims import ClaimError, judge, value
+from app.lessons.lesson import CHOICE, Lesson, Step
+from app.lessons.marks import right_options
+from app.lessons.outcomes import Outcomes, RunFailed
+from app.lessons.variants import Numbers, filled
+
+
+@dataclass(frozen=True)
+class Check:
+    """One claim of a lesson, with the numbers of a variant: whether it holds, and what was found."""
+
+    lesson: str
+    step: str
+    line: int
+    claim: str
+    holds: bool
+    found: str
+
+    def __str__(self) -> str:
+        return f"{self.lesson}, line {self.line}, step \"{self.step}\": {self.claim}: " \
+               f"{'holds' if self.holds else 'does not hold'}, {self.found}"
+
+
+def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> Iterator[Check]:
+    """All claims of a lesson with the numbers of each variant, or of the first so many."""
+    for numbers in lesson.variants[:variants]:
+        for step in lesson.steps:
+            for claim in step.claims:
+                text = filled(claim.text, numbers)
+                yield Check(lesson.name, step.title, claim.line, text, *_judged(lesson, step, text, numbers, outcomes))
+            if step.question:
+                yield from _question(lesson, step, numbers, outcomes)
+
+
+def _judged(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
+    try:
+        verdict = judge(claim, outcomes.scope(lesson, step, numbers, [claim]))
+    except (ClaimError, RunFailed) as error:
+        return False, str(error)
+    return verdict.holds, f"found {verdict.found}"
+
+
+def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Iterator[Check]:
+    """That a question has one right answer."""
+    asked = step.question
+    assert asked is not None
+    claims = [filled(text, numbers) for text in asked.holds]
+    if asked.kind == CHOICE and claims:
+        try:
+            right = right_options(asked, claims, outcomes.scope(lesson, step, numbers, claims))
+            found = "right are " + (", ".join(map(str, right)) or "none")
+        except (ClaimError, RunFailed) as error:
+            right, found = [], str(error)
+        yield Check(lesson.name, step.title, asked.line, "one option is right", len(right) == 1, found)
+    elif asked.expected:
+        expected = filled(asked.expected, numbers)
+        try:
+            found, holds = f"found {value(expected, outcomes.scope(lesson, step, numbers, [expected]))}", True
+        except (ClaimError, RunFailed) as error:
+            found, holds = str(error), False
+        yield Check(lesson.name, step.title, asked.line, f"{expected} has a value", holds, found)

@@ -1,0 +1,279 @@
+"""Claims and expected values: expressions about the results of runs.
+
+    error.x.max < 1e-5                      of the step's first run
+    hat.index.recovered.x in 0.9..1.1       of the run called hat
+    order(grids.error.x.max) in 1.9..2.1    of a run on several grids
+    node.error.x.max / material.error.x.max > 10
+    status == lost
+
+A path is that of the result's JSON object, with the estimator's name where there is a choice.
+"""
+
+import ast
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.words import EXTRA_NORMS, QUANTITIES
+from solvers.estimators.registry import ESTIMATORS
+
+WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
+_ESTIMATORS = tuple(name.replace("-", "_") for name in ESTIMATORS)
+_NORMS = ("final", "max", "mean")
+#: The paths of a result: what may stand after each word, level by level.
+PATHS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "error": ((*QUANTITIES, *EXTRA_NORMS), _NORMS),
+    "estimate": (_ESTIMATORS, tuple(QUANTITIES), _NORMS),
+    "index": (_ESTIMATORS, tuple(QUANTITIES)), "distance": (_ESTIMATORS, tuple(QUANTITIES)),
+    "valid": (_ESTIMATORS,), "status": (), "grid_crossings": (), "steps": (), "particles": (), "t": (),
+    "energy": (("initial", "final", "drift"),), "step": (("dt", "bound", "margin"),),
+    "life": (("accurate", "sound", "first_period"),), "seconds": (("run", "estimate"),),
+    "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
+_OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
+    ast.Div: lambda a, b: a / b, ast.Pow: lambda a, b: a**b}
+_COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
+    "<=": lambda a, b: a <= b, ">=": lambda a, b: a >= b, "==": lambda a, b: a == b, "!=": lambda a, b: a != b,
+    "<": lambda a, b: a < b, ">": lambda a, b: a > b}
+_COMPARED = re.compile(r"(.+?)(<=|>=|==|!=|<|>)(.+)", re.DOTALL)
+_RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
+
+
+class ClaimError(ValueError):
+    """An expression that means nothing, or that has no value here: why, and what was expected."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a run: a result's JSON object, or of several that differ in one field, in the runs' order."""
+
+    results: Sequence[Mapping[str, Any]]
+    varied: str = ""
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What names mean: outcomes by the names of their runs, and which is meant where none is named."""
+
+    outcomes: Mapping[str, Outcome]
+    main: str = ""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a claim holds, and what was found, in words."""
+
+    holds: bool
+    found: str
+
+
+def value(text: str, scope: Scope) -> float | str:
+    """The value of an expression; :class:`ClaimError` where it has none."""
+    found = _evaluate(_parsed(text), scope)
+    if isinstance(found, list):
+        raise ClaimError(f"{text} has {len(found)} values; take order(), first(), last(), min() or max() of them")
+    if isinstance(found, float) and not math.isfinite(found):
+        raise ClaimError(f"{text} is not finite")
+    return found
+
+
+def judge(claim: str, scope: Scope) -> Verdict:
+    """Whether a claim holds."""
+    parts = _split(claim)
+    found = value(parts[0], scope)
+    if len(parts) == 3 and parts[1] in _COMPARISONS:
+        other = value(parts[2], scope)
+        if isinstance(found, str) != isinstance(other, str):
+            raise ClaimError(f"{claim} compares a word with a number")
+        told = f"{said(found)} and {said(other)}" if not _is_number(parts[2]) else said(found)
+        return Verdict(_COMPARISONS[parts[1]](found, other), told)
+    low, high = value(parts[1], scope), value(parts[2], scope)
+    if isinstance(found, str) or isinstance(low, str) or isinstance(high, str):
+        raise ClaimError(f"{claim}: a range is one of numbers")
+    return Verdict(low <= found <= high, said(found))
+
+
+def check_claim(claim: str, runs: Mapping[str, Any], main: str) -> None:
+    """Raise :class:`ClaimError` for a claim that no result can decide. ``runs`` are known by their names."""
+    parts = _split(claim)
+    for part in (parts[0], *(part for part in parts[1:] if part not in _COMPARISONS)):
+        check_expression(part, runs, main)
+
+
+def check_expression(text: str, runs: Mapping[str, Any], main: str) -> None:
+    """Raise :class:`ClaimError` for an expression that has no value, whatever the results."""
+    for node in ast.walk(_parsed(text)):
+        if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
+                                           or len(node.args) != 1 or node.keywords):
+            raise ClaimError(f"{ast.unparse(node)}: give {', '.join(f'{name}(…)' for name in FUNCTIONS)}")
+    for path in _paths(_parsed(text)):
+        name, rest = _run_of(path, runs, main)
+        _check_path(rest)
+        if not name:
+            raise ClaimError(f"{'.'.join(path)}: no run comes before this; name one of {', '.join(runs) or 'a run'}")
+
+
+def needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
+    """The names of the runs that a claim or an expression is about."""
+    found = _split(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
+    parts = [part for part in found if part not in _COMPARISONS]
+    return {_run_of(path, runs, main)[0] for part in parts for path in _paths(_parsed(part))}
+
+
+def said(found: float | str) -> str:
+    """A value as it goes into a sentence."""
+    return found if isinstance(found, str) else f"{found:.4g}"
+
+
+def _split(claim: str) -> tuple[str, ...]:
+    """(left, operator, right) or (value, low, high)."""
+    for pattern in (_RANGE, _COMPARED):
+        if found := pattern.fullmatch(claim.strip()):
+            return tuple(part.strip() for part in found.groups())
+    raise ClaimError(f"{claim!r} claims nothing; give something like error.x.max < 1e-5 or order(x) in 1.9..2.1")
+
+
+def _parsed(text: str) -> ast.expr:
+    try:
+        tree = ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, ValueError):
+        raise ClaimError(f"{text!r} cannot be read; give numbers, paths such as error.x.max, + - * / ** and "
+                         f"{', '.join(f'{name}(…)' for name in FUNCTIONS)}") from None
+    allowed = (ast.BinOp, ast.UnaryOp, ast.USub, ast.Constant, ast.Attribute, ast.Name, ast.Call, ast.Load,
+               *_OPERATORS)
+    for node in ast.walk(tree):
+        if not isinstance(node, allowed) or (isinstance(node, ast.Constant) and not _is_real(node.value)):
+            raise ClaimError(f"{text!r}: {ast.unparse(node) if isinstance(node, ast.expr) else 'this'} means nothing "
+                             "here; give numbers, paths such as error.x.max, + - * / ** and functions")
+    return tree
+
+
+def _paths(tree: ast.expr) -> list[tuple[str, ...]]:
+    """All paths in an expression, but neither words nor names of functions."""
+    if isinstance(tree, (ast.Attribute, ast.Name)):
+        path = _path(tree)
+        return [] if len(path) == 1 and path[0] in WORDS else [path]
+    if isinstance(tree, ast.Call):
+        return _paths(tree.args[0]) if tree.args else []
+    return [path for child in ast.iter_child_nodes(tree) if isinstance(child, ast.expr) for path in _paths(child)]
+
+
+def _path(node: ast.expr) -> tuple[str, ...]:
+    if isinstance(node, ast.Name):
+        return (node.id,)
+    if isinstance(node, ast.Attribute):
+        return (*_path(node.value), node.attr)
+    raise ClaimError(f"{ast.unparse(node)} is no path; give one such as error.x.max")
+
+
+def _run_of(path: tuple[str, ...], runs: Mapping[str, Any], main: str) -> tuple[str, tuple[str, ...]]:
+    """The run that a path is about and what it asks of its result."""
+    if path[0] in runs:
+        return path[0], path[1:]
+    if path[0] not in PATHS:
+        known = ", ".join((*runs, *PATHS))
+        raise ClaimError(f"{'.'.join(path)}: {path[0]} is neither a run nor part of a result; give one of {known}")
+    return main, path
+
+
+def _check_path(path: tuple[str, ...]) -> None:
+    if not path or path[0] not in PATHS:
+        raise ClaimError(f"{'.'.join(path) or 'a run alone'} is no part of a result; begin with one of "
+                         f"{', '.join(PATHS)}")
+    levels = PATHS[path[0]]
+    for level, allowed in enumerate(levels, 1):
+        if level >= len(path) or path[level] not in allowed:
+            raise ClaimError(f"{'.'.join(path)}: after {'.'.join(path[:level])} give one of {', '.join(allowed)}")
+    if len(path) > len(levels) + 1:
+        raise ClaimError(f"{'.'.join(path)}: nothing comes after {'.'.join(path[:len(levels) + 1])}")
+
+
+def _evaluate(node: ast.expr, scope: Scope) -> Any:
+    if isinstance(node, ast.Constant):
+        return node.value
+    if isinstance(node, ast.UnaryOp):
+        return -_number(_evaluate(node.operand, scope), node.operand)
+    if isinstance(node, ast.BinOp):
+        left, right = (_number(_evaluate(side, scope), side) for side in (node.left, node.right))
+        try:
+            return _OPERATORS[type(node.op)](left, right)
+        except (ArithmeticError, ValueError):
+            raise ClaimError(f"{ast.unparse(node)} has no value") from None
+    if isinstance(node, ast.Call):
+        return _call(node, scope)
+    path = _path(node)
+    if len(path) == 1 and path[0] in WORDS and path[0] not in scope.outcomes:
+        return WORDS[path[0]]
+    outcome, rest = _outcome(path, scope)
+    values = [_lookup(result, rest) for result in outcome.results]
+    return values if outcome.varied else values[0]
+
+
+def _call(node: ast.Call, scope: Scope) -> float:
+    name, argument = node.func.id, node.args[0]  # type: ignore[attr-defined]  # has been checked
+    values = _evaluate(argument, scope)
+    if name == "order":
+        varied = [outcome for path in _paths(argument) if (outcome := _outcome(path, scope)[0]).varied]
+        if not varied or not isinstance(values, list) or len(values) < 2:
+            raise ClaimError(f"{ast.unparse(node)}: needs a run with several values of one field, such as "
+                             "cells=20,40,80")
+        return _slope(varied[0], values)
+    return FUNCTIONS[name](values if isinstance(values, list) else [values])
+
+
+def _slope(outcome: Outcome, values: list[float]) -> float:
+    """The order: the slope of the logarithms over those of h, or of the field that was varied."""
+    sizes = [float(result["scene"][outcome.varied]) for result in outcome.results]
+    logs = np.log(sizes) * (-1 if outcome.varied == "cells" else 1)
+    if min(values) <= 0:
+        raise ClaimError("an order needs values above 0")
+    return float(np.polyfit(logs, np.log(values), 1)[0])
+
+
+def _outcome(path: tuple[str, ...], scope: Scope) -> tuple[Outcome, tuple[str, ...]]:
+    name, rest = _run_of(path, scope.outcomes, scope.main)
+    return scope.outcomes[name], rest
+
+
+def _lookup(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
+    """The part of a result that a path means."""
+    found: Any = result
+    names = list(path)
+    if path[0] in ("estimate", "index", "distance", "valid"):
+        estimator, running = path[1].replace("_", "-"), result["scene"]["estimator"]
+        if estimator not in running:
+            raise ClaimError(f"{'.'.join(path)}: {estimator} does not run in this scene")
+        if path[0] == "valid":
+            return "no" if estimator in result["not_valid"] else "yes"
+        names = [path[0], *([estimator] if len(running) > 1 else []), *path[2:]]
+    for name in names:
+        found = None if found is None else found.get(name)
+    if found is None:
+        raise ClaimError(f"{'.'.join(path)} is not known of this run")
+    return found
+
+
+def _number(found: Any, node: ast.expr) -> float:
+    if not _is_real(found):
+        raise ClaimError(f"{ast.unparse(node)} is no number; give one, or first(…), last(…) of several")
+    return float(found)
+
+
+def _is_real(found: Any) -> bool:
+    return isinstance(found, (int, float)) and not isinstance(found, bool)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+FUNCTIONS: dict[str, Callable[[list], float]] = {
+    "order": lambda values: math.nan, "first": lambda values: values[0], "last": lambda values: values[-1],
+    "min": min, "max": max}

@@ -1,0 +1,105 @@
+"""What a lesson is, once it has been read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
+NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ANSWERS = ("number", "choice", "drag", "interval", "text")
+
+#: Controls of the page that a lesson may leave visible, by the names that it gives them.
+CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "modulus", "step", "speed", "pin", "slow-motion",
+            "look-back", "quantity", "magnify", "estimators", "colours", "trace", "domains", "details", "effects")
+
+
+class LessonError(ValueError):
+    """A file that is no lesson: where, what is wrong and what was expected, in one sentence."""
+
+    def __init__(self, line: int, sentence: str, file: str = ""):
+        self.line, self.sentence = line, sentence
+        super().__init__(f"{file or 'lesson'}, line {line}: {sentence}")
+
+
+@dataclass(frozen=True)
+class Run:
+    """A scene by its name, or several that differ in one number: ``texts`` are templates of states."""
+
+    name: str
+    texts: tuple[str, ...]
+    line: int
+    varied: str = ""  # the field in which several differ
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked. A number is right within ``tolerance`` of ``expected``, a part of it; of the ``options`` that one
+    is right whose claim in ``holds`` does, or the ``correct`` one, counted from 1. ``control`` is the field of the
+    scene that is dragged, ``unit`` that of the number. A text is not marked."""
+
+    kind: str
+    line: int
+    options: tuple[str, ...] = ()
+    correct: int | None = None
+    holds: tuple[str, ...] = ()
+    expected: str = ""
+    tolerance: float = 0.1
+    unit: str = ""
+    control: str = ""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What must hold of the runs, for :mod:`app.lessons.claims`."""
+
+    text: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step. ``key`` names it in a handed-in file, ``text`` is Markdown, ``notes`` are the teacher's, ``stage`` is
+    what the button puts on the stage, as a template of a state."""
+
+    kind: str
+    title: str
+    key: str
+    line: int
+    text: str = ""
+    notes: str = ""
+    runs: tuple[Run, ...] = ()
+    stage: str = ""
+    question: Question | None = None
+    claims: tuple[Claim, ...] = ()
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A lesson. ``controls`` are those of the page that it needs, ``variants`` the sets of numbers of which a student
+    gets one, ``fingerprint`` tells whether a file handed in is of this very lesson."""
+
+    name: str
+    title: str
+    minutes: int
+    goals: tuple[str, ...]
+    controls: tuple[str, ...]
+    prerequisites: tuple[str, ...] = ()
+    variants: tuple[Mapping[str, float | int | str], ...] = ({},)
+    intro: str = ""
+    notes: str = ""
+    steps: tuple[Step, ...] = ()
+    fingerprint: str = ""
+    questions: Mapping[str, Step] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "questions", {step.key: step for step in self.steps if step.question})
+
+    @property
+    def runs(self) -> dict[str, Run]:
+        """All runs by their names."""
+        return {run.name: run for step in self.steps for run in step.runs}
+
+    def main_run(self, step: Step) -> str:
+        """The name of the run that is meant where none is named: of a prediction the first one after it, else the
+        first of the step, or of the last step before it that has one; "" where there is none."""
+        at = self.steps.index(step)
+        steps = self.steps[at:] if step.kind == PREDICT else self.steps[at::-1]
+        return next((other.runs[0].name for other in steps if other.runs), "")

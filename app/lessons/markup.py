@@ -1,0 +1,58 @@
+"""Markdown with formulas and pictures to html, without a network: formulas become MathML, pictures part of the text."""
+
+import base64
+import functools
+import re
+from pathlib import Path
+
+import latex2mathml.converter
+from markdown_it import MarkdownIt
+from markdown_it.renderer import RendererHTML
+from mdit_py_plugins.dollarmath import dollarmath_plugin
+
+KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
+
+
+class MarkupError(ValueError):
+    """A formula or picture that cannot be shown. ``piece`` is what stands in the text."""
+
+    def __init__(self, piece: str, sentence: str):
+        self.piece = piece
+        super().__init__(sentence)
+
+
+def html(markdown: str, folder: Path | None = None) -> str:
+    """Html of a text; html in it is shown as text. Pictures are looked for in ``folder``."""
+    return _parser(folder).render(markdown)
+
+
+@functools.lru_cache(8)
+def _parser(folder: Path | None) -> MarkdownIt:
+    parser = MarkdownIt("commonmark", {"html": False}).enable("table")
+    parser.use(dollarmath_plugin, renderer=_formula, double_inline=True)
+
+    def image(renderer: RendererHTML, tokens, index, options, environment) -> str:
+        token = tokens[index]
+        source = str(token.attrs["src"])
+        token.attrs["src"] = _data(folder, source)
+        return renderer.image(tokens, index, options, environment)
+
+    parser.add_render_rule("image", image)
+    return parser
+
+
+def _formula(latex: str, options: dict) -> str:
+    try:
+        return latex2mathml.converter.convert(latex, display="block" if options["display_mode"] else "inline")
+    except Exception as error:  # the library raises what comes
+        raise MarkupError(latex.strip(), f"the formula ${latex.strip()}$ cannot be shown ({type(error).__name__}); "
+                                         "give plain LaTeX such as $\\frac{h}{2}$") from None
+
+
+def _data(folder: Path | None, source: str) -> str:
+    """A picture as part of the html."""
+    path = None if folder is None else folder / source
+    kind = KINDS.get(Path(source).suffix)
+    if kind is None or path is None or not re.fullmatch(r"[\w./-]+", source) or ".." in source or not path.is_file():
+        raise MarkupError(source, f"the picture {source} is not there; give an .svg or .png file beside the lesson")
+    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

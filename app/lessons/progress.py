@@ -1,0 +1,86 @@
+"""What a student has done in a lesson: kept by the browser, handed in as a file. Text from outside is believed in
+nothing: what is not of the right form is left out or refused."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from app.lessons.lesson import Lesson
+from app.lessons.marks import trouble
+from solvers.forms import Each, mismatch, parsed
+
+SCHEMA = "mpm-lab/answers/1"
+LONGEST_NAME = 80
+MOST_SECONDS = 1e7
+ANSWER = {"first": object, "last": object, "attempts": int, "seconds": (int, float)}
+FORM = {"schema": str, "lesson": str, "fingerprint": str, "name": str, "step": int, "answers": Each(ANSWER)}
+
+
+class NotAnswers(ValueError):
+    """A text that no lesson has written; the message says why."""
+
+
+@dataclass
+class Answer:
+    """What was answered ``first`` and ``last``, in how many attempts and how many seconds after the step was shown."""
+
+    first: Any
+    last: Any
+    attempts: int
+    seconds: float
+
+
+@dataclass
+class Progress:
+    """Of one student in one lesson: the ``step`` that is shown, counted from 0, and the answers by the steps' keys."""
+
+    lesson: str
+    fingerprint: str
+    name: str = ""
+    step: int = 0
+    answers: dict[str, Answer] = field(default_factory=dict)
+
+    def answer(self, key: str, given: Any, seconds: float) -> None:
+        """Record an answer; the first stays."""
+        before = self.answers.get(key)
+        first, attempts = (before.first, before.attempts) if before else (given, 0)
+        self.answers[key] = Answer(first, given, attempts + 1, round(seconds + (before.seconds if before else 0), 1))
+
+    def text(self) -> str:
+        """As JSON, for the browser to keep or the student to hand in."""
+        return json.dumps({"schema": SCHEMA, **asdict(self)}, ensure_ascii=False)
+
+
+def begun(lesson: Lesson) -> Progress:
+    """The beginning of a lesson."""
+    return Progress(lesson.name, lesson.fingerprint)
+
+
+def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
+    """The progress that a text says, with those answers that the lesson's questions can have.
+
+    ``find`` gives a lesson by its name. Raises :class:`NotAnswers`.
+    """
+    try:
+        values = parsed(text)
+    except ValueError:
+        raise NotAnswers("is no JSON; give a file that the page has handed in") from None
+    if wrong := mismatch(values, FORM):
+        raise NotAnswers(f"is no file of answers: {wrong}")
+    if values["schema"] != SCHEMA:
+        raise NotAnswers(f"is of another version ({values['schema']:.40}); {SCHEMA} can be read")
+    lesson = find(values["lesson"])
+    if lesson is None:
+        raise NotAnswers(f"is about a lesson that is not here: {values['lesson']:.60}")
+    answers = {key: Answer(**{name: given[name] for name in ANSWER}) for key, given in values["answers"].items()
+               if key in lesson.questions and _fits(lesson, key, given)}
+    step = min(max(values["step"], 0), len(lesson.steps))
+    return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers)
+
+
+def _fits(lesson: Lesson, key: str, given: dict[str, Any]) -> bool:
+    asked = lesson.questions[key].question
+    assert asked is not None
+    return not trouble(asked, given["first"]) and not trouble(asked, given["last"]) \
+        and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS

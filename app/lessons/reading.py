@@ -1,0 +1,242 @@
+"""From a Markdown file to a lesson. Every mistake in a file is told with its line and what was expected.
+
+The file begins with a head in TOML between two lines ``+++``. Each heading ``## Predict: ...``, ``## Run: ...``,
+``## Observe: ...`` or ``## Explain: ...`` begins a step; fenced blocks in it, named after their first line, are the
+scenes of a ``run``, the ``question``, the ``claims`` and the ``teacher``'s notes. ``lessons/README.md`` explains it.
+"""
+
+import hashlib
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from app.lessons import blocks, claims
+from app.lessons.lesson import CONTROLS, EXPLAIN, KINDS, OBSERVE, PREDICT, RUN, Lesson, LessonError, Step
+from app.lessons.markup import MarkupError, html
+from app.lessons.variants import PLACE, Numbers, filled
+
+FENCE = "```"
+HEAD = "+++"
+BLOCKS = ("run", "question", "claims", "teacher")
+HEAD_KEYS = ("title", "minutes", "goals", "controls", "prerequisites", "variants")
+HEADING = re.compile(r"##\s+(?P<kind>[^:]+):\s*(?P<title>\S.*)")
+#: Which blocks a step of a kind may have, and which it must have.
+ALLOWED = {PREDICT: ("question", "claims", "teacher"), RUN: ("run", "claims", "teacher"),
+           OBSERVE: ("question", "claims", "teacher"), EXPLAIN: ("claims", "teacher", "run")}
+NEEDED = {PREDICT: "question", RUN: "run", OBSERVE: "question"}
+
+
+@dataclass
+class _Part:
+    """What stands under a heading, or before the first: lines of Markdown, and blocks (kind, text, line)."""
+
+    heading: str
+    line: int
+    text: list[str]
+    blocks: list[tuple[str, str, int]]
+
+
+def read(path: Path) -> Lesson:
+    """The lesson of a file; :class:`LessonError` where it is none."""
+    try:
+        return parse(path.read_text(encoding="utf-8"), path.stem, path.parent)
+    except LessonError as error:
+        raise LessonError(error.line, error.sentence, path.name) from None
+    except UnicodeDecodeError as error:
+        line = path.read_bytes()[:error.start].count(b"\n") + 1
+        raise LessonError(line, "holds characters that are not UTF-8; save the file as UTF-8", path.name) from None
+
+
+def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
+    """The lesson of a text; pictures that it shows are looked for in ``folder``."""
+    head, body, first = _head(text)
+    lesson = _lesson(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
+    opening, *parts = _parts(body, first)
+    lesson = replace(lesson, intro="\n".join(opening.text), notes=_notes(opening))
+    if forbidden := [block for block in opening.blocks if block[0] != "teacher"]:
+        raise LessonError(forbidden[0][2] - 1, f"a {forbidden[0][0]} block before the first step; put it under a "
+                                               "heading such as ## Run: A first look")
+    if not parts:
+        raise LessonError(first, "no step: give headings such as ## Predict: What will happen?")
+    steps = [_step(part, lesson) for part in parts]
+    lesson = replace(lesson, steps=tuple(steps))
+    _check_names(lesson)
+    _check_claims(lesson)
+    _check_text(opening, lesson, folder)
+    for part in parts:
+        _check_text(part, lesson, folder)
+    return lesson
+
+
+def _head(text: str) -> tuple[tuple[str, int], list[str], int]:
+    """The head and where it begins, the lines after it, and the number of the first of those."""
+    lines = text.splitlines()
+    if not lines or lines[0].strip() != HEAD:
+        raise LessonError(1, f"the file must begin with a head: a line {HEAD}, TOML such as title = \"...\", and a "
+                             f"line {HEAD}")
+    end = next((k for k, line in enumerate(lines[1:], 1) if line.strip() == HEAD), None)
+    if end is None:
+        raise LessonError(1, f"the head does not end; close it with a line {HEAD}")
+    return ("\n".join(lines[1:end]), 2), lines[end + 1:], end + 2
+
+
+def _lesson(head: tuple[str, int], name: str, fingerprint: str) -> Lesson:
+    text, line = head
+    values = blocks.toml(text, line)
+
+    def at(key: str) -> int:
+        return blocks.line_of(key, text, line)
+
+    for key in values:
+        if key not in HEAD_KEYS:
+            raise LessonError(at(key), f"{key} is not known in a head; give {', '.join(HEAD_KEYS)}")
+    title = blocks.require(values, "title", str, "give a text", at("title"))
+    minutes = blocks.require(values, "minutes", int, "give a whole number of minutes, 1 to 120", at("minutes"))
+    if not 1 <= minutes <= 120:
+        raise LessonError(at("minutes"), f"minutes = {minutes}: give a whole number of minutes, 1 to 120")
+    goals = blocks.texts(values, "goals", at("goals"))
+    if not goals:
+        raise LessonError(at("goals"), "goals are missing: give a list of what a student can do afterwards")
+    controls = blocks.texts(values, "controls", at("controls"))
+    for control in controls:
+        if control not in CONTROLS:
+            raise LessonError(at("controls"), f"controls: {control!r} is not known; give {', '.join(CONTROLS)}")
+    return Lesson(name, title.strip(), minutes, goals, controls, blocks.texts(values, "prerequisites",
+                                                                              at("prerequisites")),
+                  _variants(values, at("variants")), fingerprint=fingerprint)
+
+
+def _variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:
+    found = values.get("variants", [{}])
+    expected = "give tables [[variants]] that set the same names to numbers or words"
+    if not isinstance(found, list) or not found or not all(isinstance(one, dict) for one in found):
+        raise LessonError(line, f"variants: {expected}")
+    for one in found:
+        fits = all(isinstance(value, (int, float, str)) and PLACE.fullmatch(f"{{{key}}}") for key, value in one.items())
+        if not fits or one.keys() != found[0].keys():
+            raise LessonError(line, f"variants: {one} is not like {found[0]}; {expected}")
+    return tuple(found)
+
+
+def _parts(lines: list[str], first: int) -> list[_Part]:
+    """What stands before the first heading, and under each."""
+    parts, block, opened = [_Part("", first, [], [])], None, 0
+    for number, line in enumerate(lines, first):
+        fence = line.strip()
+        if block is not None:
+            if fence == FENCE:
+                parts[-1].blocks.append((block, "\n".join(lines[opened - first + 1:number - first]), opened + 1))
+                block = None
+        elif fence.startswith(FENCE):
+            block, opened = fence[len(FENCE):].strip(), number
+            if block not in BLOCKS:
+                raise LessonError(number, f"a block {block!r} is not known; give {', '.join(BLOCKS)} after {FENCE}")
+        elif line.startswith("## "):
+            parts.append(_Part(line, number, [], []))
+        else:
+            parts[-1].text.append(line)
+    if block is not None:
+        raise LessonError(opened, f"the block {block} does not end; close it with a line {FENCE}")
+    return parts
+
+
+def _notes(part: _Part) -> str:
+    return "\n\n".join(text for kind, text, _ in part.blocks if kind == "teacher")
+
+
+def _step(part: _Part, lesson: Lesson) -> Step:
+    kind, title = _kind(part)
+    seen: set[str] = set()
+    for name, _, line in part.blocks:
+        if name not in ALLOWED[kind]:
+            raise LessonError(line - 1, f"a step that begins with {kind.capitalize()} has no {name} block; it may have "
+                                        f"{', '.join(ALLOWED[kind])}")
+        if name in seen and name != "teacher":
+            raise LessonError(line - 1, f"a second {name} block in one step; put both into one, or begin a step")
+        seen.add(name)
+    if kind in NEEDED and NEEDED[kind] not in seen:
+        raise LessonError(part.line, f"a step that begins with {kind.capitalize()} needs a {NEEDED[kind]} block")
+    step = Step(kind, title, _key(title), part.line, "\n".join(part.text).strip(), _notes(part))
+    for name, text, line in part.blocks:
+        if name == "run":
+            found, stage = blocks.runs(text, line, lesson.variants)
+            step = replace(step, runs=found, stage=stage)
+        elif name == "question":
+            step = replace(step, question=blocks.question(text, line))
+        elif name == "claims":
+            step = replace(step, claims=blocks.claims(text, line))
+    return step
+
+
+def _kind(part: _Part) -> tuple[str, str]:
+    found = HEADING.fullmatch(part.heading.strip())
+    kind = found["kind"].strip().lower() if found else ""
+    if not found or kind not in KINDS:
+        close = get_close_matches(kind, KINDS, n=1)
+        raise LessonError(part.line, f"{part.heading.strip()!r} begins no step" + f" (did you mean "
+                          f"{close[0].capitalize()}?)" * bool(close) + "; give ## Predict: ..., ## Run: ..., "
+                          "## Observe: ... or ## Explain: ...")
+    return kind, found["title"].strip()
+
+
+def _key(title: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:60] or "step"
+
+
+def _check_names(lesson: Lesson) -> None:
+    keys: dict[str, int] = {}
+    names: dict[str, int] = {}
+    for step in lesson.steps:
+        if step.key in keys:
+            raise LessonError(step.line, f"this step is called as the one in line {keys[step.key]}; give each a title "
+                                         "of its own")
+        keys[step.key] = step.line
+        for run in step.runs:
+            if run.name in names or run.name in claims.PATHS or run.name in claims.WORDS:
+                also = f"is the run in line {names[run.name]}" if run.name in names else "has a meaning in claims"
+                raise LessonError(run.line, f"{run.name} {also}; give the run another name")
+            names[run.name] = run.line
+
+
+def _check_claims(lesson: Lesson) -> None:
+    """Every claim and expected value is about runs that there are and results that they have."""
+    for step in lesson.steps:
+        main = lesson.main_run(step)
+        checked: list[tuple[str, int, Callable[[str, Mapping[str, Any], str], None]]] = [
+            (claim.text, claim.line, claims.check_claim) for claim in step.claims]
+        if asked := step.question:
+            checked += [(text, asked.line, claims.check_claim) for text in asked.holds]
+            if asked.expected:
+                checked.append((asked.expected, asked.line, claims.check_expression))
+        for text, line, check in checked:
+            for numbers in lesson.variants:
+                try:
+                    check(filled(text, numbers), lesson.runs, main)
+                except claims.ClaimError as error:
+                    raise LessonError(line, str(error)) from None
+
+
+def _check_text(part: _Part, lesson: Lesson, folder: Path | None) -> None:
+    """Formulas, pictures and places for numbers are all right."""
+    known = set(lesson.variants[0])
+    for number, line in _numbered(part):
+        plain = re.sub(r"\$[^$]*\$", "", line)
+        for found in PLACE.finditer(plain):
+            if found[1] not in known:
+                raise LessonError(number, f"{found[0]} is no number of a variant; give "
+                                          f"{', '.join(f'{{{name}}}' for name in known) or 'none, for none is set'}")
+    try:
+        html("\n".join(part.text), folder)
+    except MarkupError as error:
+        number = next((k for k, line in _numbered(part) if error.piece in line), part.line)
+        raise LessonError(number, str(error)) from None
+
+
+def _numbered(part: _Part) -> Sequence[tuple[int, str]]:
+    """Lines of Markdown with their numbers in the file. Blocks between them are left out of the count on purpose."""
+    inside = [k for _, text, line in part.blocks for k in range(line - 1, line + len(text.splitlines()) + 1)]
+    numbers = (k for k in range(part.line + bool(part.heading), 10**9) if k not in inside)
+    return list(zip(numbers, part.text, strict=False))

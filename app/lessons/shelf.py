@@ -1,0 +1,46 @@
+"""The lessons that there are: a Markdown file each in ``lessons/``."""
+
+from functools import cache
+from pathlib import Path
+
+from app.lessons.lesson import Lesson, LessonError
+from app.lessons.reading import read
+
+FOLDER = Path(__file__).parents[2] / "lessons"
+NO_LESSONS = ("README",)
+
+
+class UnknownLesson(LookupError):
+    """There is no lesson of that name; the message says which there are."""
+
+
+def names(folder: Path = FOLDER) -> list[str]:
+    """The names of the lessons, in their order: files are numbered."""
+    return sorted(path.stem for path in folder.glob("*.md") if path.stem not in NO_LESSONS)
+
+
+def called(name: str, folder: Path = FOLDER) -> str:
+    """The full name of a lesson; its number or its name without the number do as well."""
+    known = names(folder)
+    found = [full for full in known if name in (full, *full.split("-", 1))]
+    found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
+    if len(found) != 1:
+        raise UnknownLesson(f"there is no lesson {name!r}; give one of {', '.join(known)}")
+    return found[0]
+
+
+def lesson(name: str, folder: Path = FOLDER) -> Lesson:
+    """A lesson by its full name."""
+    return read(folder / f"{name}.md")
+
+
+@cache
+def lessons() -> dict[str, Lesson]:
+    """All lessons that can be read, by their names. One that cannot is left out: ``mpm-lab lesson check`` says why."""
+    found = {}
+    for name in names():
+        try:
+            found[name] = lesson(name)
+        except LessonError:
+            continue
+    return found
