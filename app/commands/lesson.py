@@ -105,7 +105,7 @@ def _read(names: tuple[str, ...]) -> tuple[list[Lesson], int]:
     from app.lessons import shelf
     from app.lessons.lesson import LessonError
     lessons, mistakes = [], 0
-    for name in dict.fromkeys(map(_full_name, names)) if names else shelf.names():
+    for name in dict.fromkeys(map(lesson_called, names)) if names else shelf.names():
         try:
             lessons.append(shelf.lesson(name))
         except LessonError as error:
@@ -114,7 +114,8 @@ def _read(names: tuple[str, ...]) -> tuple[list[Lesson], int]:
     return lessons, mistakes
 
 
-def _full_name(name: str) -> str:
+def lesson_called(name: str) -> str:
+    """The full name of a lesson; raises :class:`BadInput` where there is none."""
     from app.lessons import shelf
     try:
         return shelf.called(name)

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from app.commands.flags import BadInput, NamesFlag, NumberFlag, TextFlag
+from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
+from app.commands.lesson import lesson_called
 from app.page.doors.address import is_name
 from app.page.doors.code import LONGEST, SHORTEST, plain
 from solvers.rules import require_number, require_whole
@@ -26,6 +27,10 @@ class Serve:
     """Public names of the lab behind a proxy, with commas between, such as lab.school.example."""
     frames: NumberFlag = 30
     """Pictures a second that each visitor gets at most; fewer for a slow network: one has some 50 kB."""
+    lesson: TextFlag = ""
+    """Lesson that everyone is opened on, by name or number (mpm-lab lesson list)."""
+    teacher: Switch = False
+    """Show the teacher's notes in lessons, to everyone on this server."""
     warm_up: bool = True
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
@@ -38,9 +43,11 @@ class Serve:
         self._check_doors()
         require_whole("max_sessions", self.max_sessions, 1, 10_000)
         require_number("frames", self.frames, 0, MOST_FRAMES)
+        lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
         from app.page.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
         try:
-            serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name, self.frames)
+            serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name, self.frames,
+                  lesson, self.teacher)
         except ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

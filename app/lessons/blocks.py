@@ -18,6 +18,7 @@ else:
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 STAGE = "stage"
 DRAGGED = ("cells", "ppc", "amplitude", "modulus", "cfl")  # fields of a scene that a student may drag
+MOST_OPTIONS = 8
 MOST_RUNS = 8  # of one block that differ in a number
 _AT = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
@@ -136,8 +137,8 @@ def question(text: str, line: int) -> Question:
 
 def _consistent(asked: Question) -> Question:
     """A choice says which option is right, in one of two ways."""
-    if len(asked.options) < 2:
-        raise LessonError(asked.line, "options: give two or more")
+    if not 2 <= len(asked.options) <= MOST_OPTIONS:
+        raise LessonError(asked.line, f"there are {len(asked.options)} options; give 2 to {MOST_OPTIONS}")
     if (asked.correct is None) == (not asked.holds):
         raise LessonError(asked.line, "give either correct, the number of the right option counted from 1, or holds, "
                                       "a claim for each option")

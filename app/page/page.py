@@ -11,15 +11,19 @@ import viser
 
 from app.drawing import RECTANGLE, ColourBar, enlarge
 from app.page.camera import FlatCamera
+from app.page.classroom import Classroom
 from app.page.mark import Mark
 from app.page.panels.controls import Controls
 from app.page.panels.cost import CostTab
 from app.page.panels.head import add_head, set_up
+from app.page.panels.keeper import Hooks, Keeper
+from app.page.panels.lesson import Player
 from app.page.panels.looking import Looking
 from app.page.panels.measurements import Measurements
 from app.page.panels.presenter import ENLARGED, Presenter
+from app.page.panels.sharing import Sharing, link, parts
 from app.page.panels.slow import SlowMotion
-from app.page.panels.texts import add_about, add_lessons
+from app.page.panels.texts import add_about
 from app.page.pinned import PinnedRun
 from app.page.probe import Probe
 from app.page.recent import Recent
@@ -31,6 +35,8 @@ from app.page.worst import WorstRegions
 from app.problems.stage import Stage
 from app.problems.views import VIEWS
 from app.scale import ColourScale
+from app.state import StateError
+from app.state import read as read_state
 from app.words import QUANTITIES, differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -46,8 +52,8 @@ class Page:
     """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own. The browser
     calls it by its ``token`` (``attendance.js``)."""
 
-    def __init__(self, client: viser.ClientHandle, pool: PageLinks):
-        self.client, self._ready, self._links = client, False, pool
+    def __init__(self, client: viser.ClientHandle, pool: PageLinks, classroom: Classroom):
+        self.client, self._ready, self._links, self._classroom = client, False, pool, classroom
         self.token = secrets.token_urlsafe(12)
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._recent = Recent()
@@ -58,6 +64,7 @@ class Page:
         set_up(client.gui)
         add_head(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
+        self._keeper = Keeper(client.gui)
         self._presenter = Presenter(client.gui)
         self._notice, self._says, self._pace = client.gui.add_html(""), client.gui.add_html(""), Pace()
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
@@ -73,6 +80,9 @@ class Page:
         self._slow = SlowMotion(client, self._session, self._redraw)
         self._tabs(client)
         self._controls.begin()
+        if classroom.lesson:
+            self._player.open(classroom.lesson)
+        self._keeper.listen(Hooks(self._follow_link, self._player.restore))
         self._ready = True
         self._redraw()
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()
@@ -88,6 +98,7 @@ class Page:
             with under_way:
                 pass
         self._slow.close()
+        self._player.close()
         self._session.close()
         self._cost.jobs.close()
 
@@ -97,8 +108,10 @@ class Page:
             looking = Looking(self._session, self._recent, self._trace, self._redraw)
             self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, looking,
                                       self._slow)
-        with tabs.add_tab("Lessons", viser.Icon.SCHOOL):
-            add_lessons(client.gui)
+            Sharing(client.gui, self._keeper, self._controls)
+        with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
+            self._player = Player(client, lessons, self._classroom, self._controls.show, self._controls.offer,
+                                  self._keep)
         with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
             self._cost = CostTab(client, self._session, self._controls.load)
         with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
@@ -114,6 +127,23 @@ class Page:
         if self._ready:
             self._slow.follow(report)
             self._cost.follow(report, self._session.history)
+
+    def _follow_link(self, link: str) -> None:
+        """Show what the address says; what it cannot mean is refused in words."""
+        lesson, text = parts(link)
+        if lesson:
+            self._player.open(lesson)
+        if not text:
+            return
+        try:
+            self._controls.show(read_state(text))
+        except StateError as error:
+            self._session.refuse(f"The link cannot be followed: {error}")
+
+    def _keep(self) -> None:
+        """Have the browser keep what is seen: in its address, and the answers to a lesson."""
+        lesson = self._player.name
+        self._keeper.keep(link(self._controls.state, lesson), lesson, self._player.answers)
 
     def _show_stage(self, problem: str | None) -> None:
         """Show one of them, or none."""
@@ -195,6 +225,7 @@ class Page:
             f"{escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")
         self._say()
         self._controls.refresh()
+        self._keep()
         self._cost.refresh()
         self._camera.settle()
         fitting = max(LEAST_TEXT, min(1.0, self._camera.scale / ROOMY))

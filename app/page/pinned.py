@@ -22,10 +22,12 @@ class PinnedRun:
         self._trouble: str | None = None
         self._link = open_link(self)
 
-    def follow(self, playing: bool, speed: float, single_steps: int, differences: bool, plotted: str) -> None:
+    def follow(self, playing: bool, speed: float, single_steps: int, differences: bool, plotted: str,
+               ends: bool) -> None:
         """Do as the visitor's session is asked to; ``speed`` is in periods a second."""
         self._trouble = None
-        self._link.ask(self.scene, playing, speed * self.scene.period, 0, single_steps, differences, plotted)
+        self._link.ask(self.scene, playing, speed * self.scene.period, 0, single_steps, differences, plotted,
+                       ends=ends)
 
     def close(self) -> None:
         self._link.close()

@@ -10,9 +10,11 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 from urllib.parse import quote
 
+from app.page.classroom import Classroom
 from app.page.doors.address import Addresses
 from app.page.doors.code import ClassCode, made_up
 from app.page.health import Tally
@@ -128,12 +130,14 @@ class Visitors:
 
 
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
-          names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS) -> None:
+          names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
+          teacher: bool = False) -> None:
     """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
     ``frames`` a second, if they can be had.
 
     Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
-    ``names`` are those of proxies before the lab. Raises :class:`ServeError` when host and port cannot be had.
+    ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one, with its notes
+    for a ``teacher``. Raises :class:`ServeError` when host and port cannot be had.
     """
     addresses = Addresses(host, names)
     code = code or ("" if addresses.private else made_up())
@@ -141,9 +145,10 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else (),
                               1 / frames), None
+    classroom = Classroom(lesson, teacher)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
-        server = _start_server(host, port, pool, max_sessions, addresses, code)
+        server = _start_server(host, port, pool, max_sessions, addresses, code, classroom)
         address = f"{HERE if host in EVERYWHERE else host}:{server.get_port()}"
         print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         if code:
@@ -155,12 +160,14 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
         if server is not None:
             server.visitors.say_goodbye()
         pool.close()
+        classroom.outcomes.close()
         if server is not None:
             with contextlib.redirect_stdout(io.StringIO()):
                 server.stop()
 
 
-def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str) -> Any:
+def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
+                  classroom: Classroom) -> Any:
     from app.page.doors.server import Doors, Lab
     from app.page.index import own_index
     from app.page.page import Page
@@ -175,7 +182,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     with contextlib.redirect_stdout(io.StringIO()), doors.guarding(), own_index():
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
-    visitors = Visitors(pool, max_sessions, Page, _show)
+    visitors = Visitors(pool, max_sessions, partial(Page, classroom=classroom), _show)
     doors.watch(server, visitors)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     server.on_client_connect(visitors.connect)

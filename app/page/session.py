@@ -86,11 +86,12 @@ class Session:
                 return
             self._refusal = too_many(scene) or None
             if not self._refusal:
-                self.scene = scene
+                self.scene, self._beyond = scene, False
                 self._ask()
 
-    def choose(self, scene: Scene) -> None:
-        """Take another problem's scene whole; what was wished of the one before is forgotten."""
+    def choose(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
+        """Take a scene whole, at so many periods a second, to its end or further; what was wished of the one before is
+        forgotten."""
         with self._lock:
             self._refusal = too_many(scene) or None
             if self._refusal:
@@ -98,13 +99,15 @@ class Session:
             if scene.problem != self.scene.problem and self.pinned:
                 self.unpin()
                 self._news = monotonic(), "The pinned run has gone: the two are compared on one problem only."
-            self._start(scene)
+            self._start(scene, speed, ends)
+            self._restarts += 1  # also where it is the scene that there is
             self._ask()
 
     def play(self, playing: bool, single_steps: int = 0) -> None:
-        """Go on or pause, and take so many time steps."""
+        """Go on or pause, and take so many time steps. A run that has come to its end goes on beyond it."""
         with self._lock:
             self.playing, self._rests = playing, False
+            self._beyond = self._beyond or (self.ended and (playing or single_steps > 0))
             self._single_steps += single_steps
             self._ask()
 
@@ -137,10 +140,17 @@ class Session:
             self._ask()
             return self._number
 
+    @property
+    def ended(self) -> bool:
+        """Whether the run has come to the end at which it was to stop."""
+        return self.ends and not self._beyond and self.report is not None \
+            and self.report.step >= self.report.scene.steps
+
     def reset(self) -> None:
         """Start the scene again from t = 0."""
         with self._lock:
             self._restarts += 1
+            self._beyond = False
             self._ask()
 
     def refuse(self, sentence: str) -> None:
@@ -171,11 +181,12 @@ class Session:
             self._plotted = quantity
             self._ask()
 
-    def pin(self, on_frame: Callable[[], None]) -> None:
-        """Have the run on the stage stay beside what is asked for from now on; both begin at t = 0."""
+    def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
+        """Have a scene, that of the run on the stage unless it is given, stay beside what is asked for from now on;
+        both begin at t = 0."""
         with self._lock:
             shown = self.report.scene if self.report else self.scene
-            scene = shown if shown.problem == self.scene.problem else self.scene
+            scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
             self.unpin()
             self.pinned = PinnedRun(lambda run: self._pool.open(run, self._link), scene, on_frame)
             self._ask()
@@ -271,14 +282,16 @@ class Session:
                                        "and the scene has begun again.")
             self._number += 1  # the link asks again under the next number
 
-    def _start(self, scene: Scene) -> None:
-        self._wished, self.scene, self.playing = asdict(scene), scene, True
-        self.speed = VIEWS[scene.problem].speed
+    def _start(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
+        self._wished, self.scene, self.playing, self.ends = asdict(scene), scene, True, ends
+        self._beyond = False  # the end, because somebody asked for more
+        self.speed = VIEWS[scene.problem].speed if speed is None else speed
 
     def _ask(self) -> None:
         self._trouble, self._asked_at = None, monotonic()
-        playing = self.playing and self.watched
+        playing, ends = self.playing and self.watched, self.ends and not self._beyond
         self._number = self._link.ask(self.scene, playing, self.speed * self.scene.period, self._restarts,
-                                      self._single_steps, self._differences, self._plotted, self._dissected)
+                                      self._single_steps, self._differences, self._plotted, self._dissected,
+                                      ends)
         if self.pinned:
-            self.pinned.follow(playing, self.speed, self._single_steps, self._differences, self._plotted)
+            self.pinned.follow(playing, self.speed, self._single_steps, self._differences, self._plotted, ends)

@@ -62,11 +62,14 @@ class Trace:
     def __init__(self, recent: Recent):
         self._recent, self._lock = recent, threading.Lock()
         self.traced: Traced | None = None
+        self._next: int | None = None  # to be followed in the next run
 
-    def choose(self, particle: int | None) -> None:
-        """Follow a particle, from the earliest frame that is remembered; None follows none."""
+    def choose(self, particle: int | None, in_next_run: bool = False) -> None:
+        """Follow a particle, from the earliest frame that is remembered, or from the next run's first; None follows
+        none."""
         with self._lock:
-            frames = self._recent.frames
+            frames = () if in_next_run else self._recent.frames
+            self._next = particle if in_next_run else None
             self.traced = None
             if particle is not None and frames and particle < frames[-1][0].particles:
                 self.traced = Traced(particle, frames)
@@ -74,6 +77,9 @@ class Trace:
     def follow(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Take in the newest frame. Another run goes on with the particle that was at rest nearest to this one."""
         with self._lock:
+            if report.fresh and self._next is not None and self._next < report.particles:
+                self.traced, self._next = Traced(self._next, [(report, arrays)]), None
+                return
             traced = self.traced
             if traced is None:
                 return

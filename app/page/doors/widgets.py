@@ -6,7 +6,8 @@ from typing import Any
 
 import viser
 
-LONGEST_TEXT = 200  # characters; nothing that the page asks for is longer
+LONGEST_TEXT = 200  # characters; little that the page asks for is longer
+_OWN = "longest_text"  # where a text that may be longer says how long
 
 
 def refusal(widget: Any, value: Any) -> str | None:
@@ -17,6 +18,11 @@ def refusal(widget: Any, value: Any) -> str | None:
     if widget.disabled or not widget.visible:
         return "a widget that is off"
     return None if rule(widget, value) else f"a value that “{widget.label}” cannot have"
+
+
+def allow(text: viser.GuiTextHandle, longest: int) -> None:
+    """Let a text have so many characters."""
+    object.__setattr__(text, _OWN, longest)  # the viewer's own way takes its properties only
 
 
 def number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
@@ -41,7 +47,7 @@ def _option(widget: Any, value: Any) -> bool:
 
 
 def _text(widget: Any, value: Any) -> bool:
-    return type(value) is str and len(value) <= LONGEST_TEXT
+    return type(value) is str and len(value) <= getattr(widget, _OWN, LONGEST_TEXT)
 
 
 RULES: dict[type, Callable[[Any, Any], bool]] = {

@@ -1,25 +1,24 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
 import threading
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 import viser
 
 from app import words
+from app.page.panels.bound import BoundWidgets
 from app.page.panels.estimators import EstimatorChoice
-from app.page.panels.head import WIDE_LABEL
 from app.page.panels.looking import Looking
 from app.page.panels.patience import Patience
-from app.page.panels.size import Size, SizeControl
+from app.page.panels.size import Size
 from app.page.panels.slow import SlowMotion
 from app.page.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.scale import ColourScale
-from solvers.effects import EFFECTS, Effect
+from app.state import State
+from solvers.effects import EFFECTS
 from solvers.problems import PROBLEMS
-from solvers.remedies import REMEDIES, Remedy
-from solvers.rules import field_label
+from solvers.remedies import REMEDIES
 from solvers.scene import AUTO, DEFAULT_CFL, Scene
 from solvers.step_bound import SAFE
 
@@ -34,11 +33,12 @@ class Controls:
                  on_view: Callable[[], None], looking: Looking, slow: SlowMotion):
         self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
         self.domains, self.magnified, self._slow = False, 1, slow
+        self._offered: tuple[str, ...] = ()  # the controls that a lesson leaves; without any all are
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self.looking = looking
-        self._turn = threading.Lock()  # callbacks run side by side: what is read last is to be asked for last
         self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self._patience = Patience()
+        self._bound = BoundWidgets(gui, session, self._patience)
         self.estimators = EstimatorChoice(session, on_view, self._patience)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
@@ -56,10 +56,50 @@ class Controls:
             if scene.problem != self._session.scene.problem:
                 self.domains = False
             self._session.choose(scene)
-            self._problem.value = scene.TITLE  # type: ignore[misc]  # has been chosen: nothing follows from it
-            self._widgets.remove()
-            with self._tab:
-                self._build()
+            self._rebuild()
+
+    def offer(self, controls: tuple[str, ...]) -> None:
+        """Show only these controls, or all where there are none: ``app.lessons.lesson.CONTROLS`` names them."""
+        with self._loading:
+            if controls != self._offered:
+                self._offered = controls
+                self._problem.visible = not controls or "problem" in controls
+                self._rebuild()
+
+    def show(self, state: State) -> None:
+        """Put all of a state on the stage and into the widgets."""
+        session = self._session
+        with self._loading:
+            self.quantity, self.magnified, self.domains = state.quantity, state.magnified, state.domains
+            self._scale.logarithmic = state.logarithmic
+            self._scale.forget()
+            self.estimators.drawn, self.estimators.difference = state.estimator, state.difference
+            session.unpin()
+            session.choose(state.scene, state.speed, state.stops)
+            if state.pinned is not None:
+                session.pin(self._pinned_drawn, state.pinned)
+            session.compare(state.difference)
+            session.plot(state.quantity)
+            self.looking.trace(state.traced)
+            self._rebuild()
+        self._on_view()
+
+    @property
+    def state(self) -> State:
+        """What the visitor sees."""
+        session, first = self._session, next(iter(self._session.scene.estimators), None)
+        drawn, speed, pinned = self.estimators.drawn, VIEWS[session.scene.problem].speed, session.pinned
+        return State(session.scene, self.quantity, drawn if drawn != first else None, self.estimators.difference,
+                     self.magnified, self._scale.logarithmic, self.domains,
+                     session.speed if session.speed != speed else None, self.looking.traced, session.ends,
+                     pinned.scene if pinned else None)
+
+    def _rebuild(self) -> None:
+        """Make the widgets anew, for the session's present scene."""
+        self._problem.value = self._session.scene.TITLE  # type: ignore[misc]  # it is chosen: nothing follows from it
+        self._widgets.remove()
+        with self._tab:
+            self._build()
 
     def _choose_problem(self) -> None:
         """Another problem has other choices and reaches."""
@@ -71,16 +111,22 @@ class Controls:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once
         with self._widgets:
             self._run()
-            self._slow.build(self._gui)
+            with self._part("slow-motion"):
+                self._slow.build(self._gui)
             self._scene()
             self._view()
-            with self._gui.add_folder("Method details and remedies", expand_by_default=False):
+            with self._part("details"), self._gui.add_folder("Method details and remedies", expand_by_default=False):
                 for field, hint in VIEWS[self._session.scene.problem].details.items():
-                    self._field(field, hint)
+                    self._bound.field(field, hint)
                 self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
-                self._boxes("remedies", REMEDIES)
-            with self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
-                self._boxes("effects", EFFECTS)
+                self._bound.boxes("remedies", REMEDIES)
+            with self._part("effects"), \
+                    self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
+                self._bound.boxes("effects", EFFECTS)
+
+    def _part(self, control: str) -> viser.GuiFolderHandle:
+        """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
+        return self._gui.add_folder(None, visible=not self._offered or control in self._offered)
 
     def _run(self) -> None:
         gui, session = self._gui, self._session
@@ -88,36 +134,52 @@ class Controls:
                 "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
         buttons = gui.add_button_group("Run", tuple(acts), hint="Step pauses and takes one time step")
         buttons.on_click(lambda event: acts[event.target.value]())
-        pin = gui.add_button(PIN if session.pinned is None else UNPIN, hint="keep the run on the stage beside what you "
-                             "change: both begin at t = 0 and go on together, period by period")
+        with self._part("pin"):
+            pin = gui.add_button(PIN if session.pinned is None else UNPIN, hint="keep the run on the stage beside what "
+                                 "you change: both begin at t = 0 and go on together, period by period")
         pin.on_click(lambda _: self._pin(pin))
         view = VIEWS[session.scene.problem]
-        self._size(Size("Speed", "", view.reach.speed, view.speed,
-                        "periods of the exact vibration in a second of yours"), session.speed, session.set_speed)
-        self.looking.build_slider(gui)
+        with self._part("speed"):
+            self._bound.size(Size("Speed", "", view.reach.speed, view.speed,
+                            "periods of the exact vibration in a second of yours"), session.speed, session.set_speed)
+        with self._part("look-back"):
+            self.looking.build_slider(gui)
 
     def _pin(self, button: viser.GuiButtonHandle) -> None:
         session = self._session
-        if session.pinned is None:  # while both play, it is drawn with the other
-            session.pin(lambda: None if session.report and session.report.playing else self._on_view())
+        if session.pinned is None:
+            session.pin(self._pinned_drawn)
         else:
             session.unpin()
         button.label = PIN if session.pinned is None else UNPIN
         self._on_view()
 
+    def _pinned_drawn(self) -> None:
+        """The pinned run has a frame: while both play, it is drawn with the other's."""
+        if not (self._session.report and self._session.report.playing):
+            self._on_view()
+
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
-        self._field("method", "shape functions that carry data between particles and grid")
-        self._cells()
-        per_cell = self._gui.add_slider("Particles / cell", *view.reach.ppc, 1, scene.ppc, hint="in each direction")
-        self._follow(per_cell, lambda count: session.set(ppc=count))
+        with self._part("method"):
+            self._bound.field("method", "shape functions that carry data between particles and grid")
+        with self._part("cells"):
+            self._cells()
+        with self._part("ppc"):
+            low, high = view.reach.ppc
+            per_cell = self._gui.add_slider("Particles / cell", low, max(high, scene.ppc), 1, scene.ppc,
+                                            hint="in each direction")
+            self._bound.follow(per_cell, lambda count: session.set(ppc=count))
         default = type(scene)()
-        self._size(Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
-                   scene.amplitude, lambda value: session.set(amplitude=value))
-        self._size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
-                        "Young's modulus: what is stiffer vibrates faster"),
-                   scene.modulus, lambda value: session.set(modulus=value))
-        self._step()
+        with self._part("amplitude"):
+            self._bound.size(Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
+                       scene.amplitude, lambda value: session.set(amplitude=value))
+        with self._part("modulus"):
+            self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
+                            "Young's modulus: what is stiffer vibrates faster"),
+                       scene.modulus, lambda value: session.set(modulus=value))
+        with self._part("step"):
+            self._step()
 
     def _step(self) -> None:
         """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
@@ -134,11 +196,12 @@ class Controls:
                 by_hand(float(f"{session.scene.courant_number:.3g}"))
 
         self._shown_step = scene.courant_number
-        self._step_size = self._size(Size("CFL number", "", CFL, DEFAULT_CFL, "time step as a share of the time a wave "
-                                          "takes through a cell"), scene.courant_number, by_hand)
+        self._step_size = self._bound.size(
+            Size("CFL number", "", CFL, DEFAULT_CFL, "time step as a share of the time a wave takes through a cell"),
+            scene.courant_number, by_hand)
         auto = self._gui.add_checkbox("Auto step", scene.dt == AUTO, hint=f"take {SAFE:g} of the longest step that the "
                                       "motion ahead bears by linear theory; the slider above shows it")
-        self._follow(auto, automatic)
+        self._bound.follow(auto, automatic)
 
     def refresh(self) -> None:
         """Show the step that "auto" makes of the present scene: other settings change it.
@@ -146,7 +209,7 @@ class Controls:
         Once for each: a slider that is set while the visitor moves it would forget where to.
         """
         self._patience.show(self._session.compiling)
-        with self._loading, self._turn:
+        with self._loading, self._bound.turn:
             self.looking.refresh()
             scene = self._session.scene
             if scene.dt == AUTO and scene.courant_number != self._shown_step:
@@ -169,22 +232,28 @@ class Controls:
             cells.label = label(count)
             self._session.set(cells=count)
 
-        self._follow(cells, changed)
+        self._bound.follow(cells, changed)
 
     def _view(self) -> None:
         gui, scale, session = self._gui, self._scale, self._session
         quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
-        quantity = gui.add_dropdown("Error of", tuple(quantities), initial_value=str(words.QUANTITIES[self.quantity]),
-                                    hint="the quantity whose error gives the colours, and whose field is plotted")
+        with self._part("quantity"):
+            quantity = gui.add_dropdown("Error of", tuple(quantities),
+                                        initial_value=str(words.QUANTITIES[self.quantity]),
+                                        hint="the quantity whose error gives the colours, and whose field is plotted")
         factors = {f"× {factor}": factor for factor in words.MAGNIFICATIONS}
-        magnify = gui.add_dropdown("Magnify error", tuple(factors), initial_value=f"× {self.magnified}",
-                                   hint="in the plot of the field: how many times the deviation of the particles "
-                                        "from the exact curve is drawn")
-        self.estimators.build(gui)
-        kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), hint="of estimate and truth alike",
-                                initial_value="logarithmic" if scale.logarithmic else "linear")
-        hold = gui.add_checkbox("Hold colours", scale.held, hint="keep the colour scale while settings change")
-        self.looking.build_trace(gui)
+        with self._part("magnify"):
+            magnify = gui.add_dropdown("Magnify error", tuple(factors), initial_value=f"× {self.magnified}",
+                                       hint="in the plot of the field: how many times the deviation of the particles "
+                                            "from the exact curve is drawn")
+        with self._part("estimators"):
+            self.estimators.build(gui)
+        with self._part("colours"):
+            kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), hint="of estimate and truth alike",
+                                    initial_value="logarithmic" if scale.logarithmic else "linear")
+            hold = gui.add_checkbox("Hold colours", scale.held, hint="keep the colour scale while settings change")
+        with self._part("trace"):
+            self.looking.build_trace(gui)
 
         def changed(_: viser.GuiEvent) -> None:
             scale.logarithmic, scale.held = kind.value == "logarithmic", hold.value
@@ -205,43 +274,10 @@ class Controls:
         for widget in (kind, hold):
             widget.on_update(changed)
         if hint := VIEWS[session.scene.problem].domains_hint:
-            domains = gui.add_checkbox("Show domains", self.domains, hint=hint)
+            with self._part("domains"):
+                domains = gui.add_checkbox("Show domains", self.domains, hint=hint)
             domains.on_update(lambda e: self._show_domains(e.target.value))
 
     def _show_domains(self, shown: bool) -> None:
         self.domains = shown
         self._on_view()
-
-    def _boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
-        """A box for each of the names that the scene's field may hold, several at a time."""
-        session, scene = self._session, self._session.scene
-        boxes = {}
-        for name in scene.choices(field):
-            self._gui.add_html(WIDE_LABEL)
-            boxes[name] = self._gui.add_checkbox(kinds[name].label, name in getattr(scene, field),
-                                                 hint=kinds[name].explanation)
-        for box in boxes.values():
-            self._follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
-
-    def _follow(self, widget: Any, act: Callable[[Any], None]) -> None:
-        """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time."""
-        def changed(event: viser.GuiEvent) -> None:
-            if event.client is not None:  # else the page has shown something, and nobody wishes anything
-                self._patience.changed(widget)
-                with self._turn:
-                    act(widget.value)
-
-        widget.on_update(changed)
-
-    def _field(self, field: str, hint: str) -> None:
-        """A dropdown of what the scene's field may be, in words; a box for one that is true or false."""
-        scene, label = self._session.scene, field_label(field).capitalize()
-        value, names = getattr(scene, field), words.choices(type(scene), field)
-        codes = {name: code for code, name in names.items()}
-        widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
-            else self._gui.add_checkbox(label, value, hint=hint)
-        self._follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
-
-    def _size(self, size: Size, value: float, act: Callable[[float], None]) -> SizeControl:
-        """A slider and a text for a number of any size."""
-        return SizeControl(self._gui, size, value, act, self._session.refuse, self._follow)

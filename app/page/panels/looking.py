@@ -38,6 +38,15 @@ class Looking:
         self._end.on_click(lambda _: self._choose(None))
         self._followed: int | None = None
 
+    @property
+    def traced(self) -> int | None:
+        """The number of the particle that is traced, if any."""
+        return None if self._trace.traced is None else self._trace.traced.particle
+
+    def trace(self, particle: int | None) -> None:
+        """Trace a particle of the run that begins next, or none."""
+        self._trace.choose(particle, in_next_run=True)
+
     def refresh(self) -> None:
         """Show which particle is traced and how far back one can go, once each: see ``Controls.refresh``."""
         report, (most, periods), back = self._session.report, self._recent.reach, self._recent.back

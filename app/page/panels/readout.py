@@ -69,7 +69,8 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     real = NOTHING if speed is None else f"{speed:.2g}"
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
-    state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE else " <b>paused</b>"
+    state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE \
+        else " <b>at its end</b>" if session.ended else " <b>paused</b>"
     margin = _last(series.get("margin", np.zeros(0))) if ago else history.margin
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
             ("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),

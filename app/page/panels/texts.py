@@ -1,4 +1,4 @@
-"""The tabs to read: About, for someone who sees the page for the first time, and Lessons, as ``lessons/`` has them."""
+"""The tab to read: About, for someone who sees the page for the first time."""
 
 from pathlib import Path
 
@@ -12,7 +12,6 @@ from solvers.soundness import CONTRADICTIONS, MOST_ERROR
 from solvers.step_bound import SAFE
 
 PAGE = Path(__file__).resolve().parents[1]
-LESSONS = PAGE.parents[1] / "lessons"
 
 
 def add_about(gui: viser.GuiApi) -> None:
@@ -41,11 +40,3 @@ def _only(remedy: str) -> str:
     """For which problems a remedy is offered, where that is not all."""
     titles = [problem.scene.TITLE for problem in PROBLEMS.values() if remedy in problem.scene.REMEDIES]
     return "" if len(titles) == len(PROBLEMS) else f" ({', '.join(titles)} only)"
-
-
-def add_lessons(gui: viser.GuiApi) -> None:
-    """One folder a lesson, titled by the lesson's first line; the first lies open."""
-    for k, path in enumerate(sorted(LESSONS.glob("*.md"))):
-        title, _, text = path.read_text(encoding="utf-8").partition("\n")
-        with gui.add_folder(title.lstrip("# ").strip(), expand_by_default=k == 0):
-            gui.add_markdown(text.replace("\n## ", "\n#### "))

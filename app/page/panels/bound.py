@@ -1,0 +1,59 @@
+"""Widgets that are bound to the session: what a visitor changes is wished of the scene."""
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import viser
+
+from app import words
+from app.page.panels.head import WIDE_LABEL
+from app.page.panels.patience import Patience
+from app.page.panels.size import Size, SizeControl
+from app.page.session import Session
+from solvers.effects import Effect
+from solvers.remedies import Remedy
+from solvers.rules import field_label
+
+
+class BoundWidgets:
+    """Makes them for one visitor. Callbacks run side by side: they take ``turn``, so that what is read last is asked
+    for last."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, patience: Patience):
+        self._gui, self._session, self._patience = gui, session, patience
+        self.turn = threading.Lock()
+
+    def boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
+        """A box for each of the names that the scene's field may hold, several at a time."""
+        session, scene = self._session, self._session.scene
+        boxes = {}
+        for name in scene.choices(field):
+            self._gui.add_html(WIDE_LABEL)
+            boxes[name] = self._gui.add_checkbox(kinds[name].label, name in getattr(scene, field),
+                                                 hint=kinds[name].explanation)
+        for box in boxes.values():
+            self.follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
+
+    def follow(self, widget: Any, act: Callable[[Any], None]) -> None:
+        """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time."""
+        def changed(event: viser.GuiEvent) -> None:
+            if event.client is not None:  # else the page has shown something, and nobody wishes anything
+                self._patience.changed(widget)
+                with self.turn:
+                    act(widget.value)
+
+        widget.on_update(changed)
+
+    def field(self, field: str, hint: str) -> None:
+        """A dropdown of what the scene's field may be, in words; a box for one that is true or false."""
+        scene, label = self._session.scene, field_label(field).capitalize()
+        value, names = getattr(scene, field), words.choices(type(scene), field)
+        codes = {name: code for code, name in names.items()}
+        widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
+            else self._gui.add_checkbox(label, value, hint=hint)
+        self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
+
+    def size(self, size: Size, value: float, act: Callable[[float], None]) -> SizeControl:
+        """A slider and a text for a number of any size."""
+        return SizeControl(self._gui, size, value, act, self._session.refuse, self.follow)

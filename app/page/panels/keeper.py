@@ -1,0 +1,71 @@
+"""Keeper: what the browser keeps for its visitor (``keeper.js``): the state in its address, and answers to lessons."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import viser
+
+from app.page.doors.widgets import allow
+
+LONGEST = 20_000  # characters that a browser may tell at once
+MARK = "<i class='lab-keeper'></i>"
+
+
+@dataclass(frozen=True)
+class Hooks:
+    """Called with the state that the address has, and with a lesson's name and its kept answers."""
+
+    on_link: Callable[[str], None]
+    on_answers: Callable[[str, str], None]
+
+
+class Keeper:
+    """One visitor's. What the browser says is believed in nothing: it may be anything."""
+
+    def __init__(self, gui: viser.GuiApi):
+        self.here = ""  # the address under which this browser has found the lab
+        self._hooks: Hooks | None = None
+        self._early: list[dict[str, Any]] = []  # said before anybody listened
+        gui.add_html(MARK)
+        self._text = gui.add_text("kept by the browser", "")
+        allow(self._text, LONGEST)
+        self._mark = gui.add_html("")
+        self._text.on_update(lambda _: self._hear(self._text.value))
+
+    def listen(self, hooks: Hooks) -> None:
+        """From now on, and to what has been said before."""
+        self._hooks = hooks
+        for said in self._early:
+            self._act(said)
+
+    def keep(self, link: str, lesson: str = "", answers: str = "") -> None:
+        """Have the browser keep a state, and the answers to a lesson; without answers it tells those that it has."""
+        content = f"<i class='lab-kept' data-link='{escape(link)}' data-lesson='{escape(lesson)}' " \
+                  f"data-answers='{escape(answers)}'></i>"
+        if self._mark.content != content:
+            self._mark.content = content
+
+    def _hear(self, text: str) -> None:
+        try:
+            said = json.loads(text)
+        except (ValueError, RecursionError):
+            return
+        if not isinstance(said, dict):
+            return
+        if self._hooks is None:
+            self._early = [*self._early[-3:], said]
+        else:
+            self._act(said)
+
+    def _act(self, said: dict[str, Any]) -> None:
+        hooks = self._hooks
+        assert hooks is not None
+        if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
+            self.here = here
+        if isinstance(link := said.get("link"), str) and link:
+            hooks.on_link(link)
+        if isinstance(lesson := said.get("lesson"), str) and isinstance(answers := said.get("answers"), str):
+            hooks.on_answers(lesson, answers)

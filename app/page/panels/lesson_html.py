@@ -1,0 +1,92 @@
+"""Html of a lesson's steps. What a visitor has written is escaped here, and nowhere is it put in otherwise."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+
+from app.lessons import shelf
+from app.lessons.lesson import EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, Step
+from app.lessons.marks import Mark, shown
+from app.lessons.markup import html
+from app.lessons.progress import Answer, Progress
+from app.lessons.variants import Numbers, filled
+
+KIND_WORDS = {PREDICT: "Predict", RUN: "Run", OBSERVE: "Observe", EXPLAIN: "Explain"}
+SIGNS = {True: ("right", "✓ right"), False: ("wrong", "✗ not so"), None: ("unmarked", "")}
+
+
+def shelf_html(lessons: Mapping[str, Lesson]) -> str:
+    """What there is to choose from."""
+    rows = "".join(f"<li><b>{escape(lesson.title)}</b> <span>{lesson.minutes} min</span></li>"
+                   for lesson in lessons.values())
+    return f"<div class='lab-lesson'><p>Each takes 10 to 20 minutes: you predict, run, observe, and then read why." \
+           f"</p><ol>{rows}</ol></div>"
+
+
+def head_html(lesson: Lesson, progress: Progress) -> str:
+    """Title, and how far one has come."""
+    total = len(lesson.steps)
+    at = progress.step
+    where = "introduction" if at == 0 else f"step {at} of {total}" if at <= total else "the end"
+    bar = f"<progress max='{total + 1}' value='{at}' aria-label='progress'></progress>"
+    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i><b>{escape(lesson.title)}</b>" \
+           f"<div>{where}{bar}</div></div>"
+
+
+def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
+    """The lesson's beginning: what it is for, and its first words."""
+    goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
+    known = shelf.lessons()
+    before = [known[name].title if name in known else name for name in lesson.prerequisites]
+    needs = f"<p>Do before: {escape('; '.join(before))}.</p>" if before else ""
+    return f"<div class='lab-lesson'><p>{lesson.minutes} minutes. Afterwards you can</p><ul>{goals}</ul>{needs}" \
+           f"{html(filled(lesson.intro, numbers), shelf.FOLDER)}{_notes(lesson.notes, teacher)}</div>"
+
+
+def step_html(step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
+    """A step's text, below what is said ``before`` it, which is html."""
+    return f"<div class='lab-lesson'><h3><span class='lab-kind-{step.kind}'>{KIND_WORDS[step.kind]}</span> " \
+           f"{escape(filled(step.title, numbers))}</h3>{before}{html(filled(step.text, numbers), shelf.FOLDER)}" \
+           f"{_notes(step.notes, teacher)}</div>"
+
+
+def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: Mapping[str, Mark | str],
+                  numbers: Numbers) -> str:
+    """Each answer beside what came out; ``marks`` has a sentence where there is no mark yet."""
+    rows = []
+    for step in steps:
+        asked, answer = step.question, answers.get(step.key)
+        if asked is None or answer is None:
+            continue
+        mark = marks.get(step.key, "being worked out …")
+        if isinstance(mark, str):
+            out = f"<td colspan='2'>{escape(mark)}</td>"
+        else:
+            kind, sign = SIGNS[mark.right]
+            came = "for your teacher" if asked.kind == TEXT else escape(mark.expected)
+            out = f"<td>{came}</td><td class='lab-{kind}'>{sign}</td>"
+        said = escape(filled(shown(asked, answer.first), numbers))
+        rows.append(f"<tr><th scope='row'>{escape(filled(step.title, numbers))}</th><td>{said}</td>{out}</tr>")
+    if not rows:
+        return ""
+    head = "<tr><th></th><th scope='col'>you said</th><th scope='col'>came out</th><th></th></tr>"
+    return f"<table class='lab-compared'>{head}{''.join(rows)}</table>"
+
+
+def recorded_html(said: str, comment: str, right: bool | None) -> str:
+    """That an answer has been taken: what it was, and what is to be said of it."""
+    kind, sign = SIGNS[right]
+    mark = f" <span class='lab-{kind}'>{sign}</span>" if sign else ""
+    return f"<div class='lab-lesson lab-recorded' role='status'>Your answer: <b>{escape(said)}</b>{mark} " \
+           f"{escape(comment)}</div>"
+
+
+def end_html(table: str, missing: int) -> str:
+    """The end: all answers, and what to do with them."""
+    left = f"<p>{missing} question{'s are' if missing > 1 else ' is'} still open; go back to answer." \
+           "</p>" if missing else ""
+    return f"<div class='lab-lesson'><h3>The end</h3>{left}{table}<p><b>Hand in</b> saves a file with your answers " \
+           "and times, and your name if you have given one. Nothing is sent to anybody.</p></div>"
+
+
+def _notes(notes: str, teacher: bool) -> str:
+    return f"<aside class='lab-teacher'><b>Teacher</b>{html(notes, shelf.FOLDER)}</aside>" if notes and teacher else ""

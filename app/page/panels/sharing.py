@@ -1,0 +1,57 @@
+"""Sharing: what is on the stage as a link, to copy or to show as a QR code."""
+
+from html import escape
+from urllib.parse import quote
+
+import segno
+import viser
+
+from app import state
+from app.page.panels.controls import Controls
+from app.page.panels.head import HALF_WIDE
+from app.page.panels.keeper import Keeper
+
+LESSON = "lesson="
+SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are
+LAST = 1e9  # in the order of what stands in the panel, whatever is made anew above
+MOST_QR = 1200  # characters that a phone still reads off a projector
+
+
+def link(shown: state.State, lesson: str) -> str:
+    """The fragment of the address of what is seen, and of the lesson that is open."""
+    return ";".join(filter(None, [f"{LESSON}{quote(lesson)}" if lesson else "", quote(state.write(shown), safe=SAFE)]))
+
+
+def parts(text: str) -> tuple[str, str]:
+    """The lesson that a link opens, and the state that it puts on the stage; each may be missing."""
+    if not text.startswith(LESSON):
+        return "", text
+    lesson, _, rest = text.removeprefix(LESSON).partition(";")
+    return lesson, rest
+
+
+class Sharing:
+    """Two buttons among a visitor's controls. The browser itself copies: its address is the link."""
+
+    def __init__(self, gui: viser.GuiApi, keeper: Keeper, controls: Controls):
+        self._gui, self._keeper, self._controls = gui, keeper, controls
+        with gui.add_folder(None, order=LAST):
+            gui.add_html(f"{HALF_WIDE}<i class='lab-copy'></i>")
+            gui.add_button("Copy link", icon=viser.Icon.LINK, hint="the address of just this scene, view and pinned "
+                           "run: it opens for everyone who can reach this server")
+            gui.add_html(HALF_WIDE)
+            code = gui.add_button("QR code", icon=viser.Icon.QRCODE, hint="the same, to be read off this screen by a "
+                                  "phone")
+        code.on_click(lambda _: self._show_code())
+
+    def _show_code(self) -> None:
+        address = f"{self._keeper.here}#{link(self._controls.state, '')}"
+        with self._gui.add_modal("This scene") as modal:
+            if self._keeper.here and len(address) <= MOST_QR:
+                picture = segno.make(address, error="l").svg_inline(scale=5, border=2)
+                self._gui.add_html(f"<div class='lab-code'>{picture}</div>")
+            text = state.write(self._controls.state)
+            self._gui.add_html(f"<div class='lab-code'><p>{escape(address)}</p>"
+                               f"<p>Without a page: <code>mpm-lab run --scene '{escape(text)}'</code></p></div>")
+            close = self._gui.add_button("Close")
+        close.on_click(lambda _: modal.close())
