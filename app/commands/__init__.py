@@ -10,8 +10,8 @@ import functools
 from app.commands.advise import Advise, search_flags
 from app.commands.bench import Bench
 from app.commands.flags import Switch
-from app.commands.lesson import LessonCheck, LessonList
-from app.commands.run import Run
+from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList
+from app.commands.run import Run, RunText
 from app.commands.scene_flags import of_problem, with_flags
 from app.commands.serve import Serve
 from app.commands.stability import Stability, map_flags
@@ -29,9 +29,11 @@ def commands() -> dict[tuple[str, ...], type]:
     scenes = {name: problem.scene for name, problem in PROBLEMS.items()}
     found: dict[tuple[str, ...], type] = {("serve",): Serve}
     found |= {("run", name): of_problem(Run, scene) for name, scene in scenes.items()}
+    found |= {("run", "--scene"): RunText}
     found |= {("sweep", name): of_problem(Sweep, scene, linearity_preserving=Switch) for name, scene in scenes.items()}
     found |= {("tables",): Tables}
     found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}
     found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
-    found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck}
+    found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonGuide,
+              ("lesson", "grade"): LessonGrade}
     return found | {("bench",): Bench}

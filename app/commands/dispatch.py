@@ -71,6 +71,7 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
     if not arguments or (arguments[0].startswith("-") and arguments[0] not in ("-h", "--help")):
         return DEFAULT_COMMAND, arguments
     name: tuple[str, ...] = ()
+    arguments = _parted(arguments)
     for position, word in enumerate(arguments):
         if word in ("-h", "--help"):
             return name, []
@@ -80,6 +81,14 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
         if name in commands():
             return name, arguments[position + 1:]
     raise BadInput("", " ".join(name), f"what? {_give(name)}")
+
+
+def _parted(arguments: list[str]) -> list[str]:
+    """The arguments with ``run --scene=TEXT`` as ``run --scene TEXT``."""
+    first, second = (*arguments[:2], "", "")[:2]
+    if first == "run" and second.startswith("--scene="):
+        return [first, *second.split("=", 1), *arguments[2:]]
+    return arguments
 
 
 def _give(name: tuple[str, ...]) -> str:

@@ -84,6 +84,7 @@ NumberFlag = Annotated[Any, _lenient("N", number)]
 RealFlag = Annotated[Any, _lenient("X", real)]
 TextFlag = Annotated[Any, _lenient("TEXT", " ".join)]
 NamesFlag = Annotated[Any, _lenient("TEXT ...", _words)]
+FilesFlag = Annotated[Any, _lenient("FILE ...", tuple)]
 PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
 #: A flag without a value.
 Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff]

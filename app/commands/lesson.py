@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from app.commands.flags import BadInput, NamesFlag, NumberFlag, PathFlag, Switch, default_hint
-from app.commands.output import json_target, json_text, say, working
+from app.commands.flags import (
+    BadInput,
+    FilesFlag,
+    NamesFlag,
+    NumberFlag,
+    PathFlag,
+    Switch,
+    TextFlag,
+    default_hint,
+    shown,
+)
+from app.commands.output import Target, json_target, json_text, say, working
 from solvers.rules import require_whole
 
 if TYPE_CHECKING:
     from app.lessons.lesson import Lesson
     from app.lessons.outcomes import Outcomes
+    from app.lessons.progress import Progress
 
 OK, FAILED, BAD_INPUT = 0, 1, 2
+MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
 CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
 
 LessonNames = Annotated[NamesFlag, tyro.conf.Positional]
@@ -88,6 +101,90 @@ class LessonCheck:
         else:
             print(f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}, {len(found)} checks, {len(failed)} failed")
         return FAILED if failed or mistakes else OK
+
+
+@dataclass(frozen=True)
+class LessonGuide:
+    """Write the teacher's guide to a lesson: steps, notes and right answers.
+
+    Exit status: 0 ok, 1 could not write, or the file has a mistake, 2 bad input.
+    """
+
+    name: Annotated[TextFlag, tyro.conf.Positional] = ""
+    """Lesson, by name or number."""
+    out: Annotated[PathFlag, default_hint("Markdown on standard output")] = None
+    """File for the guide: .md, or .html to read and print."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar."""
+
+    def execute(self) -> int:
+        """Run what the answers need, then write."""
+        from app.lessons import guide
+        ending = "" if self.out is None else next((kind for kind in guide.KINDS if self.out.endswith(kind)), "")
+        if self.out is not None and not ending:
+            raise BadInput("out", self.out, f"give a file that ends in {' or '.join(guide.KINDS)}")
+        target = None if self.out is None else Target("out", self.out)
+        lessons, _ = _read((self.name,))
+        if not lessons:
+            return FAILED
+        with working(self.quiet), _running(1) as outcomes:
+            text = guide.KINDS[ending or ".md"](lessons[0], outcomes)
+        if target:
+            target.write(text.encode())
+        else:
+            print(text, end="", flush=True)
+        return OK
+
+
+@dataclass(frozen=True)
+class LessonGrade:
+    """Turn files that students have handed in into one table, every mark derived anew from the runs.
+
+    Exit status: 0 ok, 1 a file could not be read or is no file of answers, 2 bad input.
+    """
+
+    files: Annotated[FilesFlag, tyro.conf.Positional] = ()
+    """Files that the page has saved."""
+    out: Annotated[PathFlag, default_hint("standard output")] = None
+    """File for the table, .csv."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar."""
+
+    def execute(self) -> int:
+        """Read them all first, then mark."""
+        if not self.files:
+            raise BadInput("", "", "give the files that students have handed in")
+        target = None if self.out is None else Target("out", self.out, ending=".csv")
+        from app.lessons import grading, shelf
+        read = [found for file in self.files if (found := _answers(file)) is not None]
+        lessons = shelf.lessons()
+        with working(self.quiet) as show, _running(2) as outcomes:
+            rows = []
+            for done, (file, progress) in enumerate(read):
+                show(done / len(read))
+                rows.append(grading.graded(file, progress, lessons[progress.lesson], outcomes))
+        text = grading.table(rows)
+        if target:
+            target.write(text.encode("utf-8-sig"))  # by which a spreadsheet knows the characters
+        else:
+            print(text, end="", flush=True)
+        for sentence in () if self.quiet else grading.coverage(rows):
+            say(sentence)
+        return OK if len(read) == len(self.files) else FAILED
+
+
+def _answers(file: str) -> tuple[str, Progress] | None:
+    """What a file says; None where it cannot be read, which is told."""
+    from app.lessons import progress, shelf
+    try:
+        with open(file, encoding="utf-8") as opened:
+            text = opened.read(MOST_CHARACTERS)
+        return os.path.basename(file), progress.read(text, shelf.lessons().get)
+    except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
+        said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
+            "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
+        say(f"{shown(file)}: {said}")
+        return None
 
 
 @contextlib.contextmanager

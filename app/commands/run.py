@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from app.commands.flags import BadInput, PathFlag, Switch, default_hint
+import tyro
+
+from app import state
+from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, report, say, working
 from app.commands.run_text import run_table
 from app.commands.scene_flags import SceneFlags
@@ -36,23 +39,54 @@ class Run(SceneFlags):
     """No progress bar, no warnings and no remarks on standard error."""
 
     def execute(self) -> int:
-        """Run, then write what was asked for. Files are tried first, so that no run is lost to a typo."""
-        scene = self.scene()
-        target = json_target(self.json)
-        picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
-        if target and picture and target.path == picture.path:
-            raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
-        for sentence in () if self.quiet else scene.warnings():
-            say(f"warning: {sentence}")
-        result = _run(scene, self.quiet)
-        if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
-            say(f"no GPU was found: this ran on the processor ({result.arch})")
-        report(result.to_dict(), target, run_table)
-        drawn = picture is None or _draw(result, picture)
-        if result.status != "ok":
-            say(result.reason)
-            return BROKEN
-        return OK if drawn else FAILED
+        """Run, then write what was asked for."""
+        return run_and_write(self.scene(), self.json, self.plot, self.quiet)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunText:
+    """Run a scene that is given as a text, as a link to the page or a lesson has it.
+
+    Such as "bar;method=mpm;cells=80"; what it says of the view and of a pinned run is left aside. Exit status: 0 ok,
+    1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
+    """
+
+    text: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="TEXT")] = ""
+    """The scene: a problem, and what differs from its defaults."""
+    json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
+    """File for the result as a JSON object; - is standard output."""
+    plot: Annotated[PathFlag, default_hint("no picture")] = None
+    """File for a picture of the result, .png."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar, no warnings and no remarks on standard error."""
+
+    def execute(self) -> int:
+        """Run, then write what was asked for."""
+        try:
+            scene = state.read(self.text.rpartition("#")[2]).scene  # a whole link does as well
+        except state.StateError as error:
+            raise BadInput("scene", self.text, str(error)) from None
+        return run_and_write(scene, self.json, self.plot, self.quiet)
+
+
+def run_and_write(scene: Scene, json: str | None, plot: str | None, quiet: bool) -> int:
+    """Run a scene and write what was asked for; the exit status. Files are tried first, so that no run is lost to a
+    typo."""
+    target = json_target(json)
+    picture = None if plot is None else Target("plot", plot, ending=".png")
+    if target and picture and target.path == picture.path:
+        raise BadInput("plot", plot, "is the file of --json too; give each its own")
+    for sentence in () if quiet else scene.warnings():
+        say(f"warning: {sentence}")
+    result = _run(scene, quiet)
+    if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not quiet:
+        say(f"no GPU was found: this ran on the processor ({result.arch})")
+    report(result.to_dict(), target, run_table)
+    drawn = picture is None or _draw(result, picture)
+    if result.status != "ok":
+        say(result.reason)
+        return BROKEN
+    return OK if drawn else FAILED
 
 
 def _run(scene: Scene, quiet: bool) -> Result:

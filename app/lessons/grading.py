@@ -1,0 +1,99 @@
+"""Marks of handed-in files: one row a student, every mark derived anew from the runs."""
+
+import csv
+import io
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from app.lessons.claims import ClaimError
+from app.lessons.lesson import INTERVAL, PREDICT, Lesson
+from app.lessons.marks import Mark, mark, shown
+from app.lessons.outcomes import Outcomes, RunFailed
+from app.lessons.progress import Progress
+from app.lessons.variants import Numbers, drawn, filled
+
+FORMULA_SIGNS = "=+-@\t\r"  # a spreadsheet would reckon what begins so
+
+
+@dataclass(frozen=True)
+class Graded:
+    """A student's file: the answers in words and their marks, by the steps' keys; None where there is no answer."""
+
+    file: str
+    progress: Progress
+    lesson: Lesson
+    answers: dict[str, tuple[str, Mark | None]]
+
+    @property
+    def right(self) -> int:
+        return sum(mark is not None and bool(mark.right) for _, mark in self.answers.values())
+
+    @property
+    def marked(self) -> int:
+        """Questions of the lesson that have a right answer, answered or not."""
+        return sum(step.question is not None and step.question.kind != "text" for step in self.lesson.steps)
+
+    @property
+    def minutes(self) -> float:
+        return sum(answer.seconds for answer in self.progress.answers.values()) / 60
+
+
+def graded(file: str, progress: Progress, lesson: Lesson, outcomes: Outcomes) -> Graded:
+    """Mark a file. A prediction counts as it was first made, an observation as it was made at last."""
+    numbers = drawn(lesson, progress.name)
+    return Graded(file, progress, lesson, {
+        key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers})
+
+
+def table(rows: Sequence[Graded]) -> str:
+    """The rows as CSV: two columns a question, the answer and whether it is right."""
+    questions = {(row.lesson.name, key): None for row in rows for key in row.lesson.questions}
+    several = len({row.lesson.name for row in rows}) > 1
+    heads = [f"{lesson}: {key}" if several else key for lesson, key in questions]
+    out = io.StringIO()
+    write = csv.writer(out, lineterminator="\n")
+    write.writerow(["name", "lesson", "right", "of", "minutes", "same lesson", "file",
+                    *(part for head in heads for part in (head, f"{head}: right"))])
+    for row in rows:
+        cells = [row.progress.name, row.lesson.name, row.right, row.marked, f"{row.minutes:.1f}",
+                 _yes(row.progress.fingerprint == row.lesson.fingerprint), row.file]
+        for lesson, key in questions:
+            said, found = row.answers.get(key, ("", None)) if lesson == row.lesson.name else ("", None)
+            cells += [said, "" if found is None or found.right is None else _yes(found.right)]
+        write.writerow([_plain(cell) for cell in cells])
+    return out.getvalue()
+
+
+def coverage(rows: Sequence[Graded]) -> list[str]:
+    """How many of a class's intervals hold what came out: a sentence for each such question."""
+    asked, held = Counter[tuple[str, str]](), Counter[tuple[str, str]]()
+    for row in rows:
+        for key, (_, found) in row.answers.items():
+            question = row.lesson.questions[key].question
+            if question and question.kind == INTERVAL and found is not None:
+                asked[row.lesson.name, key] += 1
+                held[row.lesson.name, key] += bool(found.right)
+    return [f"{lesson}, {key}: {held[lesson, key]} of {count} intervals hold what came out "
+            f"({held[lesson, key] / count:.0%})" for (lesson, key), count in asked.items()]
+
+
+def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
+            outcomes: Outcomes) -> tuple[str, Mark | None]:
+    step, answer = lesson.questions[key], progress.answers[key]
+    assert step.question is not None
+    given = answer.first if step.kind == PREDICT else answer.last
+    said = filled(shown(step.question, given), numbers)
+    try:
+        return said, mark(lesson, step, given, numbers, outcomes)
+    except (ClaimError, RunFailed):
+        return said, None
+
+
+def _yes(true: bool) -> str:
+    return "yes" if true else "no"
+
+
+def _plain(cell: object) -> object:
+    """A cell that no spreadsheet takes for a formula."""
+    return f"'{cell}" if isinstance(cell, str) and cell[:1] in FORMULA_SIGNS and cell[:1] else cell

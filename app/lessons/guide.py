@@ -1,0 +1,90 @@
+"""The teacher's guide to a lesson: its steps, notes and right answers, as Markdown or as a page to print."""
+
+from collections.abc import Callable, Iterator
+
+from app.lessons.claims import ClaimError, said, value
+from app.lessons.lesson import CHOICE, TEXT, Lesson, Step
+from app.lessons.marks import right_options
+from app.lessons.markup import html
+from app.lessons.outcomes import Outcomes, RunFailed
+from app.lessons.shelf import FOLDER
+from app.lessons.variants import Numbers, filled
+from solvers.markdown import grid
+
+STYLE = """
+body { font: 15px/1.55 system-ui, sans-serif; max-width: 46em; margin: 2em auto; padding: 0 1em; color: #222831; }
+table { border-collapse: collapse; margin: 0.6em 0; } td, th { padding: 2px 10px; border-bottom: 1px solid #d0d6dd; }
+img { max-width: 100%; } code { background: #f1f3f6; padding: 0 3px; } h2 { margin-top: 1.6em; }
+blockquote { margin: 0.6em 0; padding: 2px 14px; background: #fff6e0; border-left: 4px solid #e69f00; }
+@media print {
+  body { margin: 0; max-width: none; } h2 { break-after: avoid; } table, blockquote { break-inside: avoid; }
+}"""
+
+
+def markdown(lesson: Lesson, outcomes: Outcomes) -> str:
+    """The guide as Markdown. Runs what the right answers need."""
+    parts = [f"# {lesson.title}", f"*Teacher's guide. {lesson.minutes} minutes.*", "Afterwards students can",
+             "\n".join(f"* {goal}" for goal in lesson.goals)]
+    if lesson.prerequisites:
+        parts.append(f"Do before: {', '.join(lesson.prerequisites)}.")
+    parts += [f"Open the class on it: `mpm-lab serve --lesson {lesson.name}`. Handed-in files become one table by "
+              "`mpm-lab lesson grade FILES`.", *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
+    for number, step in enumerate(lesson.steps, 1):
+        parts += [f"## {number}. {step.kind.capitalize()}: {step.title}", step.text, *_runs(step),
+                  *_question(lesson, step, outcomes), _quoted(step.notes)]
+    return "\n\n".join(part for part in parts if part.strip()) + "\n"
+
+
+def page(lesson: Lesson, outcomes: Outcomes) -> str:
+    """The guide as one html file, with its pictures in it."""
+    return f"<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>{lesson.title}</title>" \
+           f"<style>{STYLE}</style></head><body>{html(markdown(lesson, outcomes), FOLDER)}</body></html>\n"
+
+
+def _variants(lesson: Lesson) -> Iterator[str]:
+    names = list(lesson.variants[0])
+    if names:
+        rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
+        yield "Numbers differ from student to student, drawn from the name:\n\n" + grid(["variant", *names], rows)
+
+
+def _runs(step: Step) -> Iterator[str]:
+    if step.stage:
+        yield f"On the stage: `{step.stage}`"
+
+
+def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
+    asked = step.question
+    if asked is None:
+        return
+    if asked.options:
+        yield "\n".join(f"{k}. {option}" for k, option in enumerate(asked.options, 1))
+    if asked.kind == TEXT:
+        yield "**Answer:** free text, which is not marked."
+        return
+    answers = [_answer(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+    if len(set(answers)) == 1:
+        yield f"**Answer:** {answers[0]}"
+    else:
+        yield "**Answer:**\n\n" + grid(["variant", "answer"], ([str(k), one] for k, one in enumerate(answers, 1)))
+
+
+def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> str:
+    asked = step.question
+    assert asked is not None
+    texts = [filled(text, numbers) for text in (*asked.holds, *([asked.expected] if asked.expected else []))]
+    try:
+        scope = outcomes.scope(lesson, step, numbers, texts)
+        if asked.kind == CHOICE:
+            return " or ".join(filled(asked.options[k - 1], numbers) for k in right_options(asked, texts, scope))
+        return f"{said(value(texts[-1], scope))} {asked.unit}".strip()
+    except (ClaimError, RunFailed) as error:
+        return f"could not be worked out: {error}"
+
+
+def _quoted(notes: str) -> str:
+    """Notes set apart from what students see."""
+    return "\n".join(f"> {line}" for line in ["**Teacher**", "", *notes.splitlines()]) if notes.strip() else ""
+
+
+KINDS: dict[str, Callable[[Lesson, Outcomes], str]] = {".md": markdown, ".html": page}
