@@ -8,29 +8,37 @@ from pathlib import Path
 
 import pytest
 
+from app.lessons.checking import checks
+from app.lessons.outcomes import Outcomes, scene_texts
+from app.lessons.shelf import lessons, names
 from solvers.bar.scene import BarScene
 from solvers.ring.scene import RingScene
 from solvers.run import run
 
 LESSONS = Path(__file__).parents[1] / "lessons"
-LESSON = LESSONS / "who-is-to-blame.md"
-ROW = re.compile(r"^\|\s*(\d+)\s*\|\s*(\S+)\s*\|\s*(\d+)\s*\|\s*(\S+)\s*\|\s*(\d+)\s*\|$", re.MULTILINE)
-ROWS = ROW.findall(LESSON.read_text(encoding="utf-8"))
 
 
-def test_the_table_is_there():
-    assert [int(row[0]) for row in ROWS] == [20, 40, 80, 160]
+@pytest.fixture(scope="module")
+def outcomes():
+    """Runs are shared by the tests of this file; in the suite each lesson is checked with its first numbers."""
+    found = Outcomes(processes=2)
+    yield found
+    found.close()
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row[0])
-def test_who_is_to_blame(row):
-    """Every number of the table, to the three digits printed (1 %); crossings to 0.1 %, since a particle on a
-    boundary may fall either way on another processor."""
-    for force, error, crossings in (("node", row[1], row[2]), ("material", row[3], row[4])):
-        result = run(BarScene(linearity_preserving=True, body_force=force, cells=int(row[0]), modulus=1000.0,
-                           amplitude=0.025, dt=2.5e-5, t_end=1.0, estimators=()))
-        assert result.errors()["x"]["max"] == pytest.approx(float(error), rel=0.01)
-        assert result.to_dict()["grid_crossings"] == pytest.approx(int(crossings), rel=1e-3)
+@pytest.mark.parametrize("name", names())
+def test_every_claim_of_a_lesson_holds(name, outcomes):
+    lesson = lessons()[name]
+    outcomes.prepare(scene_texts(lesson, lesson.variants[0]), lambda done, total: None)
+    found = list(checks(lesson, outcomes, variants=1))
+    assert [str(check) for check in found if not check.holds] == []
+    assert len(found) > 10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", names())
+def test_every_claim_holds_with_all_numbers(name, outcomes):
+    assert [str(check) for check in checks(lessons()[name], outcomes) if not check.holds] == []
 
 
 def edited(name: str, **values) -> str:

@@ -183,7 +183,7 @@ def _answers(file: str) -> tuple[str, Progress] | None:
     except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        say(f"{shown(file)}: {said}")
+        say(f"{shown(os.path.basename(file) or file)}: {said}")
         return None
 
 

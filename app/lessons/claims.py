@@ -82,14 +82,22 @@ def value(text: str, scope: Scope) -> float | str:
 
 
 def judge(claim: str, scope: Scope) -> Verdict:
-    """Whether a claim holds."""
+    """Whether a claim holds; of several runs, whether it holds of each."""
     parts = _split(claim)
-    found = value(parts[0], scope)
-    if len(parts) == 3 and parts[1] in _COMPARISONS:
+    found = _evaluate(_parsed(parts[0]), scope)
+    if isinstance(found, list):
+        verdicts = [_judged(claim, parts, one, scope) for one in found]
+        return Verdict(all(one.holds for one in verdicts), ", ".join(one.found for one in verdicts))
+    return _judged(claim, parts, value(parts[0], scope), scope)
+
+
+def _judged(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> Verdict:
+    """The verdict on one value of what stands to the left."""
+    if parts[1] in _COMPARISONS:
         other = value(parts[2], scope)
         if isinstance(found, str) != isinstance(other, str):
             raise ClaimError(f"{claim} compares a word with a number")
-        told = f"{said(found)} and {said(other)}" if not _is_number(parts[2]) else said(found)
+        told = said(found) if _is_number(parts[2]) else f"{said(found)} and {said(other)}"
         return Verdict(_COMPARISONS[parts[1]](found, other), told)
     low, high = value(parts[1], scope), value(parts[2], scope)
     if isinstance(found, str) or isinstance(low, str) or isinstance(high, str):

@@ -42,11 +42,21 @@ def _parser(folder: Path | None) -> MarkdownIt:
 
 
 def _formula(latex: str, options: dict) -> str:
+    latex = latex.strip()
     try:
-        return latex2mathml.converter.convert(latex, display="block" if options["display_mode"] else "inline")
+        mathml = latex2mathml.converter.convert(latex, display="block" if options["display_mode"] else "inline")
     except Exception as error:  # the library raises what comes
-        raise MarkupError(latex.strip(), f"the formula ${latex.strip()}$ cannot be shown ({type(error).__name__}); "
-                                         "give plain LaTeX such as $\\frac{h}{2}$") from None
+        raise MarkupError(latex, f"the formula ${latex}$ cannot be shown ({type(error).__name__}); "
+                                 "give plain LaTeX such as $\\frac{h}{2}$") from None
+    return _known(latex, mathml)
+
+
+def _known(latex: str, mathml: str) -> str:
+    """The formula, unless it has a command that nobody knows, which would be shown as it is typed."""
+    if unknown := re.search(r"\\\w+", mathml):
+        raise MarkupError(latex, f"the formula ${latex}$ has {unknown[0]}, which cannot be shown; give plain LaTeX "
+                                 "such as $\\frac{h}{2}$")
+    return mathml
 
 
 def _data(folder: Path | None, source: str) -> str:

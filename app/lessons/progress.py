@@ -33,7 +33,8 @@ class Answer:
 
 @dataclass
 class Progress:
-    """Of one student in one lesson: the ``step`` that is shown, counted from 0, and the answers by the steps' keys."""
+    """Of one student in one lesson: the ``step`` that is shown, 0 for the introduction, and the answers by the steps'
+    keys."""
 
     lesson: str
     fingerprint: str
@@ -75,7 +76,7 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
         raise NotAnswers(f"is about a lesson that is not here: {values['lesson']:.60}")
     answers = {key: Answer(**{name: given[name] for name in ANSWER}) for key, given in values["answers"].items()
                if key in lesson.questions and _fits(lesson, key, given)}
-    step = min(max(values["step"], 0), len(lesson.steps))
+    step = min(max(values["step"], 0), len(lesson.steps) + 1)
     return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers)
 
 

@@ -175,10 +175,9 @@ def _kind(part: _Part) -> tuple[str, str]:
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
     if not found or kind not in KINDS:
-        close = get_close_matches(kind, KINDS, n=1)
-        raise LessonError(part.line, f"{part.heading.strip()!r} begins no step" + f" (did you mean "
-                          f"{close[0].capitalize()}?)" * bool(close) + "; give ## Predict: ..., ## Run: ..., "
-                          "## Observe: ... or ## Explain: ...")
+        meant = "".join(f" (did you mean {close.capitalize()}?)" for close in get_close_matches(kind, KINDS, n=1))
+        raise LessonError(part.line, f"{part.heading.strip()!r} begins no step{meant}; give ## Predict: ..., "
+                          "## Run: ..., ## Observe: ... or ## Explain: ...")
     return kind, found["title"].strip()
 
 

@@ -1,6 +1,6 @@
 """The lessons that there are: a Markdown file each in ``lessons/``."""
 
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 
 from app.lessons.lesson import Lesson, LessonError
@@ -34,13 +34,19 @@ def lesson(name: str, folder: Path = FOLDER) -> Lesson:
     return read(folder / f"{name}.md")
 
 
-@cache
-def lessons() -> dict[str, Lesson]:
-    """All lessons that can be read, by their names. One that cannot is left out: ``mpm-lab lesson check`` says why."""
+def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
+    """All lessons that can be read, by their names, as their files are now. One that cannot is left out: ``mpm-lab
+    lesson check`` says why."""
+    return _read(folder, tuple((name, (folder / f"{name}.md").stat().st_mtime_ns) for name in names(folder)))
+
+
+@lru_cache(2)
+def _read(folder: Path, files: tuple[tuple[str, int], ...]) -> dict[str, Lesson]:
+    """The lessons of files that were last changed then."""
     found = {}
-    for name in names():
+    for name, _ in files:
         try:
-            found[name] = lesson(name)
+            found[name] = lesson(name, folder)
         except LessonError:
             continue
     return found

@@ -3,7 +3,7 @@
 (() => {
   const STORE = "mpm-lab/", LONGEST = 20000;
   const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
-  let field = null, lesson = null, link = "", count = 0;
+  let field = null, lesson = null, link = "", count = 0, opened = false, pressed = null;
   const read = () => {  // the class code is not for keeping; and the viewer cannot connect from an address with a fragment
     const said = location.hash.slice(1).replace(/^code=[^&]*&?/, "");
     try { link = decodeURIComponent(said); } catch { link = said; }
@@ -31,8 +31,16 @@
     if (!kept) return;
     if ((kept.lesson || "") !== lesson) {
       lesson = kept.lesson || "";
-      if (lesson) [...document.querySelectorAll("[role=tab]")].find(tab => tab.textContent.trim() === "Lessons")?.click();
+      opened = lesson !== "";
       if (lesson) tell({lesson, answers: stored(store => store.getItem(STORE + lesson), "") || ""});
+    }
+    if (opened) {  // its tab may come later than it
+      const tab = [...document.querySelectorAll("[role=tab]")].find(one => one.textContent.trim() === "Lessons");
+      if (tab?.getAttribute("aria-selected") === "true") opened = false;
+      else if (tab && !pressed) {  // the viewer's tabs hear pointers, which may drag, and keys
+        pressed = setTimeout(() => { pressed = null; look(); }, 500);
+        tab.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter", bubbles: true}));
+      }
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));
     if (kept.link && kept.link !== link) {

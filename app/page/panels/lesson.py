@@ -1,28 +1,24 @@
 """The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
 
-import logging
 import re
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from time import monotonic
-from typing import Any
 
 import viser
 
 from app import state
 from app.lessons import progress as kept
 from app.lessons import shelf
-from app.lessons.claims import ClaimError
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step
-from app.lessons.marks import LONGEST, Mark, mark, shown, trouble
-from app.lessons.outcomes import RunFailed
+from app.lessons.marks import LONGEST, Mark, shown, trouble
 from app.lessons.variants import Numbers, drawn, filled
 from app.page.classroom import Classroom
 from app.page.doors.widgets import allow
 from app.page.panels import lesson_html as page
 from app.page.panels.answer import AnswerWidgets
 from app.page.panels.head import HALF_WIDE
+from app.page.panels.marking import Marker, asked_since
 
 NO_LESSON = "choose a lesson"
 TOLD_AFTER = 3  # attempts, after which the right answer is shown
@@ -38,11 +34,10 @@ class Player:
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
         self._put, self._offer, self._on_change = put, offer, on_change
         self._lock = threading.RLock()
-        self._workers = ThreadPoolExecutor(1)  # marks wait for runs; the page does not
+        self._marker = Marker(classroom.outcomes)
         self._lesson: Lesson | None = None
         self._progress: kept.Progress | None = None
         self._restored = False  # whether the browser has said what it keeps of this lesson
-        self._marks: dict[str, Mark | str] = {}
         self._shown_at = monotonic()
         self._widgets = self._gui.add_folder(None)
         self._build()
@@ -60,7 +55,7 @@ class Player:
 
     def close(self) -> None:
         """The visitor has gone."""
-        self._workers.shutdown(wait=False, cancel_futures=True)
+        self._marker.close()
 
     def open(self, name: str) -> None:
         """Begin a lesson; one that is not there changes nothing."""
@@ -68,7 +63,8 @@ class Player:
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
-            self._lesson, self._progress, self._restored, self._marks = lesson, kept.begun(lesson), False, {}
+            self._lesson, self._progress, self._restored = lesson, kept.begun(lesson), False
+            self._marker.forget()
         self._offer(lesson.controls)
         self._rebuild()
         self._on_change()
@@ -89,6 +85,7 @@ class Player:
             if found.fingerprint != lesson.fingerprint:
                 return  # the lesson has been changed since: its questions may mean something else
             self._progress = found
+            self._marker.forget()
         self._rebuild()
 
     def _leave(self) -> None:
@@ -146,12 +143,12 @@ class Player:
         with self._lock:
             if self._progress and not self._progress.answers:
                 self._progress.name = name.strip()[:kept.LONGEST_NAME]
+                self._marker.forget()
         self._on_change()
 
     def _build_step(self, lesson: Lesson, step: Step) -> None:
-        before = self._compared(lesson, step) if step.kind == EXPLAIN else ""
-        text = self._gui.add_html(page.step_html(step, self._numbers, before, self._room.teacher))
-        if step.kind == EXPLAIN:
+        text = self._gui.add_html(self._explained(lesson, step))
+        if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
             self._mark_all(lesson, step, text)
         if step.stage:
             stage = self._gui.add_button("On the stage", icon=viser.Icon.PLAYER_PLAY, hint="begins this run beside the "
@@ -212,45 +209,28 @@ class Player:
         assert progress is not None
         said.content = self._taken(lesson, step, "Being checked against the run …")
 
-        def work() -> None:
-            said.content = self._taken(lesson, step, self._marked(lesson, step, progress.answers[step.key].last))
+        self._marker.check(lesson, step, progress, lambda found: self._show(
+            said, lambda: self._taken(lesson, step, found)))
 
-        self._later(work)
-
-    def _asked_since(self, lesson: Lesson, step: Step) -> list[Step]:
-        """The steps with questions since the explanation before this one."""
-        at, found = lesson.steps.index(step), list[Step]()
-        for other in reversed(lesson.steps[:at]):
-            if other.kind == EXPLAIN:
-                break
-            found.insert(0, other)
-        return [other for other in found if other.question]
-
-    def _compared(self, lesson: Lesson, step: Step) -> str:
+    def _explained(self, lesson: Lesson, step: Step) -> str:
+        """The step's text; where it explains, below what was said and what came out."""
         assert self._progress is not None
-        return page.compared_html(self._asked_since(lesson, step), self._progress.answers, self._marks, self._numbers)
+        before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
+                                    self._numbers) if step.kind == EXPLAIN else ""
+        return page.step_html(step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Mark what a step looks back on, or everything at the end, and show it there."""
-        steps = self._asked_since(lesson, step) if step else [other for other in lesson.steps if other.question]
-        progress, numbers = self._progress, self._numbers
-        assert progress is not None
+        steps = asked_since(lesson, step) if step else [other for other in lesson.steps if other.question]
+        assert self._progress is not None
+        self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
+            text, lambda: self._explained(lesson, step) if step else self._end(lesson)))
 
-        def work() -> None:
-            for other in steps:
-                if other.key in progress.answers:
-                    self._marks[other.key] = self._marked(lesson, other, progress.answers[other.key].first)
-            if self._lesson is lesson:
-                text.content = page.step_html(step, numbers, self._compared(lesson, step), self._room.teacher) \
-                    if step else self._end(lesson)
-
-        self._later(work)
-
-    def _marked(self, lesson: Lesson, step: Step, answer: Any) -> Mark | str:
-        try:
-            return mark(lesson, step, answer, self._numbers, self._room.outcomes)
-        except (RunFailed, ClaimError):
-            return "could not be checked just now"
+    def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
+        """Put what has been worked out into a text, unless the visitor has gone on meanwhile."""
+        with self._lock:
+            if not text._impl.removed:
+                text.content = content()
 
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
@@ -262,7 +242,7 @@ class Player:
     def _end(self, lesson: Lesson) -> str:
         assert self._progress is not None
         steps = [step for step in lesson.steps if step.question]
-        table = page.compared_html(steps, self._progress.answers, self._marks, self._numbers)
+        table = page.compared_html(steps, self._progress.answers, self._marker.marks, self._numbers)
         return page.end_html(table, sum(step.key not in self._progress.answers for step in steps))
 
     def _hand_in(self, lesson: Lesson) -> None:
@@ -288,12 +268,3 @@ class Player:
     def _numbers(self) -> Numbers:
         """The visitor's own."""
         return drawn(self._lesson, self._progress.name) if self._lesson and self._progress else {}
-
-    def _later(self, work: Callable[[], None]) -> None:
-        def safely() -> None:
-            try:
-                work()
-            except Exception:
-                logging.getLogger(__name__).exception("an answer could not be marked")
-
-        self._workers.submit(safely)

@@ -1,0 +1,74 @@
+"""Marks for one visitor of a lesson: they wait for runs, and the page does not wait for them."""
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from app.lessons.claims import ClaimError
+from app.lessons.lesson import EXPLAIN, Lesson, Step
+from app.lessons.marks import Mark, mark
+from app.lessons.outcomes import Outcomes, RunFailed
+from app.lessons.progress import Progress
+from app.lessons.variants import drawn
+
+LATER = "could not be checked just now"
+
+
+class Marker:
+    """Marks answers one after the other in a thread of its own. ``marks`` are those of what was answered first, by the
+    steps' keys; a sentence stands where there can be none."""
+
+    def __init__(self, outcomes: Outcomes):
+        self._outcomes = outcomes
+        self._thread = ThreadPoolExecutor(1)
+        self.marks: dict[str, Mark | str] = {}
+
+    def close(self) -> None:
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    def forget(self) -> None:
+        """Another lesson, or another student: marks mean something else."""
+        self.marks = {}
+
+    def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[Mark | str], None]) -> None:
+        """Mark what a step was answered last, and ``tell``."""
+        answer = progress.answers[step.key].last
+        self._later(lambda: tell(self._marked(lesson, step, progress, answer)))
+
+    def mark_first(self, lesson: Lesson, steps: list[Step], progress: Progress, tell: Callable[[], None]) -> None:
+        """Mark what these steps were answered first, and ``tell`` that it is done."""
+        marks, answers = self.marks, dict(progress.answers)
+
+        def work() -> None:
+            for step in steps:
+                if step.key in answers and step.key not in marks:
+                    marks[step.key] = self._marked(lesson, step, progress, answers[step.key].first)
+            tell()
+
+        self._later(work)
+
+    def _marked(self, lesson: Lesson, step: Step, progress: Progress, answer: Any) -> Mark | str:
+        try:
+            return mark(lesson, step, answer, drawn(lesson, progress.name), self._outcomes)
+        except (RunFailed, ClaimError):
+            return LATER
+
+    def _later(self, work: Callable[[], None]) -> None:
+        def safely() -> None:
+            try:
+                work()
+            except Exception:
+                logging.getLogger(__name__).exception("an answer could not be marked")
+
+        self._thread.submit(safely)
+
+
+def asked_since(lesson: Lesson, step: Step) -> list[Step]:
+    """The steps with questions since the explanation before this one."""
+    found: list[Step] = []
+    for other in reversed(lesson.steps[:lesson.steps.index(step)]):
+        if other.kind == EXPLAIN:
+            break
+        found.insert(0, other)
+    return [other for other in found if other.question]

@@ -1,0 +1,141 @@
+"""A lesson's file: what it says, and every mistake with its line and what was expected."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.lessons.lesson import LessonError
+from app.lessons.reading import parse, read
+from app.lessons.shelf import FOLDER, UnknownLesson, called, lessons, names
+from app.lessons.variants import drawn, filled
+
+TEXT = """+++
+title = "A test"
+minutes = 10
+goals = ["see"]
+controls = ["cells", "method"]
+[[variants]]
+A = 0.02
+[[variants]]
+A = 0.03
++++
+
+Begin with A = {A}.
+
+## Predict: What happens?
+
+```question
+kind = "choice"
+options = ["nothing", "something"]
+holds = ["order(grids.error.x.max) < 1", "order(grids.error.x.max) >= 1"]
+```
+
+## Run: Look
+
+```run
+grids = "bar cells=8,16 amplitude={A} periods=0.1"
+stage = "grids"
+```
+
+```claims
+order(grids.error.x.max) in 1..3   # second order
+status == ok
+```
+
+## Observe: And?
+
+```question
+kind = "number"
+expected = "first(grids.error.x.final)"
+unit = "m"
+```
+
+## Explain: Why
+
+Because $h^2$.
+
+```teacher
+Ask them.
+```
+"""
+
+
+def test_a_lesson_is_read():
+    lesson = parse(TEXT, "test")
+    assert (lesson.title, lesson.minutes, lesson.controls) == ("A test", 10, ("cells", "method"))
+    assert [step.kind for step in lesson.steps] == ["predict", "run", "observe", "explain"]
+    assert lesson.runs["grids"].texts == ("bar cells=8 amplitude={A} periods=0.1",
+                                          "bar cells=16 amplitude={A} periods=0.1")
+    assert lesson.runs["grids"].varied == "cells" and lesson.steps[1].stage == lesson.runs["grids"].texts[0]
+    assert [claim.text for claim in lesson.steps[1].claims] == ["order(grids.error.x.max) in 1..3", "status == ok"]
+    assert lesson.steps[3].notes == "Ask them." and list(lesson.questions) == ["what-happens", "and"]
+    assert [lesson.main_run(step) for step in lesson.steps] == ["grids"] * 4
+
+
+@pytest.mark.parametrize("old, new, where, said", [
+    ("+++\ntitle", "title", "title", "must begin with a head"),
+    ('title = "A test"', 'title = "A test', "title", "this is no TOML"),
+    ('title = "A test"\n', "", "minutes", "title is missing"),
+    ("minutes = 10", "minutes = 1000", "minutes", "1 to 120"),
+    ("goals", "goal", "goal", "goal is not known in a head"),
+    ('"cells", "method"', '"cels"', "controls", "'cels' is not known; give problem, method"),
+    ("A = 0.03", "B = 0.03", "[[variants]]", "is not like"),
+    ("## Predict: What happens?", "## Pedict: What happens?", "## Pedict", "did you mean Predict?"),
+    ("## Explain: Why", "## Explain", "## Explain", "begins no step"),
+    ('kind = "choice"', 'kind = "choose"', "kind", "give one of number, choice"),
+    ('"nothing", "something"', '"nothing"', "kind", "give 2 to 8"),
+    ('options = ["nothing"', 'choices = ["nothing"', "choices", "choices means nothing for a choice"),
+    ('< 1", ', '< 1"', "holds", "this is no TOML"),
+    (', "order(grids.error.x.max) >= 1"]', "]", "kind", "holds has 1 claims for 2 options"),
+    ("cells=8,16", "cels=8", "grids =", "did you mean cells?"),
+    ("cells=8,16", "cells=2,16", "grids =", "give a whole number from 4"),
+    ('stage = "grids"', 'status = "bar"', "status =", "has a meaning in claims"),
+    ("in 1..3", "in 1", "in 1", "claims nothing"),
+    ("status == ok", "statues == ok", "statues", "neither a run nor part of a result"),
+    ('expected = "first(grids.error.x.final)"\n', "", 'kind = "number"', "expected is missing"),
+    ('unit = "m"', "unit = 3", "unit", "unit = 3: give a text"),
+    ("$h^2$", "$x^2^3$", "Because", "cannot be shown"),
+    ("Because", "![a](b.svg)", "![a]", "the picture b.svg is not there"),
+    ("Because", "{B}", "{B}", "{B} is no number of a variant"),
+    ("```teacher\nAsk them.\n```", "```teacher\nAsk them.", "```teacher", "does not end"),
+    ("```teacher", "```teachers", "```teachers", "a block 'teachers' is not known"),
+    ("## Observe: And?", "## Observe: What happens?", "## Observe", "is called as the one in line 14"),
+    ("```run", "```question", "```question\ngrids", "has no question block"),
+])
+def test_a_mistake_is_told_with_its_line(old, new, where, said):
+    assert old in TEXT
+    text = TEXT.replace(old, new, 1)
+    with pytest.raises(LessonError) as mistake:
+        parse(text, "test")
+    assert said in mistake.value.sentence
+    assert mistake.value.line == text[:text.index(where)].count("\n") + 1
+
+
+def test_a_file_that_is_no_text_is_told(tmp_path):
+    (tmp_path / "07-bad.md").write_bytes(TEXT.encode() + b"\xff")
+    with pytest.raises(LessonError, match="UTF-8"):
+        read(tmp_path / "07-bad.md")
+
+
+def test_numbers_are_drawn_from_the_name():
+    lesson = parse(TEXT, "test")
+    assert drawn(lesson, "") == {"A": 0.02}
+    assert drawn(lesson, "Ada Lovelace") == drawn(lesson, "  ada   LOVELACE ")
+    assert {drawn(lesson, f"student {k}")["A"] for k in range(20)} == {0.02, 0.03}
+    assert filled("A = {A}, $\\frac{h}{2}$", {"A": 0.02}) == "A = 0.02, $\\frac{h}{2}$"
+
+
+def test_lessons_are_found_by_name_and_number():
+    full = names()
+    assert len(full) == len(lessons()) == 9
+    assert called("4") == called("04") == called("grid-crossing") == called("04-grid-crossing") == full[3]
+    with pytest.raises(UnknownLesson, match="give one of 01-"):
+        called("99")
+
+
+def test_prerequisites_and_pictures_of_our_lessons_are_there():
+    for lesson in lessons().values():
+        assert set(lesson.prerequisites) <= set(names())
+        assert 10 <= lesson.minutes <= 20
+        assert lesson.notes or any(step.notes for step in lesson.steps)
+    assert (FOLDER / "README.md").exists()
