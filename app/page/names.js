@@ -3,7 +3,8 @@
   const set = (element, name, value) => {
     if (element && value && element.getAttribute(name) !== value) element.setAttribute(name, value);
   };
-  const row = label => label.closest(".mantine-Flex-root")?.querySelectorAll("[role=slider], input:not([type=hidden])");
+  const row = label => label.closest(".mantine-Flex-root")?.querySelectorAll(
+    "[role=slider], input:not([type=hidden]), textarea:not([aria-hidden])");
   const all = (selector, act) => document.querySelectorAll(selector).forEach(act);
 
   function name() {

@@ -130,6 +130,10 @@ class Stepper:
         self._advance(max(1, min(wanted, self._slice, self.solver.longest_advance)))
         if wanted * self._seconds_a_step > LAG_SECONDS:
             self._anchor = (perf_counter(), self.solver.time)
+        if self.wish.ends and self.solver.step == self._last_step:
+            if not len(self._rows[-1]):  # no sample was due: what a run has come to is read at its end
+                self._rows.append(self.solver.measure())
+            self._frame_wanted = True
 
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
@@ -162,7 +166,11 @@ class Stepper:
 
     @property
     def _running(self) -> bool:
-        return self.wish.playing and self.solver.sound and self.solver.step < LAST_STEP
+        return self.wish.playing and self.solver.sound and self.solver.step < self._last_step
+
+    @property
+    def _last_step(self) -> int:
+        return self.solver.scene.steps if self.wish.ends else LAST_STEP
 
     @property
     def _slice(self) -> int:
@@ -188,7 +196,7 @@ class Stepper:
         if bound < target:
             target = bound
             self._anchor = (now, bound)
-        return int((target - self.solver.time) / self.solver.scene.time_step)
+        return min(int((target - self.solver.time) / self.solver.scene.time_step), self._last_step - self.solver.step)
 
     def _bound(self) -> float:
         """How far this session may go until its partner follows, in s: to the number of periods that this has come to,
