@@ -157,8 +157,8 @@ class Page:
                     self._draw_pinned(pinned, second, beside, *pinned.last, scene)
                 self._mark.look(stage, arrays)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
+                self.client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
             self._camera.show(RECTANGLE if self._slow.showing else stage.rectangle)
-            self.client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
             self._probe.look(stage, arrays, view.estimated, view.true)
             self._seen = report, arrays, view
 
