@@ -237,7 +237,7 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
     process = jobs.process_id
     page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
     tab.jobs = jobs
-    page._closed, page._cost = threading.Event(), tab
+    page._closed, page._stands, page._cost = threading.Event(), threading.Event(), tab
     page._drawing, page._refreshing = threading.Lock(), threading.Lock()
     page._session = page._slow = SimpleNamespace(close=lambda: None)
     page.close()

@@ -41,13 +41,6 @@ class Wish:
 
 
 @dataclass(frozen=True)
-class Seen:
-    """The page has copied the session's last frame: the block may be written again."""
-
-    session: int
-
-
-@dataclass(frozen=True)
 class Goodbye:
     """The visitor has left: free what the session holds."""
 

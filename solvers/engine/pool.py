@@ -11,7 +11,7 @@ from typing import Protocol
 
 from solvers.engine import frames
 from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Seen, Wish
+from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
 from solvers.processes import adopt_orphans
 from solvers.scene import Scene
@@ -127,7 +127,6 @@ class SessionLink:
             if block is self._block:
                 _free(self._outgrown)
                 self._outgrown = []
-            self.engine.send(Seen(self.session))
         if arrays is not None:
             self.listener.on_frame(report, arrays)
 
