@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT
 from app.lessons.variants import drawn, filled
-from tests.browser.driving import row, until
+from tests.browser.driving import FOLDERS, row, scene, time, unfold, until
 
-ACT = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?", re.MULTILINE)
-READ = re.compile(r"\*\*(norm|index|distance)\*\* of \*\*([\w-]+)\*\*")
+#: An act on a line of its own, or a reading: "Read **norm** of **true**".
+SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
+                  r"|\*\*(norm|index|distance)\*\* of \*\*([\w-]+)\*\*", re.MULTILINE)
 COLUMNS = {"norm": 1, "index": 2, "distance": 3}
+SOON = 8.0  # seconds in which a change of scene is on the stage
 LONG = 120.0  # seconds in which a lesson's run comes to its end
 
 
@@ -23,11 +26,16 @@ def act(page, verb, name, value):
     if (verb, name) == ("Press", "On the stage"):
         page.get_by_role("button", name=name, exact=True).click()
         return
+    if page.get_by_role("tab", name=name, exact=True).count():
+        tab(page, name)
+        return
     tab(page, "Explore")
+    if not page.get_by_text(name).count():
+        tab(page, "Cost")
     if verb == "Press":
         page.get_by_role("button", name=name, exact=True).or_(page.get_by_text(name, exact=True)).first.click()
     elif verb == "Open":
-        page.get_by_text(name, exact=True).first.click()
+        unfold(page, next(folder for folder in FOLDERS if name.startswith(folder)))
     elif verb == "Choose":
         page.get_by_label(name, exact=True).first.click()
         page.get_by_role("option", name=value, exact=True).click()
@@ -70,29 +78,44 @@ def answer(page, step, text):
     until(page.locator(".lab-recorded").count, "the answer taken")
 
 
+def do(page, text, stops):
+    """Do what a text says, in its order; what it had one read, as it stood there then."""
+    found = []
+    for verb, name, value, column, of in SAID.findall(text):
+        if verb:
+            before = scene(page), time(page)
+            act(page, verb, name, value)
+            if (verb, name) == ("Press", "On the stage") or (verb != "Press" and stops):
+                with suppress(AssertionError):  # what was read of the run before would be another run's
+                    until(lambda was=before: scene(page) != was[0] or time(page) < was[1], "another run", SOON)
+            continue
+        if stops:
+            until(lambda: "at its end" in page.locator(".lab-readout").inner_text(), "the end of the run", LONG)
+            page.wait_for_timeout(1500)  # numbers follow the picture
+        found.append(reading(page, column, of))
+    return found
+
+
 def follow(page, lesson, on_step=lambda number: None):
     """Go through a lesson whose introduction is shown; the sentences of what was read and found not right."""
-    numbers, wrong, told = drawn(lesson, ""), [], ""
+    numbers, wrong, read, stops = drawn(lesson, ""), [], [], False
     page.get_by_role("button", name="Next", exact=True).click()
     for number, step in enumerate(lesson.steps, 1):
         where = f"step {number} of {len(lesson.steps)}"
         until(lambda where=where: where in page.locator(".lab-lesson-head").inner_text(), where)
-        text = filled(step.text, numbers)
-        told = text if step.runs or step.stage else f"{told}\n{text}"
-        for verb, name, value in ACT.findall(text):
-            act(page, verb, name, value)
-        if "stops" in step.stage.partition(" pinned")[0].split() and "On the stage" in text:
-            until(lambda: "at its end" in page.locator(".lab-readout").inner_text(), "the end of the run", LONG)
+        if step.stage:
+            stops = "stops" in step.stage.partition(" pinned")[0].split()
+        found = do(page, filled(step.text, numbers), stops) if step.kind != PREDICT else []
+        read = found if step.stage else (read or found)  # of the run that is observed, else what is there now
         if step.question:
-            found = READ.findall(told)
-            wanted = step.kind == OBSERVE and step.question.kind == NUMBER and found
-            read = reading(page, *found[-1]) if wanted else "1"
-            answer(page, step, read)
-            if wanted:
+            counts = step.kind == OBSERVE and step.question.kind == NUMBER and read
+            answer(page, step, read[-1] if counts else "1")
+            if counts:
                 said = page.locator(".lab-recorded")
                 until(lambda said=said: "checked" not in said.inner_text(), "the mark", LONG)
                 if "right" not in said.inner_text():
-                    wrong.append(f"{where}: {found[-1]} reads {read}: {said.inner_text()}")
+                    wrong.append(f"{where}: read {read}: {said.inner_text()}")
+                read = []
         on_step(number)
         page.get_by_role("button", name="Next", exact=True).click()
     return wrong

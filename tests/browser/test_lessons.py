@@ -100,7 +100,7 @@ def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
     [row] = csv.DictReader(capfd.readouterr().out.splitlines())
     marks = [row[f"{key}: right"] for key in lesson.questions]
     predicted = [mark for mark, step in zip(marks, lesson.questions.values(), strict=True) if step.kind == PREDICT]
-    said = [{"✓ right": "yes", "✗ not so": "no"}.get(sign.strip(), "") for sign in signs]
+    said = [{"✓": "yes", "✗": "no"}.get(sign.strip(), "") for sign in signs]
     assert said == marks and {"yes", "no"} >= set(predicted)
 
 
