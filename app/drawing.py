@@ -19,6 +19,7 @@ TICK_GAP = 0.024  # labels have a white ground, which must stay clear of the col
 FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
 DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
 UNKNOWN = 225  # grey of a particle whose error nobody knows
+LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size
 AWAY = -50.0  # where points that are not shown wait, far outside the view
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
@@ -143,6 +144,11 @@ def enlarge(s: viser.SceneApi, factor: float) -> None:
         lettering.factor = factor
         for handle, size in list(lettering.sizes.values()):
             resize(s, handle, size)
+
+
+def letters(s: viser.SceneApi, pixels: float, size: float = 1.0) -> int:
+    """How many letters of a label of this usual size there is room for in so many pixels."""
+    return max(1, int(pixels / (LETTER_WIDTH * size * _LETTERING.setdefault(s, _Lettering()).factor)))
 
 
 def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:

@@ -193,7 +193,7 @@ class Page:
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
                 self.client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
             self._camera.show(RECTANGLE if self._slow.showing else stage.rectangle)
-            self._probe.look(stage, arrays, view.estimated, view.true)
+            self._probe.look(stage, arrays, view.estimated, view.true, QUANTITIES[controls.quantity].unit)
             self._seen = report, arrays, view
 
     def _draw_pinned(self, pinned: PinnedRun, stage: Stage, view: View, report: FrameReport,

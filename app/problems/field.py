@@ -63,7 +63,7 @@ class FieldPlot:
         below = low - 0.035
         drawing.label(s, name("start"), place.ends[0], 0.0, below, "top-center", 0.85)
         drawing.label(s, name("end"), place.ends[1], 1.0, below, "top-center", 0.85)
-        self._caption = drawing.label(s, name("caption"), " ", 0.5, below, "top-center")
+        self._caption = drawing.label(s, name("caption"), " ", 0.5, below, "top-center", 0.85)
         self.lent = Dots(self, s, name("pinned"), size)
 
     def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
