@@ -7,11 +7,14 @@ from contextlib import suppress
 
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT
 from app.lessons.variants import drawn, filled
+from app.words import size_in
 from tests.browser.driving import FOLDERS, row, scene, time, unfold, until
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".
 SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
                   r"|\*\*(norm|index|distance)\*\* of \*\*([\w-]+)\*\*", re.MULTILINE)
+PART = re.compile(r"(norm|index|distance) of ([\w-]+)")
+RECKONED = re.compile(r"`([^`]*(?:norm|index|distance) of [^`]*)`")
 COLUMNS = {"norm": 1, "index": 2, "distance": 3}
 SOON = 8.0  # seconds in which a change of scene is on the stage
 LONG = 120.0  # seconds in which a lesson's run comes to its end
@@ -42,16 +45,16 @@ def act(page, verb, name, value):
     elif verb == "Set":
         _set(page, name, value)
     else:
-        row(page, re.compile(f"^{re.escape(name)}$")).get_by_role("checkbox").set_checked(verb == "Tick", force=True)
+        row(page, re.compile(f"^{re.escape(name)}$")).get_by_role("checkbox").click()
     page.wait_for_timeout(1200)  # text that is typed counts a moment later
     tab(page, "Lessons")
 
 
 def _set(page, name, value):
     """A number in the box beside a slider, or as the text of a size."""
-    typed = page.get_by_label(f"{name}, typed", exact=True)
-    if typed.count():
-        typed.fill(value)
+    typed = page.get_by_label(re.compile(f"^{re.escape(name)}(, typed)?$")).and_(page.locator("input[type=text]"))
+    if typed.count() and not typed.first.get_attribute("inputmode"):
+        typed.first.fill(value)
     else:
         row(page, re.compile(f"^{re.escape(name)}(,|$)")).locator("input.mantine-NumberInput-input").fill(value)
 
@@ -60,6 +63,21 @@ def reading(page, column, name):
     """A number of the readout, as it stands there."""
     rows = page.locator(".lab-estimates tr", has_text=name)
     return rows.first.locator("td").nth(COLUMNS[column]).inner_text()
+
+
+def reckoned(page, text):
+    """What a text has reckoned from readings, or None where it has nothing."""
+    found = RECKONED.search(text)
+    if not found:
+        return None
+    unit = page.locator(".lab-estimates .lab-head td").first.inner_text().rpartition(" ")[2]
+    values = {"x": "m", "v": "m/s", "σ": "Pa", "a": "m/s²"}
+
+    def read(part):
+        said = reading(page, *part.group(1, 2))
+        return str(size_in(said, values[unit] if part[1] == "norm" else ""))
+
+    return f"{eval(PART.sub(read, found[1])):.4g}"
 
 
 def answer(page, step, text):
@@ -109,7 +127,7 @@ def follow(page, lesson, on_step=lambda number: None):
         read = found if step.stage else (read or found)  # of the run that is observed, else what is there now
         if step.question:
             counts = step.kind == OBSERVE and step.question.kind == NUMBER and read
-            answer(page, step, read[-1] if counts else "1")
+            answer(page, step, reckoned(page, filled(step.text, numbers)) or read[-1] if counts else "1")
             if counts:
                 said = page.locator(".lab-recorded")
                 until(lambda said=said: "checked" not in said.inner_text(), "the mark", LONG)

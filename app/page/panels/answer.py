@@ -10,7 +10,7 @@ import viser
 
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, TEXT, Question
 from app.lessons.variants import Numbers, filled
-from app.words import SYMBOLS, size_in
+from app.words import PREFIXES, SYMBOLS, size_in
 
 UNANSWERED = "choose one"
 #: Ends and step of a slider that is dragged to a prediction; powers of ten where the field may be of any size.
@@ -86,6 +86,8 @@ def _number(text: str, unit: str) -> float | None:
     plain = text.strip().replace(",", ".").replace("−", "-")
     with suppress(ValueError):
         return float(plain)
-    with suppress(ValueError):
-        return size_in(plain, unit)
+    for power, prefix in PREFIXES.items():  # that unit, or another of its prefixes: 330 nm where µm are asked for
+        with suppress(ValueError):
+            if unit.startswith(prefix) and unit != prefix:
+                return size_in(plain, unit.removeprefix(prefix)) / 1000.0**power
     return None
