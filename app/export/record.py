@@ -146,6 +146,7 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
     alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # none was taken with the picture
     tracks = [Track("time", NUMBER, times.reshape(-1, 1)),
               Track("crossed", NUMBER, pictures["crossings"].reshape(-1, 1)),
+              Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),
               Track("norm.true", NUMBER, _columns(pictures, "error_{}"))]
 
     def until(name: str, k: int) -> np.ndarray:

@@ -21,7 +21,7 @@ function drawBar(pen, run, pinned, view, scene) {
   words(pen, scene.titles[1], left, low + 10, "left", "top");
   const note = pen.measureText(scene.note).width + pen.measureText(scene.titles[1]).width + 30 < across;
   words(pen, scene.note, right, low + (note ? 10 : 26), "right", "top", 0, "#8a0052");
-  const start = low + (note ? 40 : 56), narrow = across < 460;
+  const start = low + (note ? 40 : 56), narrow = across < NARROW;
   drawField(pen, run, pinned, view, at, {x: left, y: start, width: across, height: height - start - (narrow ? 58 : 30)},
     flashed.map(([p]) => p));
 }

@@ -1,6 +1,7 @@
 // The field plot: the quantity whose error is shown, of the particles and exact, against where they were at rest.
 
 const AXIS_STEPS = [1, 1.5, 2, 3, 4, 5, 6, 8], ROOM = 1.1;
+const NARROW = 540;  // pixels: less has no room for all words of a line
 const TRUTH = DATA.truth, DOT = "rgb(24,28,34)", FAINT = "rgb(190,197,206)", GRID = "rgb(168,176,187)";
 
 // The exact field at a share of the way from the plot's start to its end.
@@ -70,7 +71,7 @@ function drawField(pen, run, pinned, view, at, box, flashed) {
   const told = !curve ? `${name} of the particles (no exact curve is known)`
     : view.magnified > 1 ? `${name}: particles' deviation from exact × ${view.magnified}`
     : `${name}: particles (dots) on the exact curve`;
-  const below = box.y + box.height + 8, narrow = box.width < 460;
+  const below = box.y + box.height + 8, narrow = box.width < NARROW;
   words(pen, ends[0], box.x, below, "left", "top");
   words(pen, ends[1], box.x + box.width, below, "right", "top");
   words(pen, told, box.x + box.width / 2, below + (narrow ? 16 : 0), "center", "top", narrow ? box.width + 40 : 0);

@@ -122,6 +122,7 @@ function askedBefore(step) {
 
 // Each answer, as first given, beside what came out.
 function compared(steps) {
+  const box = element("div", "", {className: "scroll", tabIndex: 0});
   const rows = steps.filter((step) => progress.answers[step.key]).map((step) => {
     const answer = progress.answers[step.key].first, found = mark(step.question, answer), line = element("tr");
     const [kind, sign] = SIGNS[found ? found.right : null];
@@ -133,7 +134,8 @@ function compared(steps) {
   const table = element("table", "", {className: "compared"}), head = element("tr");
   head.append(element("td"), ...["you said", "came out"].map((name) => element("th", name, {scope: "col"})), element("td"));
   if (rows.length) table.append(head, ...rows);
-  return table;
+  box.append(table);
+  return rows.length ? box : "";
 }
 
 function ending() {

@@ -14,6 +14,7 @@ function readout() {
   const at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity], time = stage.time;
   const told = [["time", `${number(time, 4)} s = ${(time / run.period).toFixed(2)} periods`],
     ["steps", `${Math.round(time / run.step).toLocaleString("en")} of ${withUnit(run.step, "s")}`],
+    ["step", marginText(run.tracks.margin.values[Math.floor(at)])],
     ["crossings", Number.isFinite(run.tracks.crossed.values[Math.floor(at)])
       ? `${Math.round(run.tracks.crossed.values[Math.floor(at)]).toLocaleString("en")} so far` : "not counted"],
     ["shown", run.shown < run.particles ? `${run.shown} of ${run.particles.toLocaleString("en")} particles`
@@ -37,6 +38,9 @@ function readout() {
   status(run);
   drawChart(run, view);
 }
+
+// The step over the bound of what the present configuration bears; beyond 1 it will not hold.
+const marginText = (margin) => Number.isFinite(margin) ? `${margin < 100 ? margin.toFixed(2) : number(margin, 2)} of its bound` : "–";
 
 // A ratio where there is little room.
 const short = (value) => value < 0.095 && value >= 0.0095 ? value.toFixed(2) : ratio(value);
@@ -64,7 +68,7 @@ function marked(row, colour, dashes) {
 
 // What has become of the run, and in a sentence what is seen.
 function status(run) {
-  const box = document.getElementById("status"), broken = run.status !== "ok" && run.since <= stage.time + run.step;
+  const box = document.getElementById("status"), broken = isBroken(run);
   const why = Object.entries(run.not_valid).map(([name, reason]) => `${name}: ${reason}.`).join(" ");
   put(box, stage.refusal ? "" : broken ? capital(run.reason) + "." : why ? capital(why) : "");
   box.className = broken ? "broken" : "note";
@@ -74,12 +78,15 @@ function status(run) {
   canvas.setAttribute("aria-label", summary(run));
 }
 
+const isBroken = (run) => run.status !== "ok" && run.since <= stage.time + run.step;
+
 function put(box, text) {
   if (box.textContent !== text) box.textContent = text;
 }
 
 function summary(run) {
   if (stage.refusal) return capital(stage.refusal) + ".";
+  if (isBroken(run)) return `The run is ${run.status} from t = ${number(run.since)} s on.`;
   const {view} = stage, at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity];
   const of = `error of ${quantity.noun} ${quantity.symbol}`, index = cell(run, `index.${view.estimator}`, at, view.quantity);
   if (Number.isFinite(index) && !(view.estimator in run.not_valid))
@@ -96,7 +103,7 @@ function drawChart(run, view) {
   chart.height = Math.round(box.height * pixels);
   const pen = chart.getContext("2d"), times = run.tracks.time.values, column = COLUMN[view.quantity];
   pen.scale(pixels, pixels);
-  pen.font = "11px system-ui, sans-serif";
+  Object.assign(pen, {font: "11px system-ui, sans-serif", lineJoin: "round"});
   const lines = [["norm.true", TRUTH, [], 4, run], ...run.estimators.filter((name) => !(name in run.not_valid))
     .map((name) => [`norm.${name}`, ...lookOf(name), 2, run])];
   if (stage.pinned) lines.unshift(["norm.true", DATA.pinned, [], 2, stage.pinned]);

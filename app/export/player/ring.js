@@ -4,7 +4,7 @@ const OUTER = 0.6, BRIEF = 0.08;  // metres at rest; seconds that a crossing is 
 
 function drawRing(pen, run, pinned, view, scene) {
   const {width, height, at, sizes, scale} = scene;
-  const room = width - 88, narrow = room < 460, plot = Math.max(80, 0.15 * height);
+  const room = width - 88, narrow = room < NARROW || height < 640, plot = Math.max(80, 0.15 * height);
   const top = 84, start = height - plot - (narrow ? 58 : 30), size = Math.max(60, Math.min(room, start - 34 - top));
   const across = Math.min(room, Math.max(1.35 * size, 480)), left = 66 + (room - across) / 2, right = left + across;
   const middle = [(left + right) / 2, top + size / 2];
