@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from app.export.page import scene_page
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
 from app.export.record import Wanted, recording
 from app.lessons.reading import parse
+from solvers.ring.layout import particle_layout
 from tests.test_lesson_format import TEXT
 
 BAR = "bar cells=10 periods=0.25 estimators=recovered,transport"
@@ -100,6 +102,15 @@ def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
     crossed = found["crossings.who"].round().astype(int)[:, 0]
     assert set(crossed) == set(np.flatnonzero(result.final.last_crossing > 0))
     assert (np.diff(found["crossings.time"][:, 0]) >= 0).all()
+
+
+def test_domains_are_kept_where_they_are_asked_for():
+    one, scene = Wanted("ring cells=12 periods=0.1", 3, 1000, ("x",), domains=True), state.read("ring cells=12").scene
+    found = decoded(recording(one))
+    half = found["edges"][0].reshape(2, 2, -1)
+    area = 4 * np.abs(half[0, 0] * half[1, 1] - half[0, 1] * half[1, 0])
+    assert near(area, particle_layout(scene).volume, 0.03)
+    assert "edges" not in decoded(recording(replace(one, domains=False)))
 
 
 def test_a_run_gone_bad_ends_there_and_says_why():

@@ -20,7 +20,7 @@ from app.words import QUANTITIES, SYMBOLS
 COUNTS = {"cells": 3, "amplitude": 3, "method": 3}
 DENSE = (0.5, 0.7, 0.9, 1.2, 1.4, 1.5, 1.55, 1.6, 1.8, 2.0, 2.5, 3.0)  # times the own, where one looks for a place
 MOST_RUNS = 12  # of a stage's lattice
-ELSEWHERE = ("slow-motion", "look-back", "trace", "domains", "effects", "details", "pin")  # no recording has these
+ELSEWHERE = ("slow-motion", "look-back", "trace", "effects", "details", "pin")  # no recording has these
 
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS) -> str:

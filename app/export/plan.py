@@ -69,7 +69,7 @@ def wanted(plans: Sequence[Plan]) -> dict[tuple[int, str], Wanted]:
     """What is to be recorded, by the number of the plan and the text of the run."""
     most = _most(plans)
     return {(number, text): Wanted(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]), plan.quantities,
-                                   plan.state.difference)
+                                   plan.state.difference, plan.state.domains)
             for number, plan in enumerate(plans) for text in plan.runs}
 
 
@@ -87,7 +87,7 @@ def _bytes(plan: Plan, particles: int) -> int:
     norms = 4 * (3 + 4 * (1 + 3 * len(scene.estimators)))
     each = scene.DIMENSIONS + len(scene.estimators) * (1 + plan.state.difference)
     return plan.pictures * (norms + 2 * CURVE_POINTS * quantities
-                            + particles * (2 * scene.DIMENSIONS + quantities * each))
+                            + particles * ((2 + 2 * plan.state.domains) * scene.DIMENSIONS + quantities * each))
 
 
 def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
@@ -98,7 +98,9 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
             "says": [_title(text) for text in plan.texts], "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
-            "view": {"quantity": state.quantity, "difference": state.difference, "magnified": state.magnified,
+            "outlines": state.domains and bool(VIEWS[scene.problem].domains_hint),
+            "view": {"quantity": state.quantity, "difference": state.difference, "domains": state.domains,
+                     "magnified": state.magnified,
                      "logarithmic": state.logarithmic, "speed": state.speed or VIEWS[scene.problem].speed,
                      "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
 

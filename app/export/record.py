@@ -33,6 +33,7 @@ class Wanted:
     particles: int
     quantities: tuple[str, ...]
     difference: bool = False  # whether how far the estimates are from the truth is kept for each particle
+    domains: bool = False  # whether what each particle stands for is kept, of a problem whose stage can outline it
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
@@ -89,6 +90,9 @@ def _tracks(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, 
     with np.errstate(invalid="ignore"):
         position = np.fmax(np.fmin(position, FARTHEST), -FARTHEST)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
+    if wanted.domains and (edges := VIEWS[scene.problem].domains):
+        half = [edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
+        tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
     for key in wanted.quantities:
         tracks += _quantity(wanted, scene, key, [shot[key] for shot in shots], kept)
     return tracks + _crossings(scene, instants, kept)

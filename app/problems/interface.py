@@ -85,6 +85,12 @@ class ProblemView:
         return self._module("stage").STAGE.PLOT
 
     @property
+    def domains(self) -> Callable[[Any, np.ndarray], np.ndarray] | None:
+        """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients (P, 2, 2), of a
+        problem whose stage outlines them: ``domains(scene, F)`` of the folder's ``stage.py``."""
+        return self._module("stage").domains if self.domains_hint else None
+
+    @property
     def slow(self) -> Callable[[viser.ClientHandle], SlowStage]:
         """The ``STAGE`` of the folder's ``slow.py``: one step in slow motion."""
         return self._module("slow").STAGE

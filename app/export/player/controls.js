@@ -11,6 +11,7 @@ function buildControls() {
   looks.push(select("Magnify error", FACTORS.map((factor) => [factor, `× ${factor}`]), "magnified"),
     select("Colours", [[false, "linear"], [true, "logarithmic"]], "logarithmic"));
   if (plan.compares) looks.push(select("Compare", [[false, "estimate | truth"], [true, "estimate − truth | truth"]], "difference"));
+  if (plan.outlines) looks.push(select("Domains", [[true, "outlined"], [false, "not outlined"]], "domains"));
   const speeds = [...new Set([...SPEEDS, view.speed])].sort((a, b) => a - b);
   looks.push(select("Speed", speeds.map((speed) => [speed, `${number(speed)} periods/s`]), "speed"));
   document.getElementById("looks").replaceChildren(...looks);

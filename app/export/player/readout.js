@@ -86,7 +86,8 @@ function put(box, text) {
 
 function summary(run) {
   if (stage.refusal) return capital(stage.refusal) + ".";
-  if (isBroken(run)) return `The run is ${run.status} from t = ${number(run.since)} s on.`;
+  if (run.status === "unstable" && stage.time >= endOf(run)) return `The run went unstable and has stopped at t = ${number(stage.time)} s.`;
+  if (isBroken(run)) return `The run is lost from t = ${number(run.since)} s on.`;
   const {view} = stage, at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity];
   const of = `error of ${quantity.noun} ${quantity.symbol}`, index = cell(run, `index.${view.estimator}`, at, view.quantity);
   if (Number.isFinite(index) && !(view.estimator in run.not_valid))

@@ -17,6 +17,7 @@ function drawRing(pen, run, pinned, view, scene) {
   const dot = Math.max(1.2, 0.56 * run.spacing / run.ppc * metre * Math.sqrt(run.particles / n));
   drawHalf(pen, places, n, sizes[1], scale, middle, metre, 1, dot);
   drawHalf(pen, places, n, sizes[0], scale, middle, metre, -1, dot);
+  if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre);
   pen.fillStyle = `rgb(${FLASH})`;
   for (const [p, ago] of scene.flashed) {
     if (ago > BRIEF) continue;
@@ -55,4 +56,22 @@ function drawHalf(pen, places, n, sizes, scale, middle, metre, side, dot) {
       pen.fill();
     }
   }
+}
+
+// What each particle of the upper half stands for: a box for GIMP, a parallelogram for CPDI.
+function drawDomains(pen, places, edges, n, middle, metre) {
+  pen.strokeStyle = "rgb(120,125,132)";
+  pen.lineWidth = 0.8;
+  pen.beginPath();
+  for (let p = 0; p < n; p++) {
+    const first = [edges[p], edges[n + p]], second = [edges[2 * n + p], edges[3 * n + p]];
+    for (const side of [1, -1]) {
+      [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]].forEach(([a, b], k) => {
+        const x = middle[0] + side * metre * (places[p] + a * first[0] + b * second[0]);
+        const y = middle[1] - metre * (places[n + p] + a * first[1] + b * second[1]);
+        if (k) pen.lineTo(x, y); else pen.moveTo(x, y);
+      });
+    }
+  }
+  pen.stroke();
 }
