@@ -9,6 +9,7 @@ import functools
 
 from app.commands.advise import Advise, search_flags
 from app.commands.bench import Bench
+from app.commands.export import Export
 from app.commands.flags import Switch
 from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList
 from app.commands.run import Run, RunText
@@ -36,4 +37,4 @@ def commands() -> dict[tuple[str, ...], type]:
     found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
     found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonGuide,
               ("lesson", "grade"): LessonGrade}
-    return found | {("bench",): Bench}
+    return found | {("export",): Export, ("bench",): Bench}

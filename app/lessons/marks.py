@@ -12,6 +12,7 @@ from app.lessons.variants import Numbers, filled
 
 LONGEST = 500  # characters of a text
 MOST = 1e300
+TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     import viser
 
+    from app.problems.field import Place
     from app.problems.slow import SlowStage
     from app.problems.stage import Stage
     from app.scale import ColourScale
@@ -77,6 +78,17 @@ class ProblemView:
     def stage(self) -> Callable[[viser.ClientHandle, ColourScale], Stage[Any]]:
         """The ``STAGE`` of the folder's ``stage.py``, imported when it is asked for: a picture needs no viewer."""
         return self._module("stage").STAGE
+
+    @property
+    def plot(self) -> Place:
+        """What the field plot of the stage shows."""
+        return self._module("stage").STAGE.PLOT
+
+    @property
+    def domains(self) -> Callable[[Any, np.ndarray], np.ndarray] | None:
+        """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients (P, 2, 2), of a
+        problem whose stage outlines them: ``domains(scene, F)`` of the folder's ``stage.py``."""
+        return self._module("stage").domains if self.domains_hint else None
 
     @property
     def slow(self) -> Callable[[viser.ClientHandle], SlowStage]:

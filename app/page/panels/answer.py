@@ -8,17 +8,12 @@ from typing import Any
 
 import viser
 
+from app.lessons.dragging import NAMES, POWERS, REACH
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, TEXT, Question
 from app.lessons.variants import Numbers, filled
 from app.words import PREFIXES, SYMBOLS, size_in
 
 UNANSWERED = "choose one"
-#: Ends and step of a slider that is dragged to a prediction; powers of ten where the field may be of any size.
-REACH = {"cells": (8.0, 160.0, 1.0), "ppc": (1.0, 8.0, 1.0), "amplitude": (-4.0, -0.8, 0.01),
-         "modulus": (0.0, 3.0, 0.01), "cfl": (-2.0, 0.5, 0.01)}
-POWERS = ("amplitude", "modulus", "cfl")
-NAMES = {"cells": "Cells", "ppc": "Particles / cell", "amplitude": "Amplitude", "modulus": "Modulus",
-         "cfl": "CFL number"}
 
 
 class AnswerWidgets:

@@ -11,7 +11,7 @@ from app import state
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step
-from app.lessons.marks import LONGEST, Mark, shown, trouble
+from app.lessons.marks import LONGEST, TOLD_AFTER, Mark, shown, trouble
 from app.lessons.variants import Numbers, drawn, filled
 from app.page.classroom import Classroom
 from app.page.doors.widgets import allow
@@ -21,7 +21,6 @@ from app.page.panels.head import BESIDE
 from app.page.panels.marking import Marker, asked_since
 
 NO_LESSON = "choose a lesson"
-TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 
 class Player:

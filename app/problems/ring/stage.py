@@ -147,6 +147,11 @@ class RingStage(Stage[RingScene]):
         drawing.put(self._outlines, np.concatenate([drawing.joined(placed[k - 1], placed[k]) for k in range(4)]))
 
 
+def domains(scene: RingScene, F: np.ndarray) -> np.ndarray:
+    """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients F (P, 2, 2)."""
+    return half_edges(scene, F, particle_layout(scene).edges)
+
+
 def _in_view(x: np.ndarray) -> np.ndarray:
     """Positions (n, 2) in metres; what is not a number becomes FARTHEST."""
     return np.fmax(np.fmin(x, FARTHEST), -FARTHEST)

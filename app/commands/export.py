@@ -1,0 +1,77 @@
+"""``mpm-lab export LESSON|SCENE --out FILE.html``: one file that plays from disk, without a server or a network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from app.commands.flags import BadInput, NumberFlag, Switch, TextFlag, default_hint
+from app.commands.lesson import lesson_called
+from app.commands.output import Target, say, working
+from app.state import StateError, read
+from solvers.problems import PROBLEMS
+from solvers.rules import require_whole
+
+OK, FAILED = 0, 1
+LONGEST_RUN = 2e9  # particle-steps: a minute or two
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write a lesson or a scene as one HTML file that plays offline.
+
+    WHAT is a lesson, by name or number, or a scene such as "bar cells=80 error-of=sigma". The file holds recorded
+    runs, for the sliders too, and needs nothing else: neither this program nor a network. In a lesson's file stand
+    the expected answers as well, for whoever reads its source.
+    Exit status: 0 ok, 1 could not run or write, 2 bad input.
+    """
+
+    what: Annotated[TextFlag, tyro.conf.Positional]
+    """A lesson or a scene."""
+    out: TextFlag
+    """File to write, .html."""
+    processes: NumberFlag = 2
+    """Processes that run scenes."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar."""
+
+    def execute(self) -> int:
+        """Record the runs and write the file."""
+        require_whole("processes", self.processes, 1, 64)
+        is_scene = next(iter(self.what.replace(";", " ").replace("&", " ").split()), "") in PROBLEMS
+        name = "" if is_scene else lesson_called(self.what)
+        if is_scene:
+            _check_scene(self.what)
+        target = Target("out", self.out, ending=".html")
+        with working(self.quiet) as show:
+            page = self._scene(show) if is_scene else self._lesson(name, show)
+        target.write(page.encode())
+        say(f"{target.text}: {len(page.encode()) / 1e6:.1f} MB")
+        return OK
+
+    def _scene(self, show) -> str:
+        from app.export.page import scene_page  # here: bad input and --help must not wait for the page's imports
+        return scene_page(self.what, self.processes, show)
+
+    def _lesson(self, name: str, show) -> str:
+        from app.export.lesson import lesson_page
+        from app.lessons import shelf
+        from app.lessons.lesson import LessonError
+        try:
+            lesson = shelf.lesson(name)
+        except LessonError as error:
+            raise BadInput("", name, str(error)) from None
+        return lesson_page(lesson, self.processes, show)
+
+
+def _check_scene(text: str) -> None:
+    """Raise :class:`BadInput` for what is no scene, or one that nobody wants to wait for."""
+    try:
+        scene = read(text).scene
+    except StateError as error:
+        raise BadInput("", text, str(error)) from None
+    if scene.particles * scene.steps > LONGEST_RUN:
+        raise BadInput("", text, f"would take {scene.particles * scene.steps:.2g} particle-steps, too long to record; "
+                                 f"give fewer cells, periods or a larger cfl, up to {LONGEST_RUN:.0e}")

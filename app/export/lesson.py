@@ -1,0 +1,99 @@
+"""A lesson as data for the player: texts as html, questions with what is right, stages with runs around them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from app import state
+from app.export import lattice, naming
+from app.export.answers import rules
+from app.export.page import Progress, assembled, quantities, record
+from app.export.plan import Plan, planned
+from app.lessons import progress, shelf
+from app.lessons.dragging import NAMES, POWERS, REACH
+from app.lessons.lesson import DRAG, Lesson, Question, Step
+from app.lessons.marks import LONGEST, MOST, TOLD_AFTER
+from app.lessons.markup import html
+from app.lessons.variants import filled
+from app.words import QUANTITIES, SYMBOLS
+
+#: How many values of each field a stage of a lesson has beside those that its text names.
+COUNTS = {"cells": 3, "amplitude": 3, "method": 3}
+DENSE = (0.5, 0.7, 0.9, 1.2, 1.4, 1.5, 1.55, 1.6, 1.8, 2.0, 2.5, 3.0)  # times the own, where one looks for a place
+MOST_RUNS = 12  # of a stage's lattice
+ELSEWHERE = ("slow-motion", "look-back", "trace", "effects", "details", "pin")  # no recording has these
+
+
+def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS) -> str:
+    """The page of a lesson, with so many values of each field on its sliders."""
+    plans = _plans(lesson, counts)
+    right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
+    once = list(dict.fromkeys(plans.values()))
+    recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
+    stages = {key: once.index(plan) for key, plan in plans.items()}
+    return assembled(lesson.title, once, recorded, _data(lesson, right, stages))
+
+
+def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:
+    """What each step with a stage puts there, by the step's key and the number of the variant."""
+    return {(step.key, number): _plan(lesson, step, filled(step.stage, numbers), filled(step.text, numbers), counts)
+            for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
+
+
+def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> Plan:
+    """A step's state with what its text has one set, and, where there is room, with more of what the lesson offers."""
+    shown = state.read(stage)
+    kept = quantities(shown)
+    kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
+    scene = planned(shown, (), kept).scene
+    axes = lattice.named(scene, text)
+    if (sought := _sought(lesson, step)) and sought not in {axis.field for axis in axes}:
+        own = getattr(scene, sought) if sought != "cfl" else scene.courant_number
+        values = [type(own)(float(f"{factor * own:.3g}")) for factor in DENSE]
+        axes.append(lattice.axis(scene, sought, values, len(DENSE) + 1))
+    for axis in lattice.around(scene, counts):
+        offered = not lesson.controls or axis.field in lesson.controls
+        room = lattice.size((*axes, axis)) <= MOST_RUNS
+        if offered and room and axis.field not in {other.field for other in axes}:
+            axes.append(axis)
+    return planned(shown, axes, kept)
+
+
+def _sought(lesson: Lesson, step: Step) -> str:
+    """The field that the question after a step has one find on the stage, or ""."""
+    following = lesson.steps[lesson.steps.index(step) + 1:][:1]
+    return next((other.question.control for other in following if other.question and other.question.kind == DRAG), "")
+
+
+def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int]) -> dict[str, Any]:
+    """The lesson as the player reads it. What differs with the numbers of a variant is a list with one for each, or,
+    where all are alike, a list of one."""
+    def each(text: str) -> list[str]:
+        return _alike([html(filled(text, numbers), shelf.FOLDER) for numbers in lesson.variants])
+
+    known = shelf.lessons()
+    steps = [{"kind": step.kind, "key": step.key, "html": each(step.text),
+              "title": _alike([filled(step.title, numbers) for numbers in lesson.variants]),
+              "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
+              "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
+    return {"name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "goals": lesson.goals,
+            "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
+            "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
+            "elsewhere": [name for name in ELSEWHERE if name in lesson.controls], "steps": steps,
+            "schema": progress.SCHEMA, "longest_name": progress.LONGEST_NAME, "longest": LONGEST, "most": MOST,
+            "told_after": TOLD_AFTER, "fold": naming.folds(), "spaces": naming.spaces()}
+
+
+def _alike(each: Sequence[Any]) -> list[Any]:
+    return list(each[:1] if all(one == each[0] for one in each) else each)
+
+
+def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[str, Any] | None:
+    if asked is None:
+        return None
+    options = _alike([[filled(option, numbers) for option in asked.options] for numbers in lesson.variants])
+    made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right}
+    if asked.kind == DRAG:
+        low, high, step = REACH[asked.control]
+        made["drag"] = {"name": f"{NAMES[asked.control]} {SYMBOLS.get(asked.control, '')}".strip(), "low": low,
+                        "high": high, "step": step, "powers": asked.control in POWERS}
+    return made

@@ -1,0 +1,86 @@
+"""The file: one html page with style, script, data and recordings in it, which asks no network for anything."""
+
+import base64
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from app import __version__, state
+from app.colours import PINNED, TRUTH, colour_table
+from app.export import lattice, plan
+from app.export.plan import Plan, described, planned
+from app.export.recorders import recordings
+from app.problems.views import VIEWS
+from app.words import QUANTITIES
+from solvers.estimators.registry import ESTIMATORS
+
+PLAYER = Path(__file__).parent / "player"
+#: In their order: what one file says at once, those after it use.
+SCRIPTS = ("words", "tracks", "colours", "field", "bar", "ring", "stage", "readout", "controls", "sha256", "progress",
+           "answers", "lesson", "main")
+USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only where they are asked for
+
+Progress = Callable[[float, str], None]
+
+
+def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping[str, int] = lattice.FULL) -> str:
+    """The page of a state's text, with runs around it for so many values of each field."""
+    shown = state.read(text)
+    one = planned(shown, (), quantities(shown))
+    one = planned(one.state, lattice.around(one.scene, counts), one.quantities)
+    recorded = record([one], processes, on_progress)
+    return assembled(one.scene.TITLE.capitalize(), [one], recorded, None)
+
+
+def quantities(shown: state.State) -> tuple[str, ...]:
+    """Whose errors are recorded."""
+    return (*USUAL, *(key for key in (shown.quantity,) if key not in USUAL))
+
+
+def record(plans: Sequence[Plan], processes: int, on_progress: Progress) -> dict[tuple[int, str], dict[str, Any]]:
+    """Recordings by the number of their plan and their text; what several plans want alike is run once."""
+    wanted = plan.wanted(plans)
+    once = list(dict.fromkeys(wanted.values()))
+    made = recordings(once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}"))
+    found = dict(zip(once, made, strict=True))
+    return {key: found[one] for key, one in wanted.items()}
+
+
+def assembled(title: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
+              lesson: Mapping[str, Any] | None) -> str:
+    """The page, of a lesson where one is given."""
+    runs = list({id(run): run for run in recorded.values()}.values())
+    places = {id(run): number for number, run in enumerate(runs)}
+    stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs})
+              for k, one in enumerate(plans)]
+    data = {**_constants(), "stages": stages, "lesson": lesson,
+            "runs": [{"head": run["head"], "tracks": run["tracks"]} for run in runs]}
+    packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
+                       for k, run in enumerate(runs))
+    parts = {"title": escape(title), "version": __version__, "kind": "lesson" if lesson else "scene",
+             "style": _file("player.css"), "data": _json(data), "runs": packed,
+             "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
+                       + "\n".join(_file(f"{name}.js") for name in SCRIPTS)}
+    return re.sub(r"\{\{(\w+)\}\}", lambda place: parts[place[1]], _file("player.html"))
+
+
+def _file(name: str) -> str:
+    return (PLAYER / name).read_text(encoding="utf-8")
+
+
+def _json(values: Mapping[str, Any]) -> str:
+    """JSON that no html in it can end."""
+    return json.dumps(values, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _constants() -> dict[str, Any]:
+    """Colours, words and places that the player shares with the live page."""
+    plots = {name: view.plot for name, view in VIEWS.items()}
+    return {"colours": base64.b64encode(colour_table().tobytes()).decode(), "truth": TRUTH, "pinned": PINNED,
+            "quantities": {key: vars(quantity) for key, quantity in QUANTITIES.items()},
+            "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
+            "problems": {name: {"plot": {"start": plot.start, "end": plot.end, "ends": plot.ends,
+                                         "component": plot.component}} for name, plot in plots.items()}}

@@ -1,0 +1,74 @@
+// The colour scale that estimate and truth share. Its top follows the largest error of the last period, in round numbers,
+// as in app/scale.py.
+
+const STEPS = {1: 4, 1.2: 4, 1.5: 3, 2: 4, 2.5: 5, 3: 3, 4: 4, 5: 5, 6: 3, 8: 4};  // tops, and parts between ticks
+const DECADES = 3, BEYOND = 10;
+const UNKNOWN = "rgb(225,225,225)", FLASH = [204, 0, 120], FLASH_SECONDS = 0.25;
+const TABLE = Uint8Array.from(atob(DATA.colours), (letter) => letter.charCodeAt(0));
+const SHADES = Array.from({length: 256}, (_, k) => `rgb(${TABLE[3 * k]},${TABLE[3 * k + 1]},${TABLE[3 * k + 2]})`);
+
+// The tops of all pictures of a run as it is looked at, and whether something is beyond them.
+function topsOf(run, view) {
+  const key = ["tops", view.quantity, view.estimator, view.difference].join();
+  if (run[key]) return run[key];
+  const times = run.tracks.time.values, peaks = [], tops = [];
+  for (let k = 0; k < times.length; k++) {
+    const truth = largest(trueSizes(run, view.quantity, k));
+    const estimate = largest(estimatedSizes(run, view.quantity, view.estimator, view.difference, k));
+    peaks.push(truth > 0 ? Math.max(truth, Math.min(estimate, BEYOND * truth)) : estimate);
+    const since = times[k] - run.period;
+    let peak = 0;
+    for (let j = k; j >= 0 && times[j] >= since; j--) peak = Math.max(peak, peaks[j]);
+    const [top, step] = peak > 1e-30 ? roundUp(peak, Object.keys(STEPS).map(Number).sort((a, b) => a - b)) : [1, 1];
+    tops.push({top, parts: STEPS[step], exceeded: Math.max(truth, estimate) > top});
+  }
+  return run[key] = tops;
+}
+
+function shade(size, scale) {
+  const share = scale.logarithmic ? 1 + Math.log10(size / scale.top) / DECADES : size / scale.top;
+  return SHADES[share < 0 ? 0 : share < 1 ? Math.floor(255 * share) : 255];
+}
+
+function ticksOf(scale) {
+  const ticks = [];
+  if (scale.logarithmic) {
+    for (let k = 0; k <= DECADES; k++) ticks.push([k / DECADES, number(scale.top * 10 ** (k - DECADES))]);
+  } else {
+    const power = powerOfTen(scale.top);
+    for (let k = 0; k <= scale.parts; k++) ticks.push([k / scale.parts, number(scale.top * k / scale.parts / 10 ** power)]);
+  }
+  if (scale.exceeded) ticks[ticks.length - 1][1] = "≥ " + ticks[ticks.length - 1][1];
+  return ticks;
+}
+
+// The bar with its numbers, from x0 to x1, its top at y.
+function drawColourBar(pen, scale, measures, unit, x0, x1, y) {
+  const power = scale.logarithmic ? 0 : powerOfTen(scale.top), steps = Math.ceil(x1 - x0);
+  words(pen, `${measures} / ${powerText(power)}${unit}`, x0, y - 6, "left", "bottom", x1 - x0);
+  for (let k = 0; k < steps; k++) {
+    pen.fillStyle = SHADES[Math.floor(255 * k / steps)];
+    pen.fillRect(x0 + k, y, 1.5, 13);
+  }
+  for (const [at, text] of ticksOf(scale)) words(pen, text, x0 + at * (x1 - x0), y + 17, at > 0.95 ? "right" : at ? "center" : "left", "top");
+}
+
+// A text at a place, in lines no longer than there is room for; y is its first line's.
+function words(pen, text, x, y, align = "left", baseline = "alphabetic", room = 0, colour = "#222831") {
+  pen.fillStyle = colour;
+  pen.textAlign = align;
+  pen.textBaseline = baseline;
+  const lines = room ? linesOf(pen, text, room) : [text];
+  const first = baseline === "bottom" ? y - 15 * (lines.length - 1) : baseline === "middle" ? y - 7.5 * (lines.length - 1) : y;
+  lines.forEach((line, k) => pen.fillText(line, x, first + 15 * k));
+}
+
+function linesOf(pen, text, room) {
+  const lines = [""];
+  for (const word of text.split(" ")) {
+    const longer = `${lines[lines.length - 1]} ${word}`.trim();
+    if (pen.measureText(longer).width <= room || !lines[lines.length - 1]) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  return lines;
+}

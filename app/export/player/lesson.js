@@ -1,0 +1,169 @@
+// The lesson: one step at a time beside the stage, a prediction before what it is about runs.
+
+const KINDS = {predict: "Predict", run: "Run", observe: "Observe", explain: "Explain"};
+const SIGNS = {true: ["right", "✓ right"], false: ["wrong", "✗ not so"], null: ["unmarked", ""]};
+const lessonBox = document.getElementById("lesson");
+let shownAt = 0;
+
+function openLesson() {
+  progress = restored();
+  showStep();
+}
+
+function go(by) {
+  progress.step = Math.min(Math.max(progress.step + by, 0), LESSON.steps.length + 1);
+  keep();
+  showStep();
+  lessonBox.scrollTop = 0;
+  if (window.scrollY > lessonBox.offsetTop) lessonBox.scrollIntoView();
+  document.getElementById("where").focus({preventScroll: true});
+}
+
+function showStep() {
+  shownAt = performance.now();
+  const at = progress.step, total = LESSON.steps.length;
+  const where = element("p", at === 0 ? "Introduction" : at <= total ? `Step ${at} of ${total}` : "The end", {id: "where", tabIndex: -1});
+  const bar = element("progress", "", {max: total + 1, value: at});
+  bar.setAttribute("aria-label", "progress");
+  lessonBox.replaceChildren(where, bar, ...(at === 0 ? introduction() : at <= total ? stepParts(LESSON.steps[at - 1]) : ending()));
+}
+
+// What the lesson's author has written, which is html already; nothing that a student writes comes here.
+function written(html) {
+  const box = element("div", "", {className: "text"});
+  box.innerHTML = html;
+  for (const table of box.querySelectorAll("table")) {
+    const scroll = element("div", "", {className: "scroll", tabIndex: 0});
+    table.replaceWith(scroll);
+    scroll.append(table);
+  }
+  return box;
+}
+
+function introduction() {
+  const goals = element("ul"), name = element("input", "", {type: "text", value: progress.name, maxLength: LESSON.longest_name, autocomplete: "off"});
+  goals.append(...LESSON.goals.map((goal) => element("li", goal)));
+  name.disabled = Object.keys(progress.answers).length > 0;  // its numbers are those of the answers
+  name.addEventListener("input", () => {
+    progress.name = [...name.value.trim()].slice(0, LESSON.longest_name).join("");
+    keep();
+    text.replaceWith(text = written(own(LESSON.intro)));
+  });
+  let text = written(own(LESSON.intro));
+  const parts = [element("p", `${LESSON.minutes} minutes. Afterwards you can`), goals];
+  if (LESSON.needs.length) parts.push(element("p", `Do before: ${LESSON.needs.join("; ")}.`));
+  if (LESSON.elsewhere.length) parts.push(element("p", "This file shows recorded runs. What the text says of "
+    + `${LESSON.elsewhere.join(", ").replaceAll("-", " ")} needs the live page.`, {className: "elsewhere"}));
+  const hint = "It gives you numbers of your own, and stands in the file that you hand in. It is sent to nobody.";
+  return [...parts, text, field("Your name", name), element("p", hint, {className: "hint"}), moves(false, true)];
+}
+
+function stepParts(step) {
+  const heading = element("h2"), kind = element("span", KINDS[step.kind], {className: step.kind});
+  heading.append(kind, " ", own(step.title));
+  const parts = [heading];
+  if (step.kind === "explain") parts.push(compared(askedBefore(step)));
+  parts.push(written(own(step.html)));
+  if (step.stage) parts.push(stageButton(step));
+  return step.question ? [...parts, ...asking(step)] : [...parts, moves(true, true)];
+}
+
+function stageButton(step) {
+  const button = element("button", "▶ On the stage", {type: "button", className: "stage"});
+  button.addEventListener("click", async () => {
+    await putOnStage(own(step.stage), true);
+    if (window.matchMedia("(max-width: 1000px)").matches) document.getElementById("scene").scrollIntoView({behavior: "smooth"});
+  });
+  return button;
+}
+
+function asking(step) {
+  const {question} = step, answered = progress.answers[step.key], fixed = step.kind === "predict" && answered !== undefined;
+  const [widget, value] = answerWidget(question, answered?.last, fixed);
+  const said = element("div", "", {className: "recorded", hidden: true});
+  said.setAttribute("role", "status");
+  const take = element("button", step.kind === "predict" ? "Record my prediction" : "Check my answer", {type: "button", disabled: fixed});
+  const onward = moves(true, answered !== undefined);
+  if (answered) tellTaken(step, said, false);
+  take.addEventListener("click", () => {
+    const answer = value(), why = trouble(question, answer);
+    if (why) {
+      said.hidden = false;
+      said.textContent = `Please ${why}.`;
+      return;
+    }
+    record(step.key, answer, (performance.now() - shownAt) / 1000);
+    shownAt = performance.now();
+    if (step.kind === "predict") return showStep();
+    tellTaken(step, said, true);
+    onward.querySelector(".next").disabled = false;
+  });
+  return [widget, take, said, onward];
+}
+
+// What is said of the answer that a step has: of a prediction nothing but that it is recorded.
+function tellTaken(step, box, checked) {
+  const answer = progress.answers[step.key], found = checked ? mark(step.question, answer.last) : {right: null, told: ""};
+  const [kind, sign] = SIGNS[found ? found.right : null];
+  const comment = step.kind === "predict" ? "It is recorded; now see what happens."
+    : !found ? "It could not be checked." : found.right !== false ? ""
+    : answer.attempts >= LESSON.told_after ? `It is ${found.told}.` : "Look again, and try once more.";
+  box.hidden = false;
+  box.replaceChildren("Your answer: ", element("b", shown(step.question, answer.last)), " ", element("span", sign, {className: kind}), " ", comment);
+}
+
+// The steps with questions since the explanation before a step.
+function askedBefore(step) {
+  const found = [];
+  for (let k = LESSON.steps.indexOf(step) - 1; k >= 0 && LESSON.steps[k].kind !== "explain"; k--)
+    if (LESSON.steps[k].question) found.unshift(LESSON.steps[k]);
+  return found;
+}
+
+// Each answer, as first given, beside what came out.
+function compared(steps) {
+  const box = element("div", "", {className: "scroll", tabIndex: 0});
+  const rows = steps.filter((step) => progress.answers[step.key]).map((step) => {
+    const answer = progress.answers[step.key].first, found = mark(step.question, answer), line = element("tr");
+    const [kind, sign] = SIGNS[found ? found.right : null];
+    const came = step.question.kind === "text" ? "for your teacher" : found ? found.told : "could not be checked";
+    line.append(element("th", own(step.title), {scope: "row"}), element("td", shown(step.question, answer)), element("td", came),
+      element("td", sign, {className: kind}));
+    return line;
+  });
+  const table = element("table", "", {className: "compared"}), head = element("tr");
+  head.append(element("td"), ...["you said", "came out"].map((name) => element("th", name, {scope: "col"})), element("td"));
+  if (rows.length) table.append(head, ...rows);
+  box.append(table);
+  return rows.length ? box : "";
+}
+
+function ending() {
+  const asked = LESSON.steps.filter((step) => step.question), missing = asked.filter((step) => !progress.answers[step.key]).length;
+  const button = element("button", "Hand in", {type: "button", title: "save your answers as a file"});
+  button.addEventListener("click", handIn);
+  const open = missing ? [element("p", `${missing} question${missing > 1 ? "s are" : " is"} still open; go back to answer.`)] : [];
+  return [element("h2", "The end"), ...open, compared(asked), element("p", "Hand in saves a file with your answers and times, and your "
+    + "name if you have given one. Nothing is sent to anybody."), button, moves(true, false), again()];
+}
+
+function again() {
+  const button = element("button", "Begin anew", {type: "button", className: "again"});
+  button.addEventListener("click", () => {
+    if (!window.confirm("Forget all answers in this browser?")) return;
+    progress = begun();
+    keep();
+    showStep();
+  });
+  return button;
+}
+
+function moves(back, onward) {
+  const box = element("div", "", {className: "moves"});
+  for (const [name, by, can, kind] of [["← Back", -1, back, "back"], ["Next →", 1, onward, "next"]]) {
+    const button = element("button", name, {type: "button", disabled: !can, className: kind});
+    button.addEventListener("click", () => go(by));
+    box.append(button);
+  }
+  return box;
+}

@@ -1,0 +1,94 @@
+// What a student has done: kept by the browser where it lets a file keep anything, handed in as a file; and what is right.
+
+const LESSON = DATA.lesson;
+let progress = null;
+
+// The number of the variant that a name draws: as app/lessons/variants.py has it.
+function variantOf(name) {
+  const folded = [...name.normalize("NFKC")].map((letter) => LESSON.fold[letter] ?? letter.toLowerCase()).join("");
+  const spaces = new Set(LESSON.spaces);
+  const plain = [...folded].map((letter) => spaces.has(letter) ? " " : letter).join("").split(" ").filter(Boolean).join(" ");
+  if (!plain) return 0;
+  const [high, low] = sha256(new TextEncoder().encode(`${LESSON.name}\n${plain}`));
+  return Number((BigInt(high) * 4294967296n + BigInt(low)) % BigInt(LESSON.variants));
+}
+
+// Of things that may differ with the variant, the one of this student.
+function own(each) {
+  return each.length > 1 ? each[variantOf(progress.name)] : each[0];
+}
+
+function begun() {
+  return {schema: LESSON.schema, lesson: LESSON.name, fingerprint: LESSON.fingerprint, name: "", step: 0, answers: {}};
+}
+
+const keptAs = () => `mpm-lab ${LESSON.name}`;
+
+function keep() {
+  try {
+    localStorage.setItem(keptAs(), JSON.stringify(progress));
+  } catch {
+    // this browser keeps nothing for files: then it lasts as long as the page is open
+  }
+}
+
+function restored() {
+  try {
+    const found = JSON.parse(localStorage.getItem(keptAs()));
+    if (found.schema !== LESSON.schema || found.fingerprint !== LESSON.fingerprint || typeof found.name !== "string") return begun();
+    const known = Object.fromEntries(LESSON.steps.filter((step) => step.question).map((step) => [step.key, step.question]));
+    for (const [key, given] of Object.entries(found.answers))
+      if (!known[key] || trouble(known[key], given.first) || trouble(known[key], given.last)) return begun();
+    found.step = Math.min(Math.max(found.step | 0, 0), LESSON.steps.length + 1);
+    return found;
+  } catch {
+    return begun();
+  }
+}
+
+function record(key, given, seconds) {
+  const before = progress.answers[key] || {first: given, attempts: 0, seconds: 0};
+  progress.answers[key] = {first: before.first, last: given, attempts: before.attempts + 1,
+    seconds: Math.round(10 * (before.seconds + seconds)) / 10};
+  keep();
+}
+
+function handIn() {
+  const called = progress.name.replace(/[^\p{L}\p{N}_-]+/gu, "-").replace(/^-+|-+$/g, "") || "answers";
+  const link = element("a", "", {download: `${LESSON.name}-${called}.json`,
+    href: URL.createObjectURL(new Blob([JSON.stringify(progress)], {type: "application/json"}))});
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+// Why something is no answer to a question, in words; "" where it is one.
+function trouble(question, answer) {
+  const real = (value) => typeof value === "number" && Number.isFinite(value) && Math.abs(value) < LESSON.most;
+  if (question.kind === "text")
+    return typeof answer === "string" && answer.trim() && [...answer].length <= LESSON.longest ? "" : `write one to ${LESSON.longest} characters`;
+  if (question.kind === "choice")
+    return Number.isInteger(answer) && answer >= 1 && answer <= question.options[0].length ? "" : "choose one of the answers";
+  if (question.kind === "interval") {
+    if (!Array.isArray(answer) || answer.length !== 2 || !answer.every(real)) return "give two numbers, the least and the most";
+    return answer[0] <= answer[1] ? "" : "the first number must not be above the second";
+  }
+  return real(answer) ? "" : "give a number";
+}
+
+// Whether an answer is right (null: nobody marks it), and what is, in words; null where it could not be found out.
+function mark(question, answer) {
+  const rule = own(question.rules);
+  if (!rule) return null;
+  if (question.kind === "text") return {right: null, told: ""};
+  if (rule.options) return {right: rule.options.includes(answer), told: rule.told};
+  if (typeof rule.value === "string") return {right: answer === rule.value, told: rule.told};
+  if (question.kind === "interval") return {right: answer[0] <= rule.value && rule.value <= answer[1], told: rule.told};
+  return {right: Math.abs(answer - rule.value) <= rule.tolerance * Math.abs(rule.value), told: rule.told};
+}
+
+// An answer in words.
+function shown(question, answer) {
+  if (question.kind === "choice") return own(question.options)[answer - 1];
+  if (question.kind === "interval") return `${number(answer[0], 4)} to ${number(answer[1], 4)} ${question.unit}`.trim();
+  return question.kind === "text" ? answer : `${number(answer, 4)} ${question.unit}`.trim();
+}

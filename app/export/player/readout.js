@@ -1,0 +1,136 @@
+// Numbers of the run that is shown: time, norms, index and distance of each estimator, its status, and norms over time.
+
+const chart = document.getElementById("chart");
+const COLUMN = {x: 0, v: 1, sigma: 2, a: 3};
+
+function cell(run, track, at, quantity) {
+  const found = run.tracks[track];
+  return found ? found.values[Math.floor(at) * found.width + COLUMN[quantity]] : NaN;
+}
+
+function readout() {
+  const {run, view} = stage;
+  if (!run) return;
+  const at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity], time = stage.time;
+  const told = [["time", `${number(time, 4)} s = ${(time / run.period).toFixed(2)} periods`],
+    ["steps", `${Math.round(time / run.step).toLocaleString("en")} of ${withUnit(run.step, "s")}`],
+    ["step", marginText(run.tracks.margin.values[Math.floor(at)])],
+    ["crossings", Number.isFinite(run.tracks.crossed.values[Math.floor(at)])
+      ? `${Math.round(run.tracks.crossed.values[Math.floor(at)]).toLocaleString("en")} so far` : "not counted"],
+    ["shown", run.shown < run.particles ? `${run.shown} of ${run.particles.toLocaleString("en")} particles`
+      : `${run.particles} particles`]];
+  document.getElementById("facts").replaceChildren(...told.map(([name, text]) => tableRow(name, text)));
+  const rows = [tableRow(`error of ${quantity.symbol}`, "norm", "index", "distance")];
+  rows[0].className = "head";
+  const norm = (track) => withUnit(cell(run, track, at, view.quantity), quantity.unit);
+  rows.push(marked(tableRow("true", run.known ? norm("norm.true") : "unknown", "", ""), TRUTH, []));
+  for (const name of run.estimators) {
+    const known = !(name in run.not_valid);
+    const last = known ? ["index", "distance"].map((kind) => short(cell(run, `${kind}.${name}`, at, view.quantity))) : ["", ""];
+    rows.push(marked(tableRow(name, known ? norm(`norm.${name}`) : "not valid", ...last), ...lookOf(name)));
+  }
+  if (stage.pinned) {
+    const other = pictureAt(stage.pinned, time);
+    rows.push(marked(tableRow("pinned", withUnit(cell(stage.pinned, "norm.true", other, view.quantity), quantity.unit), "", ""),
+      DATA.pinned, []));
+  }
+  document.getElementById("norms").replaceChildren(...rows);
+  status(run);
+  drawChart(run, view);
+}
+
+// The step over the bound of what the present configuration bears; beyond 1 it will not hold.
+const marginText = (margin) => Number.isFinite(margin) ? `${margin < 100 ? margin.toFixed(2) : number(margin, 2)} of its bound` : "–";
+
+// A ratio where there is little room.
+const short = (value) => value < 0.095 && value >= 0.0095 ? value.toFixed(2) : ratio(value);
+
+const lookOf = (name) => [DATA.estimators[name].colour, DATA.estimators[name].dashes];
+
+function tableRow(...texts) {
+  const made = document.createElement("tr");
+  made.append(...texts.map((text, k) => element(k ? "td" : "th", text)));
+  return made;
+}
+
+// A row with the line that stands for it in the chart.
+function marked(row, colour, dashes) {
+  const line = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  line.setAttribute("viewBox", "0 0 18 6");
+  line.setAttribute("aria-hidden", "true");
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  for (const [name, value] of Object.entries({d: "M0 3H18", stroke: colour, "stroke-width": 3, "stroke-dasharray": dashes.join(" ")}))
+    path.setAttribute(name, value);
+  line.append(path);
+  row.firstChild.prepend(line);
+  return row;
+}
+
+// What has become of the run, and in a sentence what is seen.
+function status(run) {
+  const box = document.getElementById("status"), broken = isBroken(run);
+  const why = Object.entries(run.not_valid).map(([name, reason]) => `${name}: ${reason}.`).join(" ");
+  put(box, stage.refusal ? "" : broken ? capital(run.reason) + "." : why ? capital(why) : "");
+  box.className = broken ? "broken" : "note";
+  box.hidden = !box.textContent;
+  put(document.getElementById("title"), stage.plan.says[flatNumber(stage.plan, stage.chosen)] || "");
+  put(document.getElementById("summary"), summary(run));
+  canvas.setAttribute("aria-label", summary(run));
+}
+
+const isBroken = (run) => run.status !== "ok" && run.since <= stage.time + run.step;
+
+function put(box, text) {
+  if (box.textContent !== text) box.textContent = text;
+}
+
+function summary(run) {
+  if (stage.refusal) return capital(stage.refusal) + ".";
+  if (run.status === "unstable" && stage.time >= endOf(run)) return `The run went unstable and has stopped at t = ${number(stage.time)} s.`;
+  if (isBroken(run)) return `The run is lost from t = ${number(run.since)} s on.`;
+  const {view} = stage, at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity];
+  const of = `error of ${quantity.noun} ${quantity.symbol}`, index = cell(run, `index.${view.estimator}`, at, view.quantity);
+  if (Number.isFinite(index) && !(view.estimator in run.not_valid))
+    return `So far the estimate by ${view.estimator} is ${ratio(index)} ${index >= 1 ? "times" : "of"} the true ${of}.`;
+  const size = cell(run, "norm.true", at, view.quantity);
+  return Number.isFinite(size) ? `The true ${of} is ${withUnit(size, quantity.unit)}.` : `The true ${of} is not known.`;
+}
+
+// Norms over time: the truth broad, estimates with their dashes, and a line where the time is.
+function drawChart(run, view) {
+  const box = chart.getBoundingClientRect(), pixels = window.devicePixelRatio || 1, quantity = DATA.quantities[view.quantity];
+  if (!box.width) return;
+  chart.width = Math.round(box.width * pixels);
+  chart.height = Math.round(box.height * pixels);
+  const pen = chart.getContext("2d"), times = run.tracks.time.values, column = COLUMN[view.quantity];
+  pen.scale(pixels, pixels);
+  Object.assign(pen, {font: "11px system-ui, sans-serif", lineJoin: "round"});
+  const lines = [["norm.true", TRUTH, [], 4, run], ...run.estimators.filter((name) => !(name in run.not_valid))
+    .map((name) => [`norm.${name}`, ...lookOf(name), 2, run])];
+  if (stage.pinned) lines.unshift(["norm.true", DATA.pinned, [], 2, stage.pinned]);
+  const norms = ([track, , , , of]) => Array.from(of.tracks.time.values, (_, k) => of.tracks[track].values[4 * k + column]);
+  const truth = largest(norms(lines.find(([track, , , , of]) => track === "norm.true" && of === run)));
+  const most = Math.max(...lines.map((line) => largest(norms(line)))), shown = truth > 0 ? Math.min(most, 10 * truth) : most;
+  const top = shown > 0 ? roundUp(shown, AXIS_STEPS)[0] : 1, power = powerOfTen(top), end = times[times.length - 1] || 1;
+  const left = 34, right = box.width - 8, high = 24, low = box.height - 20;
+  const x = (time) => left + (right - left) * Math.min(time / end, 1), y = (size) => low - (low - high) * Math.min(size / top, 1.02);
+  words(pen, `error norm of ${quantity.symbol} / ${powerText(power)}${quantity.unit}`, box.width / 2, 3, "center", "top");
+  pen.strokeStyle = "#dfe3e8";
+  for (const share of [0, 0.5, 1]) {
+    stroke(pen, [[left, y(share * top)], [right, y(share * top)]]);
+    words(pen, number(share * top / 10 ** power), left - 5, y(share * top), "right", "middle", 0, "#4a525c");
+  }
+  words(pen, "0", left, low + 4, "left", "top", 0, "#4a525c");
+  words(pen, `${number(end)} s`, right, low + 4, "right", "top", 0, "#4a525c");
+  for (const line of lines) {
+    const [, colour, dashes, thickness, of] = line, values = norms(line);
+    Object.assign(pen, {strokeStyle: colour, lineWidth: thickness});
+    pen.setLineDash(dashes);
+    stroke(pen, Array.from(of.tracks.time.values, (time, k) => [x(time), y(values[k])]).filter(([, size]) => Number.isFinite(size)));
+  }
+  pen.setLineDash([]);
+  Object.assign(pen, {strokeStyle: "#4a525c", lineWidth: 1});
+  stroke(pen, [[x(stage.time), high - 4], [x(stage.time), low]]);
+}
+
+stage.onChange.push(readout);

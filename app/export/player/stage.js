@@ -1,0 +1,127 @@
+// The stage: which run of a lattice is on it, at what time, and its drawing.
+
+const stage = {
+  plan: null,      // of DATA.stages
+  chosen: [],      // the value of each axis, by its number
+  run: null, pinned: null, refusal: "",
+  view: null,
+  time: 0, playing: false, last: 0,
+  onChange: [],    // called when another run, view or picture is shown
+};
+
+const canvas = document.getElementById("stage");
+const flatNumber = (plan, chosen) => plan.axes.reduce((sum, axis, k) => sum * axis.values.length + chosen[k], 0);
+
+// Put one of the stages of the file on it, from its beginning.
+async function putOnStage(id, play) {
+  const plan = DATA.stages[id];
+  Object.assign(stage, {plan, chosen: plan.axes.map((axis) => axis.start), view: {...plan.view}, time: 0, playing: false});
+  stage.pinned = plan.pinned === null ? null : await recording(plan.pinned);
+  document.body.classList.add("has-stage");
+  buildControls();
+  await choose();
+  setPlaying(play);
+}
+
+// Show the run that the sliders say, at the time that is shown.
+async function choose() {
+  const found = stage.plan.runs[flatNumber(stage.plan, stage.chosen)];
+  stage.refusal = typeof found === "string" ? found : "";
+  if (!stage.refusal) {
+    const run = await recording(found);
+    if (stage.plan.runs[flatNumber(stage.plan, stage.chosen)] !== found) return;  // another one has been chosen since
+    stage.run = run;
+    if (!run.estimators.includes(stage.view.estimator)) stage.view.estimator = run.estimators[0] || stage.view.estimator;
+    stage.time = Math.min(stage.time, endOf(run));
+  }
+  changed();
+}
+
+const endOf = (run) => run.tracks.time.values[run.tracks.time.rows - 1];
+
+// Which picture of a run is shown at a time: a number between two where the time is.
+function pictureAt(run, time) {
+  const times = run.tracks.time.values;
+  let low = 0, high = times.length - 1;
+  if (time >= times[high]) return high;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= time) low = middle; else high = middle;
+  }
+  return low + Math.max(0, time - times[low]) / (times[high] - times[low]);
+}
+
+function setPlaying(wanted) {
+  if (wanted && stage.run && stage.time >= endOf(stage.run)) stage.time = 0;
+  stage.playing = wanted && !stage.refusal;
+  stage.last = 0;
+  if (stage.playing) requestAnimationFrame(play);
+  changed();
+}
+
+function play(now) {
+  if (!stage.playing) return;
+  const passed = stage.last ? Math.min(0.1, (now - stage.last) / 1000) : 0;
+  stage.last = now;
+  stage.time += passed * stage.view.speed * stage.run.period;
+  if (stage.time >= endOf(stage.run)) {
+    stage.time = endOf(stage.run);
+    stage.playing = false;
+  }
+  changed();
+  if (stage.playing) requestAnimationFrame(play);
+}
+
+function changed() {
+  for (const act of stage.onChange) act();
+}
+
+// What each half says instead of sizes, where there are none.
+function silencesOf(run, view) {
+  const truth = run.known ? "" : "true error unknown here: no exact solution is built in";
+  if (!run.estimators.length) {
+    const [name, why] = Object.entries(run.not_valid)[0] || [];
+    return [name ? `${name}: ${why}` : "no estimator is chosen", truth];
+  }
+  if (view.estimator in run.not_valid) return [`${view.estimator}: ${run.not_valid[view.estimator]}`, truth];
+  const known = run.tracks[`${view.difference ? "difference" : "estimate"}.${view.estimator}.${view.quantity}`];
+  return [known && known.values.some(Number.isFinite) ? "" : `${view.estimator} does not estimate the `
+    + DATA.quantities[view.quantity].noun, truth];
+}
+
+// Particles that have just crossed a cell boundary, with seconds of the screen since.
+function flashedAt(run, view, time) {
+  const who = run.tracks["crossings.who"].values, when = run.tracks["crossings.time"].values, found = [];
+  const since = FLASH_SECONDS * view.speed * run.period;
+  for (let k = 0; k < when.length; k++) {
+    const ago = time - when[k];
+    if (ago >= 0 && ago < since) found.push([Math.round(who[k]), ago / (view.speed * run.period)]);
+  }
+  return found;
+}
+
+function draw() {
+  const box = canvas.getBoundingClientRect(), pixels = window.devicePixelRatio || 1;
+  if (!box.width || !stage.run) return;
+  canvas.width = Math.round(box.width * pixels);
+  canvas.height = Math.round(box.height * pixels);
+  const pen = canvas.getContext("2d"), {run, view} = stage, at = pictureAt(run, stage.time);
+  pen.scale(pixels, pixels);
+  pen.font = "12.5px system-ui, sans-serif";
+  if (stage.refusal) return words(pen, capital(stage.refusal), box.width / 2, box.height / 2, "center", "middle", 0.7 * box.width);
+  const quantity = DATA.quantities[view.quantity], silences = silencesOf(run, view);
+  const estimated = silences[0] ? null : estimatedSizes(run, view.quantity, view.estimator, view.difference, at);
+  const pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
+  (run.problem === "bar" ? drawBar : drawRing)(pen, run, pinned, view, {
+    width: box.width, height: box.height, at, silences,
+    sizes: [estimated, trueSizes(run, view.quantity, at)],
+    scale: {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic},
+    measures: `size of the error${view.difference ? ", and of estimate − truth," : ""} of ${quantity.noun} ${quantity.symbol}`,
+    unit: quantity.unit,
+    titles: [silences[0] ? "" : view.difference ? `estimate by ${view.estimator} − truth` : `estimated error by ${view.estimator}`,
+      "true error"],
+    note: "magenta: crossing a cell boundary", flashed: flashedAt(run, view, stage.time)});
+}
+
+stage.onChange.push(draw);
+new ResizeObserver(draw).observe(canvas);

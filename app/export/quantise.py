@@ -1,0 +1,62 @@
+"""Numbers of a recording as few bytes: each track becomes whole numbers of 8 or 16 bits, then differences, then zlib.
+
+A track has one row for each picture of a recording. How it is written is its ``kind``:
+
+* ``size``: 8 bits, from 0 to the row's largest, 254; 255 is no number. Off by at most 1/508 of the row's largest.
+* ``signed``: 8 bits, -127 to 127 for the row's largest size; -128 is no number. Off by at most 1/254 of it.
+* ``place``: 16 bits, -32767 to 32767 for the largest size in the whole track; -32768 is no number.
+* ``number``: 32 bits of a float, as it is.
+
+Rows of whole numbers are written as what each differs from the one before it, modulo 256 or 65536, which is little
+where things move slowly; 16 bits as all low bytes, then all high ones.
+"""
+
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+
+SIZE, SIGNED, PLACE, NUMBER = "size", "signed", "place", "number"
+MOST = 1e30  # of a size: floats of 32 bits hold it
+TOPS = {SIZE: 254, SIGNED: 127, PLACE: 32767}
+NONE = {SIZE: 255, SIGNED: -128, PLACE: -32768}
+
+
+@dataclass(frozen=True)
+class Track:
+    """One thing that a recording follows: ``values`` (pictures or what else has rows, width), written as ``kind``."""
+
+    name: str
+    kind: str
+    values: np.ndarray
+
+    @property
+    def header(self) -> dict[str, str | int]:
+        """What the player must know to read it."""
+        return {"name": self.name, "kind": self.kind, "rows": len(self.values), "width": self.values.shape[1]}
+
+
+def packed(tracks: list[Track]) -> bytes:
+    """All tracks, one after the other, compressed."""
+    return zlib.compress(b"".join(map(_bytes, tracks)), 9)
+
+
+def _bytes(track: Track) -> bytes:
+    """A track's scales (float32, one a row; for ``place`` one) and codes."""
+    values = np.asarray(track.values, float)
+    if track.kind == NUMBER:
+        return values.astype("<f4").tobytes()
+    with np.errstate(invalid="ignore", over="ignore"):
+        values = np.where(np.isfinite(values), np.clip(values, -MOST, MOST), np.nan)
+        sizes = np.nan_to_num(np.abs(values))
+        scales = (sizes.max(initial=0.0) if track.kind == PLACE else sizes.max(axis=1, initial=0.0)).astype("<f4")
+        over = np.where(scales > 0, scales, 1.0).reshape(-1, 1)
+        codes = np.where(np.isfinite(values), np.rint(TOPS[track.kind] * values / over), NONE[track.kind])
+    return scales.tobytes() + _differences(codes.astype(np.int32), 16 if track.kind == PLACE else 8)
+
+
+def _differences(codes: np.ndarray, bits: int) -> bytes:
+    """Each row less the one before it, modulo 2^bits; of 16 bits the low bytes of all, then the high ones."""
+    steps = np.diff(codes, axis=0, prepend=0) % (1 << bits)
+    planes = [steps & 255, steps >> 8] if bits == 16 else [steps]
+    return b"".join(plane.astype(np.uint8).tobytes() for plane in planes)

@@ -1,0 +1,184 @@
+"""A run as a recording: the particles, their errors and all norms at so many instants, as tracks."""
+
+import base64
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app import state
+from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
+from app.problems.views import VIEWS
+from solvers import samples
+from solvers.norms import distance, error_index
+from solvers.result import Snapshot
+from solvers.run import build
+from solvers.scene import Scene
+from solvers.solver import Solver
+from solvers.soundness import find, verdict
+
+CURVE_POINTS = 41  # at which the exact field is kept
+FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
+RUNNING = {"index": (error_index, "estimate"), "distance": (distance, "difference")}
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is recorded of a scene: ``pictures`` of at most ``particles``, with errors of the ``quantities`` (keys)."""
+
+    scene: str  # as a state's text
+    pictures: int
+    particles: int
+    quantities: tuple[str, ...]
+    difference: bool = False  # whether how far the estimates are from the truth is kept for each particle
+    domains: bool = False  # whether what each particle stands for is kept, of a problem whose stage can outline it
+
+
+def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
+    """In a process of its own: record one scene."""
+    values = dict(question)
+    values["quantities"] = tuple(values["quantities"])
+    answer(recording(Wanted(**values)))
+
+
+def recording(wanted: Wanted) -> dict[str, Any]:
+    """The recording as a JSON object: ``head`` says what is there, ``tracks`` how to read ``data``, in base64."""
+    scene = state.read(wanted.scene).scene
+    solver = build(scene)
+    solver.compile()
+    rows, own, shots = [solver.measure()], list[np.ndarray](), list[dict[str, Snapshot]]()
+    for step in np.unique(np.rint(np.linspace(0, scene.steps, wanted.pictures)).astype(int)):
+        while solver.step < step and solver.sound:
+            rows.append(solver.advance(min(int(step) - solver.step, solver.longest_advance)))
+        own.append(solver.measure())  # the picture's own norms; also a look for a run gone bad
+        shots.append({key: solver.snapshot(wanted.difference, key) for key in wanted.quantities})
+        if not solver.sound:
+            break
+    tracks = _tracks(wanted, scene, solver, shots)
+    regular, pictures = (samples.read(np.concatenate(some), scene.active_estimators, _count(shots), scene.time_step)
+                         for some in (rows, own))
+    tracks += _norms(scene, regular, pictures)
+    return {"head": _head(wanted, scene, solver, shots, regular, pictures),
+            "tracks": [track.header for track in tracks], "data": base64.b64encode(packed(tracks)).decode()}
+
+
+def _first(shot: Mapping[str, Snapshot]) -> Snapshot:
+    """One of the views of an instant, which differ in the plotted field alone."""
+    return next(iter(shot.values()))
+
+
+def _count(shots: list[dict[str, Snapshot]]) -> int:
+    return len(_first(shots[0]).position)
+
+
+def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
+    """Which particles are kept: every one, or every k-th along the bar; of a lattice in two dimensions some by chance,
+    for every k-th would be rows of them."""
+    if dimensions == 1:
+        return np.arange(0, count, -(-count // most))
+    return np.arange(count) if count <= most \
+        else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
+
+
+def _tracks(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Snapshot]]) -> list[Track]:
+    """Everything of particles: places, errors and estimates of each quantity, exact curves, crossings."""
+    kept, instants = _shown(scene.DIMENSIONS, _count(shots), wanted.particles), [_first(shot) for shot in shots]
+    rest = _flat(instants[0].material_position[kept])
+    position = np.stack([_flat(shot.position[kept]) for shot in instants])
+    with np.errstate(invalid="ignore"):
+        position = np.fmax(np.fmin(position, FARTHEST), -FARTHEST)
+    tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
+    if wanted.domains and (edges := VIEWS[scene.problem].domains):
+        half = [edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
+        tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
+    for key in wanted.quantities:
+        tracks += _quantity(wanted, scene, key, [shot[key] for shot in shots], kept)
+    return tracks + _crossings(scene, instants, kept)
+
+
+def _flat(points: np.ndarray) -> np.ndarray:
+    """(n,) or (n, D) as one row: x of all, then y of all."""
+    return points.T.ravel()
+
+
+def _quantity(wanted: Wanted, scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
+    """Of one quantity: the field's deviation from the exact one, or the field itself where that is unknown, with its
+    sign; sizes of the true and estimated errors, the true ones only where they are not those of the deviation; and the
+    exact field on a curve."""
+    column, known = samples.QUANTITIES.index(key), scene.solution_known
+    fields = np.stack([shot.plotted[kept, int(known)] for shot in shots if shot.plotted is not None])
+    tracks = [Track(f"deviation.{key}", SIGNED, fields)]
+    errors = [shot.error for shot in shots]
+    if all(error is not None for error in errors):
+        sizes = np.abs(np.stack([error[kept, column] for error in errors if error is not None]))
+        if not np.allclose(sizes, np.abs(fields), rtol=1e-3, atol=0, equal_nan=True):
+            tracks.append(Track(f"error.{key}", SIZE, sizes))
+    for name in scene.active_estimators:
+        tracks.append(Track(f"estimate.{name}.{key}", SIZE,
+                            np.abs(np.stack([shot.estimate[name][kept, column] for shot in shots]))))
+        if wanted.difference and all(name in shot.difference for shot in shots):
+            tracks.append(Track(f"difference.{name}.{key}", SIZE,
+                                np.stack([shot.difference[name][kept, column] for shot in shots])))
+    if known:
+        plot = VIEWS[scene.problem].plot
+        at = np.linspace(plot.start, plot.end, CURVE_POINTS)
+        tracks.append(Track(f"curve.{key}", PLACE, np.stack([plot.exact(scene, key, at, shot.time) for shot in shots])))
+    return tracks
+
+
+def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
+    """When a particle that is kept, counted among those, crossed a cell boundary: of several times between two pictures
+    the last. In the order of time."""
+    found = []
+    for before, shot in itertools.pairwise(shots):
+        if shot.last_crossing is not None:
+            steps = shot.last_crossing[kept]
+            who = np.flatnonzero(steps > before.step)
+            found.append(np.stack([who, steps[who] * scene.time_step], axis=1))
+    events = np.concatenate(found) if found else np.empty((0, 2))
+    events = events[np.argsort(events[:, 1], kind="stable")]
+    return [Track("crossings.who", PLACE, events[:, :1]), Track("crossings.time", PLACE, events[:, 1:])]
+
+
+def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
+    """Norms of the true and estimated errors (pictures, 4) at each picture, and index and distance of each estimator up
+    to then, from the samples that a run takes: evenly, and one at its end."""
+    times = pictures["time"]
+    ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # how many samples there were
+    alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # none was taken with the picture
+    tracks = [Track("time", NUMBER, times.reshape(-1, 1)),
+              Track("crossed", NUMBER, pictures["crossings"].reshape(-1, 1)),
+              Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),
+              Track("norm.true", NUMBER, _columns(pictures, "error_{}"))]
+
+    def until(name: str, k: int) -> np.ndarray:
+        return np.append(regular[name][:ends[k]], pictures[name][k:k + alone[k]])
+
+    for estimator in scene.active_estimators:
+        tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
+        for ratio, (compare, norm) in RUNNING.items():
+            table = [[compare(until(f"{estimator}/{norm}_{key}", k), until(f"error_{key}", k))
+                      for key in samples.QUANTITIES] for k in range(len(times))]
+            tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.array(table, float)))
+    return tracks
+
+
+def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    return np.stack([series[name.format(key)] for key in samples.QUANTITIES], axis=1)
+
+
+def _head(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Snapshot]],
+          *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """What the player says of a run beside its numbers."""
+    not_valid = solver.not_valid()
+    found = [finding for one in series if (finding := find(scene, one, not_valid))]
+    status, reason, since = verdict(solver, min(found, key=lambda finding: finding.time, default=None))
+    count = _count(shots)
+    shown = len(_shown(scene.DIMENSIONS, count, wanted.particles))
+    return {"problem": scene.problem, "particles": count, "shown": shown,
+            "spacing": scene.spacing, "step": scene.time_step, "steps": solver.step, "period": scene.period,
+            "end": scene.end_time, "reach": scene.amplitude, "ppc": scene.ppc, "known": scene.solution_known,
+            "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
+            "status": status, "reason": reason or "", "since": since}

@@ -1,0 +1,43 @@
+"""Recordings made side by side, each by a process of its own that does nothing else."""
+
+import queue
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
+from typing import Any
+
+from app.export.record import Wanted
+from solvers.processes import WorkerProcess
+
+WORK = "app.export.record:work"
+
+
+def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
+    """A recording for each of the wanted ones, in their order; ``on_progress`` is told how many there are so far.
+
+    Raises :class:`~solvers.processes.ProcessDied` where one cannot be made.
+    """
+    free: queue.SimpleQueue[WorkerProcess] = queue.SimpleQueue()
+    workers = [WorkerProcess(WORK) for _ in range(processes)]
+    for worker in workers:
+        free.put(worker)
+
+    def record(one: Wanted) -> dict[str, Any]:
+        worker = free.get()
+        try:
+            [answer] = worker.ask(asdict(one))
+            return answer
+        finally:
+            free.put(worker)
+
+    found = []
+    threads = ThreadPoolExecutor(processes)
+    try:
+        for recording in threads.map(record, wanted):
+            found.append(recording)
+            on_progress(len(found))
+        return found
+    finally:
+        threads.shutdown(wait=False, cancel_futures=True)
+        for worker in workers:
+            worker.close()
