@@ -51,12 +51,10 @@ def act(page, verb, name, value):
 
 
 def _set(page, name, value):
-    """A number in the box beside a slider, or as the text of a size."""
-    typed = page.get_by_label(re.compile(f"^{re.escape(name)}(, typed)?$")).and_(page.locator("input[type=text]"))
-    if typed.count() and not typed.first.get_attribute("inputmode"):
-        typed.first.fill(value)
-    else:
-        row(page, re.compile(f"^{re.escape(name)}(,|$)")).locator("input.mantine-NumberInput-input").fill(value)
+    """A number in the box beside a slider, or a text."""
+    box = row(page, re.compile(f"^{re.escape(name)}(,|$)")).locator("input.mantine-NumberInput-input")
+    text = page.get_by_role("textbox", name=re.compile(f"^{re.escape(name)}(, typed)?$"))
+    (text.last if page.get_by_label(f"{name}, typed", exact=True).count() or not box.count() else box).fill(value)
 
 
 def reading(page, column, name):
@@ -124,7 +122,7 @@ def follow(page, lesson, on_step=lambda number: None):
         if step.stage:
             stops = "stops" in step.stage.partition(" pinned")[0].split()
         found = do(page, filled(step.text, numbers), stops) if step.kind != PREDICT else []
-        read = found if step.stage else (read or found)  # of the run that is observed, else what is there now
+        read = found if step.stage or "Read **" in step.text else read  # else what one "did read" before
         if step.question:
             counts = step.kind == OBSERVE and step.question.kind == NUMBER and read
             answer(page, step, reckoned(page, filled(step.text, numbers)) or read[-1] if counts else "1")
