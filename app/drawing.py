@@ -19,6 +19,7 @@ TICK_GAP = 0.024  # labels have a white ground, which must stay clear of the col
 FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
 DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
 UNKNOWN = 225  # grey of a particle whose error nobody knows
+LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size
 AWAY = -50.0  # where points that are not shown wait, far outside the view
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
@@ -70,22 +71,22 @@ def one_in(particles: int, most: int) -> int:
     return -(-particles // most)
 
 
-def points(s: viser.SceneApi, name: str, size: float,
-           shape: Literal["circle", "square"] = "circle") -> viser.PointCloudHandle:
+def points(s: viser.SceneApi, name: str, size: float, shape: Literal["circle", "square"] = "circle",
+           precision: Literal["float16", "float32"] = "float32") -> viser.PointCloudHandle:
     """Points of ``size`` across: the viewer counts from the middle.
 
     Points, because they alone show a colour exactly as it is given; lines and meshes are toned and lit.
     """
     return s.add_point_cloud(name, np.full((1, 3), AWAY, np.float32), np.zeros((1, 3), np.uint8),
-                             point_size=size / 2, point_shape=shape, precision="float32", point_shading="flat")
+                             point_size=size / 2, point_shape=shape, precision=precision, point_shading="flat")
 
 
 def put(handle: viser.PointCloudHandle | viser.LineSegmentsHandle, points: np.ndarray,
         colours: np.ndarray | None = None) -> None:
     """Move points (n, 3) or line segments (n, 2, 3), and colour points, (n, 3) or all alike (3,), in one message.
 
-    For what changes with every frame: single precision and 8 bits, and nobody writes to the arrays again. The viewer's
-    own setters compare, copy and convert each of them several times, which took half of the time of a frame.
+    For what changes with every frame: in the handle's own precision and 8 bits, and nobody writes to the arrays again.
+    The viewer's setters compare, copy and convert each of them several times, which took half of the time of a frame.
     """
     props: Any = handle._impl.props
     updates: dict[str, np.ndarray] = {"points": points}
@@ -143,6 +144,11 @@ def enlarge(s: viser.SceneApi, factor: float) -> None:
         lettering.factor = factor
         for handle, size in list(lettering.sizes.values()):
             resize(s, handle, size)
+
+
+def letters(s: viser.SceneApi, pixels: float, size: float = 1.0) -> int:
+    """How many letters of a label of this usual size there is room for in so many pixels."""
+    return max(1, int(pixels / (LETTER_WIDTH * size * _LETTERING.setdefault(s, _Lettering()).factor)))
 
 
 def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:

@@ -134,6 +134,12 @@ def command_line(scene: Scene) -> str:
     return " ".join(words)
 
 
+def brief(silence: str) -> str:
+    """Why an estimator says nothing, for where there is little room and the readout has the reason."""
+    name, found, _ = silence.partition(": not valid here")
+    return f"{name} is not valid here" if found else silence
+
+
 def number(value: float) -> str:
     """Short and exact to three digits: 0, 0.025, 1.5e-05."""
     return f"{value:.3g}"

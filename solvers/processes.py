@@ -17,12 +17,14 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import IO, cast
 
 START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); import solvers.processes as p; p.serve(sys.argv[2])"
 
 
+GOODBYE = 3.0  # seconds that a process may take to put away what it has compiled
 LINUX = sys.platform == "linux"
 PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 
@@ -91,10 +93,26 @@ class WorkerProcess:
             process.kill()
 
     def close(self) -> None:
-        """End the process and leave nothing behind; waits for whoever asks to learn it."""
+        """End the process and leave nothing behind: one that works is killed, and whoever asks waits to learn it; one
+        that rests may put away what it has compiled."""
+        self._closed = True
+        if self._lock.acquire(blocking=False):
+            try:
+                self._let_go()
+                self._end()
+            finally:
+                self._lock.release()
+            return
         self.kill()
         with self._lock:
             self._end()
+
+    def _let_go(self) -> None:
+        """Tell a process that rests that there will be no more questions, and give it time to end by itself."""
+        if process := self._process:
+            with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+                cast(IO[str], process.stdin).close()
+                process.wait(GOODBYE)
 
     def _end(self) -> str:
         """Make sure that the process has ended; says how it ended."""
@@ -132,15 +150,17 @@ def ask_fresh(work: str, environment: Mapping[str, str] | None = None, patience:
 
 def serve(work: str) -> None:
     """Be such a process: answer questions until whoever asks is gone, or the work fails. Reading has a thread of its
-    own: when whoever asked is gone, nobody wants what is being done."""
+    own: when whoever asked is gone, nobody wants what is being done. What has been compiled is kept on disk."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for whoever started this
     output = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what native code prints is not an answer
-    questions: queue.SimpleQueue[str] = queue.SimpleQueue()
+    questions: queue.SimpleQueue[str | None] = queue.SimpleQueue()
 
     def read() -> None:
         for line in sys.stdin:
             questions.put(line)
+        questions.put(None)
+        time.sleep(GOODBYE)  # it rests, and ends by itself; else nobody wants what is being done
         os._exit(0)
 
     def say(**message: object) -> None:
@@ -151,9 +171,11 @@ def serve(work: str) -> None:
     try:
         module, _, name = work.partition(":")
         function = getattr(importlib.import_module(module), name)
-        while True:
-            function(json.loads(questions.get()), lambda answer: say(answer=answer))
+        while (question := questions.get()) is not None:
+            function(json.loads(question), lambda answer: say(answer=answer))
             say(failure=None)
+        if runtime := sys.modules.get("solvers.runtime"):
+            runtime.leave()
     except Exception as error:
         say(failure=f"failed: {type(error).__name__}: {error}")
     os._exit(1)  # at once: nothing here is worth tidying up

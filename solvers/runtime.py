@@ -29,9 +29,10 @@ def allow_forks() -> None:
 
 
 def leave() -> NoReturn:
-    """End a process that is a fork: write what it has compiled to disk, and go. Taichi's own end would wait for threads
-    that only its parent has."""
-    ti.lang.impl.get_runtime().prog.finalize()
+    """End the process: write what it has compiled to disk, and go. Taichi's own end would wait for threads that, of a
+    fork, only its parent has."""
+    if (program := ti.lang.impl.get_runtime().prog) is not None:
+        program.finalize()
     os._exit(0)
 
 

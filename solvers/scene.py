@@ -19,6 +19,7 @@ from typing import Any, ClassVar
 from solvers.effects import EFFECTS
 from solvers.estimators import registry
 from solvers.remedies import FROZEN
+from solvers.remembered import Remembered
 from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
 from solvers.step_bound import SAFE
 
@@ -44,7 +45,7 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
 
 
 @dataclass(frozen=True)
-class Scene(ABC):
+class Scene(ABC, Remembered):
     """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
@@ -126,7 +127,7 @@ class Scene(ABC):
     def _check_amplitude(self) -> None:
         """Refuse an amplitude for which there is no exact solution."""
 
-    def _check_combinations(self) -> None:  # noqa: B027 (a problem without such rules has none)
+    def _check_combinations(self) -> None:  # a problem without such rules has none
         """Refuse what does not go together."""
 
     def warnings(self) -> list[str]:
@@ -226,13 +227,13 @@ class Scene(ABC):
         """Steps between two steps of an estimator: half the time a wave takes through a cell, at most 10."""
         return max(1, min(10, int(0.5 / self.courant_number)))
 
-    @property
+    @functools.cached_property
     def not_valid(self) -> dict[str, str]:
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
         reasons = {name: rule(self) for name in self.estimators if (rule := self.VALIDITY.get(name))}
         return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
 
-    @property
+    @functools.cached_property
     def active_estimators(self) -> tuple[str, ...]:
         """The estimators that run: those asked for that are valid here, if the effect is on."""
         refused = self.not_valid if "estimate" in self.effects else {}

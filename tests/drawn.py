@@ -11,7 +11,8 @@ class Handle(SimpleNamespace):
     """Something that was drawn. Its properties are set one by one, or by messages to the browser."""
 
     def __init__(self, name):
-        super().__init__(name=name, text="", points=np.zeros((0, 3)), visible=True, font_screen_scale=1.0)
+        super().__init__(name=name, text="", points=np.zeros((0, 3)), visible=True, font_screen_scale=1.0, anchor="",
+                         position=(0.0, 0.0, 0.0))
         self._impl = SimpleNamespace(props=self, api=SimpleNamespace(_queue_scene_message=lambda message: None))
 
 

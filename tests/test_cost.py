@@ -237,7 +237,7 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
     process = jobs.process_id
     page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
     tab.jobs = jobs
-    page._closed, page._cost = threading.Event(), tab
+    page._closed, page._stands, page._cost = threading.Event(), threading.Event(), tab
     page._drawing, page._refreshing = threading.Lock(), threading.Lock()
     page._session = page._slow = SimpleNamespace(close=lambda: None)
     page.close()
@@ -338,14 +338,14 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it():
     tab._session = Stage()
     tab._quiet = QuietStage(tab._session)
     tab._quiet.follow(True)
-    assert "paused" in tab._stage_word() and not ways and "paused" in tab.notice().sentence
+    assert "paused" in tab._stage_word(tab.jobs.status) and not ways and "paused" in tab.notice().sentence
     tab._session.others_playing = True
-    assert "Other visitors" in tab._stage_word() and ways
+    assert "Other visitors" in tab._stage_word(tab.jobs.status) and ways
     tab._session.play(True)
     tab._quiet.follow(True)
-    assert tab._stage_word().startswith("Your stage runs") and tab.notice() is None
+    assert tab._stage_word(tab.jobs.status).startswith("Your stage runs") and tab.notice() is None
     tab.jobs.status = JobStatus("sweep")
-    assert tab._stage_word() == ""
+    assert tab._stage_word(tab.jobs.status) == ""
 
 
 def test_job_gives_way_when_told_to(jobs):

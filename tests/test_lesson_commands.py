@@ -72,7 +72,7 @@ def test_check_passes_and_fails_with_lesson_step_and_claim(shelf_of_one, capfd):
     shelf_of_one.write_text(shelf_of_one.read_text().replace("in 1..3", "in 4..5"))
     assert main(["lesson", "check", "1", "--quiet", "--variants", "1"]) == 1
     said = capfd.readouterr().err
-    assert "01-test, line 30, step \"Look\": order(grids.error.x.max) in 4..5: does not hold, found 1." in said
+    assert "01-test, line 30, step \"Look\": order(grids.error.x.max) in 4..5: does not hold, found 2." in said
 
 
 def test_a_file_with_a_mistake_fails_and_is_told(shelf_of_one, capfd):

@@ -122,7 +122,7 @@ def test_numbers_are_those_of_the_frame():
         seen.append((report, readout(session, session.history, report, "x", "transport", None, WorstRegions())))
     report, then = seen[5]
     now = readout(session, session.history, report, "x", "transport", None, WorstRegions(), ago=0.314)
-    assert "<td>shown</td><td><b>0.31 periods back</b></td>" in now and "<td>speed</td>" not in now
+    assert "<td>shown</td><td><b>0.31 periods back</b>, paused</td>" in now and "<td>speed</td>" not in now
     assert then != seen[-1][1]
     cut = then.index("<td>energy</td>")
     assert then[cut:] == now[now.index("<td>energy</td>"):]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from dataclasses import FrozenInstanceError, fields, replace
 
 import pytest
@@ -171,6 +172,15 @@ def test_effects_that_need_others():
     assert BarScene(effects=("acceleration", "truth")).has("acceleration")
     assert BarScene(effects=("truth",)).active_estimators == () and not BarScene(effects=("truth",)).has("estimate")
     assert not BarScene(estimators=()).has("estimate") and BarScene().active_estimators == ("transport",)
+
+
+def test_a_scene_that_is_sent_again_is_the_same_object():
+    """What it is sent as has none of what was worked out; numbers that are equal but not alike stay apart."""
+    for scene in (BarScene(t_end=1), BarScene(t_end=1.0), RingScene(estimators=("recovered",))):
+        known = pickle.loads(pickle.dumps(scene))
+        assert known == scene and known is pickle.loads(pickle.dumps(scene)) and scene.time_step == known.time_step
+        assert json.dumps(known.to_dict()) == json.dumps(scene.to_dict())
+        assert known is pickle.loads(pickle.dumps(scene))
 
 
 def test_to_dict_has_every_input_filled_in():

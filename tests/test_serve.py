@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import operator
 import os
 import threading
@@ -11,10 +10,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from viser._messages import SetCameraFovMessage
 
 from app.page.serve import Visitors, _engine_count
-from app.page.wire import Buffer
 from solvers.engine import process
 from solvers.engine.messages import Trouble, Wish
 from solvers.engine.pool import EnginePool
@@ -267,23 +264,3 @@ def test_no_engine_is_started_after_closing(starts, monkeypatch):
         thread.join(PATIENCE)
         assert not thread.is_alive()
     assert len(starts) == 1
-
-
-def test_what_wakes_the_sender_is_touched_by_its_loop_only():
-    """Another thread that sets the viewer's event while the loop waits for it would meet the loop in its midst."""
-    loop, started = asyncio.new_event_loop(), threading.Event()
-    thread = threading.Thread(target=loop.run_forever)
-    thread.start()
-    try:
-        buffer = Buffer(loop, persistent_messages=False)
-        woken = asyncio.run_coroutine_threadsafe(buffer.message_event.wait(), loop)
-        loop.call_soon_threadsafe(started.set)
-        assert started.wait(PATIENCE)
-        buffer.message_event.set()
-        assert not buffer.message_event.is_set() and not woken.done()
-        buffer.push(SetCameraFovMessage(1.0))
-        assert woken.result(PATIENCE)
-    finally:
-        loop.call_soon_threadsafe(loop.stop)
-        thread.join()
-        loop.close()

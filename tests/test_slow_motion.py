@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from app.problems.phases import PHASES, scaled
 from app.problems.slow import shape
+from app.problems.views import VIEWS
 from app.words import PREFIXES
 from solvers.bar.scene import BarScene
 from solvers.engine.messages import Wish
 from solvers.ring.scene import RingScene
 from solvers.run import build
+from tests.drawn import Scene
 from tests.test_stepper import one_session
 
 ROUND_OFF = 1e-12  # of sums of a few dozen terms of the size that the comparison is relative to
@@ -140,3 +143,22 @@ def test_the_drawn_shape_function_is_that_of_the_solver():
         reach = 0.5 if name == "bar bspline" else a.edges[0, 0, 0] / a.spacing
         drawn = shape((a.place[0, 0] - a.nodes[:, 0]) / a.spacing, reach)
         assert close(drawn, a.links.weight[0], 1.0)
+
+
+@pytest.mark.parametrize("name", ["bar ugimp", "ring cpdi"])
+def test_words_stay_on_a_small_stage(name):
+    """A narrower window has shorter lines; words that were there are broken anew when the window changes."""
+    camera = SimpleNamespace(image_width=773, image_height=670)
+    drawn = Scene()
+    stage = VIEWS[SCENES[name].problem].slow(SimpleNamespace(scene=drawn, camera=camera))
+    solver = build(SCENES[name])
+    solver.advance(40)
+    _, anatomy = solver.dissect(7)
+    longest = []
+    for camera.image_width in (773, 390):
+        for phase in range(len(PHASES)):
+            stage.draw(SCENES[name], anatomy, phase, 1.0)
+            lines = [line for handle in drawn.made.values() for line in handle.text.split("\n")]
+            assert max(map(len, lines)) <= stage.width
+        longest.append(stage.width)
+    assert longest[1] < 0.65 * longest[0]

@@ -51,7 +51,7 @@ def test_playing_keeps_the_asked_speed(clock):
     with one_session(Wish(1, 1, SCENE, True, speed, 0, 0, "")) as session:
         begun, start = session.frame().time, clock.now
         while clock.now < start + 0.5:
-            session.seen()
+            memory.clear(session._block)
             clock.now += 0.007
             if session.behind:
                 session.turn()
@@ -59,6 +59,19 @@ def test_playing_keeps_the_asked_speed(clock):
                 report, at = session.frame(), clock.now
     assert (report.time - begun) / (at - start) == pytest.approx(speed, rel=0.02)
     assert report.real_speed == pytest.approx(speed, rel=0.02)
+
+
+def test_a_frame_is_not_written_over_before_the_page_has_it(clock):
+    """Not even one that is asked for; and what the page reads frees the block for the next."""
+    with one_session(Wish(1, 1, SCENE, True, 0.5 * SCENE.period, 0, 0, "")) as session:
+        first = session.frame()
+        for number in (2, 3):
+            clock.now += 1.0
+            session.accept(replace(session.wish, number=number, playing=number == 2))
+            assert not (session.behind or session.ready) and session.next_due < clock.now + 0.1
+        memory.read(session._block, SCENE, first.particles)
+        assert session.ready and session.frame().number == 3 and not session.ready
+        assert session.next_due == float("inf")
 
 
 def test_turns_are_shorter_where_many_share_an_engine():
@@ -84,7 +97,7 @@ def test_frames_keep_their_beat(clock, apart):
             if session.ready:
                 clock.now += 0.01  # the turn before the frame
                 session.frame()
-                session.seen()
+                memory.clear(session._block)
                 times.append(clock.now)
     assert len(times) / 3.0 == pytest.approx(1 / apart, rel=0.04)  # one frame more or less of 30
     assert np.diff(times).min() > 0.45 * apart
@@ -97,7 +110,7 @@ def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
     with one_session(Wish(1, 1, scene, True, 0.5 * scene.period, 0, 0, "")) as session:
         reports = []
         while not reports or reports[-1].time < scene.end_time:
-            session.seen()
+            memory.clear(session._block)
             clock.now += 0.007
             if session.behind:
                 session.turn()

@@ -94,8 +94,9 @@ async def _visit(visitor: Visitor, dice: random.Random) -> None:
 
 
 def report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
-    """What visitors got between two times. ``lost`` has a reason for each visit that has ended by itself."""
-    rates = sorted(visitor.rate(begin, end) for visitor in visitors)
+    """What visitors got between two times, while their runs went on. ``lost`` has a reason for each visit that has
+    ended by itself."""
+    rates = sorted(rate for visitor in visitors if (rate := visitor.rate(begin, end)) is not None) or [0.0]
     joined = sorted(visitor.frames[0] - visitor.asked for visitor in visitors if visitor.frames)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     return {"schema": SCHEMA, "visitors": len(visitors), "seconds": end - begin, "cores": os.cpu_count(), "load": load,
@@ -112,7 +113,7 @@ def class_table(found: dict[str, Any]) -> str:
         return "none" if value is None else f"{value:.1f} s"
 
     lines = [f"{found['visitors']} visitors for {found['seconds']:.0f} s on {found['cores']} processors "
-             f"(load {found['load']:.1f}), each moving a slider now and then",
+             f"(load {found['load']:.1f}), each moving a slider now and then; while runs go on:",
              f"  a moving picture       {found['moving']} of {found['visitors']}; half of them after "
              f"{seconds(found['joined_median'])}, 95 % after {seconds(found['joined_95'])}",
              f"  frames a second each   {found['frames_median']:.1f} (median), {found['frames_slowest']:.1f} (slowest)",

@@ -1,5 +1,6 @@
 """A visitor without a browser: speaks the page's websocket, counts the frames that come and moves the controls."""
 
+import math
 import random
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -12,7 +13,8 @@ import zstandard
 
 from app.page.wire import PROTOCOL
 
-FRAME = "/truth"  # the end of the name of what every frame of every problem sets: half of the particles
+FRAME = "/field/particles"  # the end of the name of what every frame of every problem sets
+BROKEN = "class='lab-notice lab-unstable'"  # what the page puts around the reason why a run has stopped
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position": (0.5, 0.5, 20.0), "fov": 0.07,
           "near": 1.0, "far": 400.0, "image_height": 640, "image_width": 760, "look_at": (0.5, 0.5, 0.0),
           "up_direction": (0.0, 1.0, 0.0)}
@@ -45,6 +47,7 @@ class Visitor:
     address: str
     asked: float = 0.0  # when it knocked
     frames: list[float] = field(default_factory=list)  # when they came
+    broken: set[int] = field(default_factory=set)  # after how many of them it was said that the run has broken down
     controls: dict[str, Control] = field(default_factory=dict)  # by their number
 
     async def stay(self) -> None:
@@ -77,14 +80,21 @@ class Visitor:
             steps = max(1, round((high - low) / step))
             await self.move(number, round(low + step * dice.randint(0, steps), 9))
 
-    def rate(self, begin: float, end: float) -> float:
-        """Frames a second between two times."""
-        return sum(begin <= at < end for at in self.frames) / (end - begin)
+    def rate(self, begin: float, end: float) -> float | None:
+        """Frames a second between two times, while there was something to see; None if there never was."""
+        seconds = sum(self._pauses(begin, end))
+        return sum(begin <= at < end for at in self.frames) / seconds if seconds else None
 
     def standstill(self, begin: float, end: float) -> float:
         """The longest time without a frame between two times, in s."""
-        times = [begin, *(at for at in self.frames if begin <= at < end), end]
-        return max(later - earlier for earlier, later in pairwise(times))
+        return max(self._pauses(begin, end), default=0.0)
+
+    def _pauses(self, begin: float, end: float) -> list[float]:
+        """Seconds from frame to frame between two times, but for those in which a run that had broken down stood still:
+        it does until the visitor asks for something else."""
+        times = [-math.inf, *self.frames, math.inf]
+        return [min(later, end) - max(earlier, begin) for k, (earlier, later) in enumerate(pairwise(times))
+                if later > begin and earlier < end and k not in self.broken]
 
     def _take(self, raw: bytes) -> None:
         framed = False
@@ -94,6 +104,8 @@ class Visitor:
                     framed |= message["name"].endswith(FRAME) and "points" in message["updates"]
                 case "GuiUpdateMessage" if message["uuid"] in self.controls:
                     self.controls[message["uuid"]].props.update(message["updates"])
+                    if BROKEN in str(message["updates"].get("content", "")):
+                        self.broken.add(len(self.frames))
                 case "GuiRemoveMessage":
                     self.controls.pop(message["uuid"], None)
                 case kind if kind.startswith("Gui") and "props" in message:

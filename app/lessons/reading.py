@@ -22,6 +22,7 @@ FENCE = "```"
 HEAD = "+++"
 BLOCKS = ("run", "question", "claims", "teacher")
 HEAD_KEYS = ("title", "minutes", "goals", "controls", "prerequisites", "variants")
+FORMULA = re.compile(r"\$\$.*?(?:\$\$|$)|\$[^$]*\$|^.*\$\$\s*$")  # or what of one stands on a line
 HEADING = re.compile(r"##\s+(?P<kind>[^:]+):\s*(?P<title>\S.*)")
 #: Which blocks a step of a kind may have, and which it must have.
 ALLOWED = {PREDICT: ("question", "claims", "teacher"), RUN: ("run", "claims", "teacher"),
@@ -222,7 +223,7 @@ def _check_text(part: _Part, lesson: Lesson, folder: Path | None) -> None:
     """Formulas, pictures and places for numbers are all right."""
     known = set(lesson.variants[0])
     for number, line in _numbered(part):
-        plain = re.sub(r"\$[^$]*\$", "", line)
+        plain = FORMULA.sub("", line)
         for found in PLACE.finditer(plain):
             if found[1] not in known:
                 raise LessonError(number, f"{found[0]} is no number of a variant; give "

@@ -3,7 +3,7 @@
 (() => {
   const STORE = "mpm-lab/", LONGEST = 20000;
   const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
-  let field = null, lesson = null, link = "", count = 0, opened = false, pressed = null;
+  let field = null, lesson = null, link = "", shown = "", count = 0, opened = false, pressed = null;
   const read = () => {  // the class code is not for keeping; and the viewer cannot connect from an address with a fragment
     const said = location.hash.slice(1).replace(/^code=[^&]*&?/, "");
     try { link = decodeURIComponent(said); } catch { link = said; }
@@ -43,8 +43,8 @@
       }
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));
-    if (kept.link && kept.link !== link) {
-      link = kept.link;
+    if (kept.link && kept.link !== shown) {
+      link = shown = kept.link;
       history.replaceState(null, "", `${location.pathname}${location.search}#${link}`);
     }
   }
@@ -66,5 +66,6 @@
     };
     if (navigator.clipboard) navigator.clipboard.writeText(location.href).then(copied, old); else old();
   });
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true, attributes: true,
+    attributeFilter: ["data-link", "data-lesson", "data-answers"]});
 })();

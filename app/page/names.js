@@ -3,7 +3,8 @@
   const set = (element, name, value) => {
     if (element && value && element.getAttribute(name) !== value) element.setAttribute(name, value);
   };
-  const row = label => label.closest(".mantine-Flex-root")?.querySelectorAll("[role=slider], input:not([type=hidden])");
+  const row = label => label.closest(".mantine-Flex-root")?.querySelectorAll(
+    "[role=slider], input:not([type=hidden]), textarea:not([aria-hidden])");
   const all = (selector, act) => document.querySelectorAll(selector).forEach(act);
 
   function name() {
@@ -22,6 +23,7 @@
       set(plot, "aria-label", `plot over time: ${heading || ""}`);
     });
     all("[data-scrollarea-viewport], pre", area => set(area, "tabindex", "0"));
+    all(".lab-lesson img", figure => { set(figure, "tabindex", "0"); set(figure, "title", "enlarge"); });
     set(document.querySelector("[data-dock-root] > div:first-child"), "role", "main");
     all("[data-dock-region=left]", area => { set(area, "role", "region"); set(area, "aria-label", "measurements"); });
     all("[data-dock-region=right]", area => { set(area, "role", "region"); set(area, "aria-label", "controls"); });

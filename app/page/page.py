@@ -56,6 +56,7 @@ class Page:
         self.client, self._ready, self._links, self._classroom = client, False, pool, classroom
         self.token = secrets.token_urlsafe(12)
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
+        self._stands = threading.Event()  # the frame that has come is the last for now
         self._recent = Recent()
         self._trace = Trace(self._recent)
         self._seen: tuple[FrameReport, FrameArrays, View] | None = None  # what is drawn
@@ -94,6 +95,7 @@ class Page:
     def close(self) -> None:
         """The visitor has gone, or is to see something else: nothing is drawn or said any more."""
         self._closed.set()
+        self._stands.set()
         for under_way in (self._drawing, self._refreshing):  # each comes to its end, whatever it does meanwhile
             with under_way:
                 pass
@@ -124,6 +126,8 @@ class Page:
         self._recent.add(report, arrays)
         self._trace.follow(report, arrays)
         self._redraw()
+        if not report.playing:
+            self._stands.set()
         if self._ready:
             self._slow.follow(report)
             self._cost.follow(report, self._session.history)
@@ -187,9 +191,9 @@ class Page:
                     self._draw_pinned(pinned, second, beside, *pinned.last, scene)
                 self._mark.look(stage, arrays)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
+                self.client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
             self._camera.show(RECTANGLE if self._slow.showing else stage.rectangle)
-            self.client.flush()  # else the viewer waits a frame's time for more, and the next frame replaces this one
-            self._probe.look(stage, arrays, view.estimated, view.true)
+            self._probe.look(stage, arrays, view.estimated, view.true, QUANTITIES[controls.quantity].unit)
             self._seen = report, arrays, view
 
     def _draw_pinned(self, pinned: PinnedRun, stage: Stage, view: View, report: FrameReport,
@@ -201,8 +205,11 @@ class Page:
         stage.name(f"pinned: {differing(scene, other) or 'the same so far'}")
 
     def _refresh_loop(self) -> None:
-        pause = REFRESH_SECONDS
-        while not self._closed.wait(pause):
+        """Refresh now and then, and soon when the stage has come to a stand: what is said goes with what is seen."""
+        rest = 0.0
+        while not self._closed.wait(REFRESH_SECONDS):
+            self._stands.wait(rest)
+            self._stands.clear()
             begun = thread_time()
             try:
                 with self._refreshing:
@@ -210,7 +217,7 @@ class Page:
                         self._refresh()
             except Exception:  # one bad refresh must not silence the page for the rest of the visit
                 logging.getLogger(__name__).exception("the page could not be refreshed")
-            pause = max(REFRESH_SECONDS, RESTING * self._links.playing * (thread_time() - begun))
+            rest = max(0.0, RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS)
 
     def _refresh(self) -> None:
         if self._seen is not None:

@@ -6,7 +6,7 @@ import viser
 from app.drawing import AWAY, DOT, in_plane, joined, lines
 from app.page.camera import FlatCamera
 from app.problems.stage import Stage
-from app.words import number
+from app.words import with_unit
 from solvers.engine.frames import FrameArrays
 
 
@@ -20,8 +20,9 @@ class Probe:
         # Rectangle selection also takes the left drag, which would otherwise rotate the view.
         client.scene.on_rect_select()(lambda event: self._select(camera, event))
 
-    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None) -> None:
-        """Read mean and worst error, estimated and true (P,), of the particles in the region."""
+    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
+             unit: str) -> None:
+        """Read mean and worst error, estimated and true (P,) in a ``unit``, of the particles in the region."""
         rectangle = self._rectangle
         if rectangle is None:
             self.text = None
@@ -34,8 +35,8 @@ class Probe:
         parts = [f"{np.count_nonzero(inside)} particles"]
         for name, sizes in (("estimated", estimated), ("true", true)):
             if sizes is not None and np.isfinite(sizes[inside]).any():
-                here = sizes[inside]
-                parts.append(f"{name} mean {number(float(np.nanmean(here)))}, worst {number(float(np.nanmax(here)))}")
+                mean, worst = (with_unit(float(of(sizes[inside])), unit) for of in (np.nanmean, np.nanmax))
+                parts.append(f"{name} mean {mean}, worst {worst}")
         self.text = "; ".join(parts)
 
     def _select(self, camera: FlatCamera, event: viser.SceneRectSelectEvent) -> None:

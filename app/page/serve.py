@@ -152,9 +152,10 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
         address = f"{HERE if host in EVERYWHERE else host}:{server.get_port()}"
         print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         if code:
-            outside = f"{_outside(host)}:{server.get_port()}"
-            print(f"the class code is {code}; http://{outside}/#code={quote(code)} brings it along", file=sys.stderr,
-                  flush=True)
+            link = f"http://{_outside(host)}:{server.get_port()}/#code={quote(code)}"
+            print(f"the class code is {code}; {link} brings it along", file=sys.stderr, flush=True)
+            if sys.stderr.isatty():
+                print(_picture(link), file=sys.stderr, flush=True)
         threading.Event().wait()
     finally:
         if server is not None:
@@ -208,6 +209,15 @@ def _outside(host: str) -> str:
         trial.connect(("192.0.2.1", 9))  # nobody's (RFC 5737): nothing is sent, only a way out looked for
         return str(trial.getsockname()[0])
     return HERE
+
+
+def _picture(link: str) -> str:
+    """A link as a QR code of block characters, to be put on the board."""
+    import segno
+
+    out = io.StringIO()
+    segno.make(link, error="l", micro=False).terminal(out, compact=True)
+    return out.getvalue()
 
 
 def _engine_count() -> int:

@@ -135,7 +135,7 @@ class Session:
         with self._lock:
             self._dissected = particle
             if particle is not None:
-                self.playing = False
+                self.playing, self._beyond = False, self._beyond or self.ended
                 self._single_steps += step
             self._ask()
             return self._number

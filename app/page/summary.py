@@ -6,7 +6,7 @@ from app.page.course import until
 from app.page.history import CROSSING_WINDOW
 from app.page.view import View
 from app.page.worst import WorstRegions
-from app.words import QUANTITIES, number, ratio, with_unit
+from app.words import QUANTITIES, brief, number, ratio, with_unit
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.soundness import LOST, UNSTABLE
@@ -74,7 +74,7 @@ def _errors(view: View, series: dict[str, np.ndarray], quantity: str, drawn: str
         return f"{drawn} estimates the {of} at {_size(series, f'{drawn}/estimate_{quantity}', quantity)}; " \
                f"{view.right.silence}"
     if view.estimated is None:
-        return f"the true {of} is {_size(series, f'error_{quantity}', quantity)}; {view.left.silence}"
+        return f"the true {of} is {_size(series, f'error_{quantity}', quantity)}; {brief(view.left.silence)}"
     index = series.get(f"{drawn}/index_{quantity}", np.zeros(0))
     if not len(index) or not np.isfinite(index[-1]):
         return f"no {of} has been measured yet"

@@ -52,7 +52,8 @@ class Traced(Courses):
 
     @property
     def title(self) -> str:
-        place = ", ".join(f"{x:.4g}" for x in self.at_rest)
+        digits = 5 - len(self.at_rest)  # one line of the narrowest panel
+        place = ", ".join(f"{x:.{digits}g}" for x in self.at_rest)
         return f"particle {self.particle}, X = {f'({place})' if len(self.at_rest) > 1 else place} m"
 
 

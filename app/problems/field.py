@@ -63,7 +63,7 @@ class FieldPlot:
         below = low - 0.035
         drawing.label(s, name("start"), place.ends[0], 0.0, below, "top-center", 0.85)
         drawing.label(s, name("end"), place.ends[1], 1.0, below, "top-center", 0.85)
-        self._caption = drawing.label(s, name("caption"), " ", 0.5, below, "top-center")
+        self._caption = drawing.label(s, name("caption"), " ", 0.5, below, "top-center", 0.85)
         self.lent = Dots(self, s, name("pinned"), size)
 
     def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
@@ -88,8 +88,9 @@ class FieldPlot:
         shown[:, 2] = 0.015
         drawing.put_few(self._crossed, shown)
         if scene.solution_known:
-            curve = self.points(self._line, self._place.exact(scene, quantity, self._line, t))
-            drawing.put(self._curve, drawing.joined(curve[:-1], curve[1:]))
+            heights, curve = self._heights(self._place.exact(scene, quantity, self._line, t)), self._level.copy()
+            curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
+            drawing.put(self._curve, curve)
 
     def places(self, particles: slice, count: int) -> np.ndarray:
         """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
@@ -100,6 +101,8 @@ class FieldPlot:
         """Another scene or quantity: how far the exact field reaches."""
         place = self._place
         self._line = np.linspace(place.start, place.end, CURVE_POINTS)
+        level = drawing.in_plane(np.linspace(0, 1, CURVE_POINTS), 0.0, 0.01)
+        self._level = drawing.joined(level[:-1], level[1:])  # the curve but for its heights
         self._curve.visible = scene.solution_known
         self._reach = 0.0
         if scene.solution_known:
@@ -111,10 +114,13 @@ class FieldPlot:
         place, out = self._place, np.empty((len(values), 3), np.float32)
         with np.errstate(invalid="ignore"):
             out[:, 0] = (at - place.start) / (place.end - place.start)
-            heights = place.middle + place.height / self._axis.top * values
+            heights = self._heights(values)
         out[:, 1] = np.where(np.isfinite(heights), heights, drawing.AWAY)
         out[:, 2] = 0.01
         return out
+
+    def _heights(self, values: np.ndarray) -> np.ndarray:
+        return self._place.middle + self._place.height / self._axis.top * values
 
     def _number(self, unit: str) -> None:
         top = with_unit(self._axis.top, unit)

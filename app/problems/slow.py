@@ -16,8 +16,8 @@ from solvers.scene import Scene
 #: Colours: the particle in front, the others, their domains, forces of stress and of the body, what moves.
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
 STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
-WIDTH = 96  # characters in a line of the caption
-TOP, BOTTOM = 1.03, -0.1  # of the stage that the sentence above it and the notice below it leave
+TOP, BOTTOM, LEFT = 1.03, -0.1, -0.1  # of the stage that the sentence above it and the notice below it leave
+CAPTION = 0.85  # size of its letters
 #: Where the numbers of a node may stand: how they are anchored, and to which side.
 SIDES: tuple[tuple[drawing.Anchor, tuple[int, int]], ...] = (
     ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
@@ -32,6 +32,7 @@ class SlowStage(ABC):
     """Draws one step taken apart in one client's scene. A problem says where things are drawn."""
 
     def __init__(self, client: viser.ClientHandle, problem: str):
+        self._client = client
         self.root = client.scene.add_frame(f"/slow-{problem}", show_axes=False, visible=False)
         self._sketch = Sketch(client.scene, f"/slow-{problem}")
 
@@ -144,7 +145,7 @@ class SlowStage(ABC):
             self._sketch.arrow(at, LONGEST * self._scale / most * self._aim(vectors), colour, thickness)
 
     def _domains(self, a: Anatomy) -> None:
-        seen = self._seen(self._spots)
+        seen = self._seen(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
         self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
         self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
 
@@ -153,9 +154,9 @@ class SlowStage(ABC):
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
         texts, units = zip(*(scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
-        vectors = [self._aim(values) for c in shown if (values := c.values(a)).ndim > 1]
-        taken = np.max([vector @ np.array([side for _, side in SIDES]).T for vector in vectors], axis=0) if vectors \
-            else np.zeros((len(self._nodes), len(SIDES)))
+        arrows = [c.values(a) for c in shown] + [a.velocity - a.before_velocity] * (phase == 3)
+        taken = np.max([self._aim(values / max(np.abs(values).max(), 1e-300)) @ np.array([side for _, side in SIDES]).T
+                        if values.ndim > 1 else np.zeros((len(self._nodes), len(SIDES))) for values in arrows], axis=0)
         away = self._above + 0.5 * WIDEST * self._scale * (phase == 1)
         for spot, free, *parts in zip(self._nodes, taken.argmin(axis=1), *texts, strict=True):
             anchor, side = SIDES[free]
@@ -165,14 +166,22 @@ class SlowStage(ABC):
         self._legend.insert(0, "numbers at the nodes: " + ", below it ".join(names))
 
     def _caption(self, scene: Scene, a: Anatomy, phase: int) -> None:
-        lines = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)]
-        self._sketch.text(-0.1, TOP, drawing.wrapped("; ".join(self._legend), WIDTH), "top-left")
-        self._sketch.text(-0.1, BOTTOM, "\n".join(drawing.wrapped(line, WIDTH) for line in lines), "bottom-left")
+        lines, width = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)], self.width
+        self._sketch.text(LEFT, TOP, drawing.wrapped("; ".join(self._legend), width), "top-left", CAPTION)
+        self._sketch.text(LEFT, BOTTOM, "\n".join(drawing.wrapped(line, width) for line in lines), "bottom-left",
+                          CAPTION)
 
-    def _seen(self, spots: np.ndarray) -> np.ndarray:
-        """Which points of the stage (m, 2) lie in the picture."""
+    @property
+    def width(self) -> int:
+        """Letters that a line of the caption has room for, up to the right end of what is always seen."""
+        camera, (x0, x1, y0, y1) = self._client.camera, drawing.RECTANGLE
+        per_length = min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0))
+        return drawing.letters(self._client.scene, (x1 - LEFT) * per_length, CAPTION)
+
+    def _seen(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
+        """Which points of the stage (m, 2) lie in the picture, with what reaches so far around them."""
         x0, x1, y0, y1 = self._picture
-        return np.all((spots >= (x0, y0)) & (spots <= (x1, y1)), axis=1)
+        return np.all((spots - reach >= (x0, y0)) & (spots + reach <= (x1, y1)), axis=1)
 
     def _within(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """Where lines from starts to ends, which lie in the picture, come into it (m, 2)."""

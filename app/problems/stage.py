@@ -10,6 +10,7 @@ import viser
 from app import drawing
 from app.problems.field import Dots, FieldPlot, Place
 from app.scale import ColourScale
+from app.words import brief
 from solvers.engine.frames import FrameArrays
 from solvers.scene import Scene
 
@@ -105,7 +106,7 @@ class Stage(ABC, Generic[AnyScene]):
         """Title the halves, and say in an empty one why it is."""
         for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
             drawing.write(title, half.title)
-            drawing.write(silence, half.silence, self.SILENCE_WIDTH)
+            drawing.write(silence, brief(half.silence) if self._paired else half.silence, self.SILENCE_WIDTH)
 
     @abstractmethod
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:

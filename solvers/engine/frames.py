@@ -1,4 +1,8 @@
-"""The shared memory block through which a session's particles reach the page."""
+"""The shared memory block through which a session's particles reach the page.
+
+Its first byte says whether the page has yet to copy the frame in it: the engine writes no other before. Said in a
+message, it would wake the page's writing thread with every frame.
+"""
 
 from dataclasses import dataclass
 from multiprocessing.shared_memory import SharedMemory
@@ -10,6 +14,7 @@ from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
 WIDTH = len(QUANTITIES)
+HEADER = 64  # bytes in front of the arrays
 DIFFERENCE = "{} minus truth"  # what an estimator's is called in the block
 
 
@@ -35,11 +40,11 @@ class FrameArrays:
 
 def block_bytes(scene: Scene) -> int:
     """Bytes that a scene's frame needs at most: a layout may hold a few particles more than the scene's count."""
-    return 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True, True).values())
+    return HEADER + 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True, True).values())
 
 
 def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
-    """Put a snapshot into the block."""
+    """Put a snapshot into the block, which is then :func:`unseen`."""
     P, crossing = len(shot.position), shot.last_crossing
     columns = {"position": shot.position, "displacement": shot.position - shot.material_position,
                "deformation_gradient": shot.deformation_gradient,
@@ -48,15 +53,31 @@ def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
                **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()},
                "plotted": shot.plotted}
     with np.errstate(over="ignore"):  # a run that has gone bad may exceed single precision
-        for name, part in _parts(block, scene, P, bool(shot.difference), shot.plotted is not None).items():
+        widths = _widths(scene, bool(shot.difference), shot.plotted is not None)
+        for name, part in _parts(_opened(block), P, widths, HEADER).items():
             values = columns[name]
             part[:] = values.reshape(P, -1) if isinstance(values, np.ndarray) else values
+    _opened(block)[0] = 1
+
+
+def unseen(block: SharedMemory) -> bool:
+    """Whether a frame lies in the block that the page has not copied yet."""
+    return _opened(block)[0] != 0
+
+
+def clear(block: SharedMemory) -> None:
+    """The block may be written."""
+    _opened(block)[0] = 0
 
 
 def read(block: SharedMemory, scene: Scene, particles: int, differences: bool = False,
          plotted: bool = False) -> FrameArrays:
-    """Copy the frame of ``scene`` with so many particles, with or without what is only asked for, out of the block."""
-    parts = {name: part.copy() for name, part in _parts(block, scene, particles, differences, plotted).items()}
+    """Copy the frame of ``scene`` with so many particles, with or without what is only asked for, out of the block,
+    which may then be written again."""
+    widths = _widths(scene, differences, plotted)
+    held = bytes(_opened(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
+    clear(block)
+    parts = _parts(held, particles, widths)
     return FrameArrays(parts["position"], parts["displacement"], parts["deformation_gradient"],
                        parts["steps_since_crossing"][:, 0], parts["error"],
                        {name: parts[name] for name in scene.active_estimators},
@@ -72,11 +93,15 @@ def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
             **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}
 
 
-def _parts(block: SharedMemory, scene: Scene, particles: int, differences: bool,
-           plotted: bool) -> dict[str, np.ndarray]:
-    """The block as one array (P, width) for each thing it holds."""
-    parts, start = {}, 0
-    for name, width in _widths(scene, differences, plotted).items():
-        parts[name] = np.ndarray((particles, width), np.float32, buffer=block.buf, offset=start)
+def _parts(held: bytes | memoryview, particles: int, widths: dict[str, int], start: int = 0) -> dict[str, np.ndarray]:
+    """Bytes from ``start`` on as one array (P, width) for each thing they hold."""
+    parts = {}
+    for name, width in widths.items():
+        parts[name] = np.ndarray((particles, width), np.float32, held, start)
         start += 4 * particles * width
     return parts
+
+
+def _opened(block: SharedMemory) -> memoryview:
+    assert block.buf is not None
+    return block.buf

@@ -21,7 +21,7 @@ class Wish:
     the sizes of estimate minus truth too, ``plotted`` is the key of the quantity whose field they should hold, if any.
     ``partner`` is another session of the same engine: the two keep together in periods, and start again together.
     ``dissected`` is the number of a particle, if any, around which single steps are taken apart. ``frame_seconds`` is
-    the time between two frames of a run that plays.
+    the time between two frames of a run that plays. A run that ``ends`` stops where its scene says; others go on.
     """
 
     session: int
@@ -37,13 +37,7 @@ class Wish:
     partner: int | None = None
     dissected: int | None = None
     frame_seconds: float = FRAME_SECONDS
-
-
-@dataclass(frozen=True)
-class Seen:
-    """The page has copied the session's last frame: the block may be written again."""
-
-    session: int
+    ends: bool = False
 
 
 @dataclass(frozen=True)

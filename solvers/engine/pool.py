@@ -11,7 +11,7 @@ from typing import Protocol
 
 from solvers.engine import frames
 from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Seen, Wish
+from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
 from solvers.processes import adopt_orphans
 from solvers.scene import Scene
@@ -85,7 +85,8 @@ class SessionLink:
         engine.links[session] = self
 
     def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
-            differences: bool = False, plotted: str | None = None, dissected: int | None = None) -> int:
+            differences: bool = False, plotted: str | None = None, dissected: int | None = None,
+            ends: bool = False) -> int:
         """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
@@ -94,7 +95,7 @@ class SessionLink:
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
                              self._fitting_block(scene).name, differences, plotted, self._partner, dissected,
-                             self._frame_seconds)
+                             self._frame_seconds, ends)
             self._deaths = 0
             self.engine.send(self.wish)
         if self.engine.given_up:
@@ -126,7 +127,6 @@ class SessionLink:
             if block is self._block:
                 _free(self._outgrown)
                 self._outgrown = []
-            self.engine.send(Seen(self.session))
         if arrays is not None:
             self.listener.on_frame(report, arrays)
 

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
-from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Seen, Trouble, Wish
+from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Wish
 from solvers.scene import Scene
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class EngineProcess:
         self._warm_up, self._usual = warm_up, tuple(usual)
         self._closing = False
         self._news = threading.Condition()
-        self._outbox: deque[Seen | Goodbye] = deque()
+        self._outbox: deque[Goodbye] = deque()
         self._wishes: dict[int, Wish] = {}
         self._start()
         for work in (self._read, self._write):
@@ -58,7 +58,7 @@ class EngineProcess:
     def process_id(self) -> int:
         return self._process_id
 
-    def send(self, message: Wish | Seen | Goodbye) -> None:
+    def send(self, message: Wish | Goodbye) -> None:
         """Queue a message; never waits. A newer wish of a session takes the place of an older one."""
         with self._news:
             if self.given_up:

@@ -21,6 +21,7 @@ SHORTEST_SLICE = 0.001  # some twenty launches' worth
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
+LOOK_SECONDS = 0.002  # between two looks whether the page has taken a frame that the next one waits for
 EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
 LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
 
@@ -36,8 +37,8 @@ class Stepper:
         self.wish = wish
         self.sessions = 1  # that share the engine
         self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
-        self._unseen = False
         self._block = _attach(wish.memory)
+        frames.clear(self._block)  # of what an engine has left there that has died
         try:
             self.rebuild()
         except BaseException:
@@ -103,26 +104,25 @@ class Stepper:
         with contextlib.suppress(BufferError):  # an exception still holds a view: it goes with that
             self._block.close()
 
-    def seen(self) -> None:
-        """The page has copied the last frame."""
-        self._unseen = False
-
     @property
     def behind(self) -> bool:
         """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
-        if not self._running or (self._unseen and self._frame_due()):
+        if not self._running or (self._frame_due() and self._unseen):
             return False
         return self._steps_wanted() >= (1 if self._frame_due() else self._enough)
 
     @property
     def ready(self) -> bool:
         """Whether a frame can go: the last was seen and this one is due. A turn before it catches up what it can."""
-        return not self._unseen and (self._frame_wanted or (self._running and self._frame_due()))
+        return (self._frame_wanted or (self._running and self._frame_due())) and not self._unseen
 
     @property
     def next_due(self) -> float:
-        """When the session next has something to do, by ``perf_counter``; infinite while it waits for the page."""
-        return self._due if self._running and not self._unseen else float("inf")
+        """When the session next has something to do, by ``perf_counter``; soon, to see whether the page has taken the
+        last frame, where another has to wait for that."""
+        if not (self._running or self._frame_wanted):
+            return float("inf")
+        return max(self._due, perf_counter() + LOOK_SECONDS) if self._unseen else self._due
 
     def turn(self) -> None:
         """Step for at most one slice towards the clock's time."""
@@ -130,6 +130,10 @@ class Stepper:
         self._advance(max(1, min(wanted, self._slice, self.solver.longest_advance)))
         if wanted * self._seconds_a_step > LAG_SECONDS:
             self._anchor = (perf_counter(), self.solver.time)
+        if self.wish.ends and self.solver.step == self._last_step:
+            if not len(self._rows[-1]):  # no sample was due: what a run has come to is read at its end
+                self._rows.append(self.solver.measure())
+            self._frame_wanted = True
 
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
@@ -153,7 +157,7 @@ class Stepper:
             arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference),
             plotted=self.wish.plotted, anatomy=self._anatomy if self.wish.dissected is not None else None)
         self._rows = [report.rows[:0]]
-        self._fresh, self._frame_wanted, self._unseen = False, False, True
+        self._fresh, self._frame_wanted = False, False
         # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is
         # late by what the last one was, and 30 a second become 24. Within limits, so that frames come evenly.
         apart = self.wish.frame_seconds
@@ -161,8 +165,17 @@ class Stepper:
         return report
 
     @property
+    def _unseen(self) -> bool:
+        """Whether the page has yet to copy the last frame."""
+        return frames.unseen(self._block)
+
+    @property
     def _running(self) -> bool:
-        return self.wish.playing and self.solver.sound and self.solver.step < LAST_STEP
+        return self.wish.playing and self.solver.sound and self.solver.step < self._last_step
+
+    @property
+    def _last_step(self) -> int:
+        return self.solver.scene.steps if self.wish.ends else LAST_STEP
 
     @property
     def _slice(self) -> int:
@@ -188,7 +201,7 @@ class Stepper:
         if bound < target:
             target = bound
             self._anchor = (now, bound)
-        return int((target - self.solver.time) / self.solver.scene.time_step)
+        return min(int((target - self.solver.time) / self.solver.scene.time_step), self._last_step - self.solver.step)
 
     def _bound(self) -> float:
         """How far this session may go until its partner follows, in s: to the number of periods that this has come to,

@@ -18,7 +18,7 @@ from time import perf_counter
 
 from solvers import runtime
 from solvers.engine import successor
-from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Seen, Trouble, Wish
+from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Wish
 from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
 from solvers.run import build
@@ -99,9 +99,6 @@ class Worker:
             match message:
                 case Wish():
                     wishes[message.session] = message
-                case Seen():
-                    if message.session in self._steppers:
-                        self._steppers[message.session].seen()
                 case None:
                     raise EOFError  # the pool closes
                 case Goodbye():

@@ -10,6 +10,6 @@ def doubt(error: float, begun: bool, size: float) -> str | None:
     if begun and error < NOTHING * size:
         return "not valid here: the terms that transport carries vanish for this mapping, so that it reads zero"
     if begun and not error < MOST * size:  # true for NaN too
-        return (f"not valid here: transport's error of the acceleration is {error / size:.2g} times the acceleration "
+        return (f"not valid here: transport's error of the acceleration is more than {MOST:g} times the acceleration "
                 "itself; it feeds on itself and has outgrown the motion")
     return None

@@ -153,6 +153,8 @@ class Place:
         before = page.get_by_label("Problem", exact=True).get_attribute("id")
         page.evaluate("localStorage.clear()")
         self._relay.cut()
+        page.evaluate("history.replaceState(null, '', location.pathname + location.search);"
+                      "dispatchEvent(new HashChangeEvent('hashchange'))")  # else it asks for what it has seen last
         problem = page.get_by_label("Problem", exact=True)
         until(lambda: problem.count() == 1 and problem.get_attribute("id") != before, "controls of its own")
         until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")

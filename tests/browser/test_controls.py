@@ -10,7 +10,7 @@ from app.words import CHOICES
 from solvers.bar.scene import BarScene
 from solvers.effects import EFFECTS
 from solvers.estimators.registry import ESTIMATORS
-from solvers.remedies import REMEDIES
+from solvers.remedies import FROZEN, REMEDIES
 from solvers.ring.scene import RingScene
 from tests.browser.driving import choose, click, press, row, scene, to_the_ring, unfold, until
 
@@ -55,36 +55,51 @@ def test_numbers_of_the_bar(page):
         tick(page, "Auto step")
 
 
+def choose_each(page, wanted):
+    """From each dropdown with one of these labels the name of ``code``, for the field."""
+    for label, field, code in wanted:
+        with changes(page, **{field: code}):
+            choose(page, label, CHOICES[field][code])
+
+
+def click_boxes(page, field, names, choices, labels):
+    """The boxes of these ``names``, one after the other, each of which turns its own name in the field about."""
+    for name in names:
+        before = scene(page)[field]
+        with changes(page, **{field: [n for n in choices if (n in before) != (n == name)]}):
+            tick(page, labels[name])
+
+
+def click_all_boxes(page, kind):
+    """Every box of the estimators, the remedies and the effects of this kind of scene, estimators first, until there
+    are none: what follows compiles faster. Frozen weights stand alone, and so go before the other remedies come."""
+    estimators, remedies, effects = (kind.choices(field) for field in ("estimators", "remedies", "effects"))
+    absent = [name for name in estimators if name not in scene(page)["estimators"]]
+    click_boxes(page, "estimators", [*absent, *estimators], estimators,
+                {name: estimator.title for name, estimator in ESTIMATORS.items()})
+    together = [name for name in remedies if name != FROZEN]
+    click_boxes(page, "remedies", [FROZEN, FROZEN, *together], remedies,
+                {name: remedy.label for name, remedy in REMEDIES.items()})
+    click_boxes(page, "effects", effects, effects, {name: effect.label for name, effect in EFFECTS.items()})
+
+
 def test_choices_and_boxes_of_the_bar(page):
     """Each dropdown and each box, one after the other; what a box took away comes back with it. Small: much is
     compiled."""
     fill(page, "Cells, h = 1/", "20")
     until(lambda: scene(page)["cells"] == 20, "a small bar")
     click(page, "Pause")
-    for name in ("recovered", "transport"):
-        left = [other for other in scene(page)["estimators"] if other != name]
-        with changes(page, estimators=left):
-            tick(page, ESTIMATORS[name].title)
     unfold(page, "Method details", "Effects: compute")
-    for label, field, code in (("Method", "method", "mpm"), ("Body force", "body_force", "node"),
-                               ("Velocity", "velocity", "particle")):
-        with changes(page, **{field: code}):
-            choose(page, label, CHOICES[field][code])
+    click_all_boxes(page, BarScene)  # first: frozen weights do not go with what follows
+    choose_each(page, (("Method", "method", "mpm"), ("Body force", "body_force", "node"),
+                       ("Velocity", "velocity", "particle")))
     with changes(page, linearity_preserving=True):
         tick(page, "Linearity preserving")
-    for field, kinds in (("remedies", REMEDIES), ("effects", EFFECTS)):
-        for name in BarScene.choices(field):
-            if name == "frozen-weights":
-                continue  # stands alone: refused beside the others
-            before = scene(page)[field]
-            wanted = [n for n in BarScene.choices(field) if (n in before) != (n == name)]
-            with changes(page, **{field: wanted}):
-                tick(page, kinds[name].label)
 
 
-def test_controls_of_the_ring(page):
+def test_numbers_of_the_ring(page):
     to_the_ring(page)
-    until(lambda: scene(page)["problem"] == "ring" if "problem" in scene(page) else "layout" in scene(page), "the ring")
+    until(lambda: "layout" in scene(page), "the ring")
     with changes(page, cells=12):
         fill(page, "Cells, h = ", "12")
     click(page, "Pause")
@@ -94,8 +109,20 @@ def test_controls_of_the_ring(page):
         press(page, "Modulus E", "ArrowRight", 20)
     with changes(page, amplitude=lambda A: A == pytest.approx(RingScene().amplitude * 10**-0.1, rel=6e-3)):
         press(page, "Amplitude A", "ArrowLeft", 20)
-    unfold(page, "Method details")
-    with changes(page, layout="cartesian"):
-        choose(page, "Layout", CHOICES["layout"]["cartesian"])
-    with changes(page, estimators=[]):
-        tick(page, ESTIMATORS["transport"].title)
+    with changes(page, cfl=lambda cfl: cfl == pytest.approx(0.05 * 10**0.1, rel=6e-3)):
+        press(page, "CFL number", "ArrowRight", 20)
+    with changes(page, cfl=None, dt="auto"):
+        tick(page, "Auto step")
+
+
+def test_choices_and_boxes_of_the_ring(page):
+    """Without a body force there is no truth to compute, and less to compile."""
+    to_the_ring(page)
+    until(lambda: "layout" in scene(page), "the ring")
+    fill(page, "Cells, h = ", "12")
+    until(lambda: scene(page)["cells"] == 12, "a small ring")
+    click(page, "Pause")
+    unfold(page, "Method details", "Effects: compute")
+    choose_each(page, (("Body force", "body_force", "none"), ("Method", "method", "mpm"),
+                       ("Layout", "layout", "cartesian"), ("Velocity", "velocity", "particle")))
+    click_all_boxes(page, RingScene)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from axe_playwright_python.sync_playwright import Axe
 
+from app.page.panels.patience import MARK
 from tests.browser.conftest import visit
 from tests.browser.driving import click, coloured, row, stage, stage_box, to_the_ring, unfold, until
 
@@ -46,9 +47,30 @@ def test_everything_has_a_place_of_its_own(page):
             .filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1).length""") == 0
 
 
+def test_the_word_beside_a_control_that_waits_takes_no_room(page):
+    """Below the label, in the gap between two rows: nothing moves, and it stays in the label's column."""
+    unfold(page, "Method details", "Effects: compute")
+    for size in (LAPTOP, PHONE):
+        resize(page, size)
+        until(lambda: labels_that_wrap(page) == [], "labels in one line")
+        assert page.evaluate("""word => [...document.querySelectorAll('.mantine-Flex-root label')]
+            .filter(e => e.offsetParent && !e.closest(':is([data-lab~=lab-typed], [data-lab~=lab-bare]) + div'))
+            .filter(e => {
+                const row = e.closest('.mantine-Flex-root'), column = e.parentElement.parentElement;
+                const high = row.offsetHeight, range = document.createRange();
+                e.append(word);
+                range.selectNodeContents(e);
+                const right = Math.max(...[...range.getClientRects()].map(r => r.right));
+                const bad = row.offsetHeight !== high || right > column.getBoundingClientRect().right + 1;
+                e.lastChild.remove();
+                return bad; }).map(e => e.innerText)""", MARK) == []
+
+
 def labels_that_wrap(page):
     return page.evaluate("""() => [...document.querySelectorAll('label, .mantine-Button-label')]
-        .filter(e => e.offsetParent && e.innerText.trim() && !e.closest('[data-lab~=lab-typed] + div'))
+        .filter(e => e.offsetParent && e.innerText.trim())
+        .filter(e => e.matches('.mantine-Button-label')
+                     || !e.closest(':is([data-lab~=lab-typed], [data-lab~=lab-bare]) + div'))
         .filter(e => { const range = document.createRange(); range.selectNodeContents(e);
                        return new Set([...range.getClientRects()].map(r => Math.round(r.top / 8))).size > 1; })
         .map(e => e.innerText)""")
@@ -80,11 +102,24 @@ def test_presenter_sees_stage_and_one_plot(page):
     usual = text()
     click(page, "Present")
     until(lambda: plots() == 1, "one plot")
+    for size in (LAPTOP, LARGE, UPRIGHT):
+        resize(page, size)
+        until(lambda size=size: seen_whole(page, ".lab-presented", size) and seen_whole(page, ".uplot-container", size),
+              "the plot and its title in the window")
+    resize(page, LAPTOP)
     assert text() > 1.4 * usual and stage_box(page)["width"] >= 0.6 * LAPTOP[0]
     assert not row(page, "Method").first.is_visible()
     page.keyboard.press("Escape")
     until(lambda: plots() == 3, "three plots")
     assert text() == usual and row(page, "Method").first.is_visible()
+
+
+def seen_whole(page, selector, size):
+    """Whether the first of these that has a size lies in the window, below the sentence."""
+    least = page.locator("#lab-summary").bounding_box()
+    boxes = [box for box in (e.bounding_box() for e in page.locator(selector).all()) if box and box["width"] > 0]
+    return bool(boxes) and boxes[0]["width"] > 0.2 * size[0] and boxes[0]["x"] + boxes[0]["width"] <= size[0] \
+        and boxes[0]["y"] >= least["y"] + least["height"] and boxes[0]["y"] + boxes[0]["height"] <= size[1]
 
 
 def test_an_address_asks_for_the_presenters_view(server, chromium):

@@ -21,7 +21,7 @@ window.Worker = class extends Usual {
   constructor(...how) {
     super(...how);
     this.addEventListener("message", event => {
-      if ((event.data.messages || []).some(m => /\\/(estimate|truth)$/.test(m.name || "")))
+      if ((event.data.messages || []).some(m => /\\/field\\/particles$/.test(m.name || "")))
         window.moves.push(performance.now() / 1000);
     });
   }

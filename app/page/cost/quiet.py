@@ -1,5 +1,7 @@
 """A visitor's own stage stands still while a sweep or search of theirs takes times, so as not to disturb them."""
 
+import threading
+
 from app.page.session import Session
 
 
@@ -10,11 +12,15 @@ class QuietStage:
     """
 
     def __init__(self, session: Session):
-        self._session, self._running = session, False
+        self._session, self._running, self._lock = session, False, threading.Lock()
         self.paused = False  # by this, and not by the visitor
 
     def follow(self, running: bool) -> None:
-        """A job of the visitor runs, or none does. One thread calls this again and again."""
+        """A job of the visitor is to run or runs, or none does. Any thread may call, again and again."""
+        with self._lock:
+            self._follow(running)
+
+    def _follow(self, running: bool) -> None:
         session, begins, ends = self._session, running and not self._running, self._running and not running
         self._running = running
         playing = session.playing  # read once: the visitor may press Pause between two looks, and must not be undone

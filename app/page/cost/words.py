@@ -53,7 +53,7 @@ def sentence(run: NumberedRun) -> str:
 
 
 def relative(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.2e}"
+    return NOTHING if value is None else f"{value:.2e}".replace("e-0", "e-")
 
 
 def too_large(scene: Scene) -> str:

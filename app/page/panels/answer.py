@@ -1,6 +1,7 @@
 """The widgets by which a question of a lesson is answered."""
 
 import math
+from contextlib import suppress
 from html import escape
 from string import ascii_lowercase
 from typing import Any
@@ -10,7 +11,7 @@ import viser
 from app.lessons.dragging import NAMES, POWERS, REACH
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, TEXT, Question
 from app.lessons.variants import Numbers, filled
-from app.words import SYMBOLS
+from app.words import SYMBOLS, size_in
 
 UNANSWERED = "choose one"
 
@@ -37,7 +38,9 @@ class AnswerWidgets:
             self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _shown(end), disabled=fixed)
                           for side, end in zip(("At least", "At most"), ends, strict=True)]
         else:
-            self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == TEXT, disabled=fixed)]
+            hint = f"a number in {asked.unit}; as the page writes it, with its unit, will do" if asked.unit else ""
+            self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == TEXT, disabled=fixed,
+                                       hint=hint or None)]
 
     @property
     def value(self) -> Any:
@@ -46,7 +49,7 @@ class AnswerWidgets:
             return self._choices.get(self._widget.value)
         if asked.kind == DRAG:
             return self._dragged(float(self._widget.value))
-        found = [text.value if asked.kind == TEXT else _number(text.value) for text in self.texts]
+        found = [text.value if asked.kind == TEXT else _number(text.value, asked.unit) for text in self.texts]
         return found if asked.kind == INTERVAL else found[0]
 
     def _build_slider(self, gui: viser.GuiApi, answer: Any, fixed: bool) -> None:
@@ -73,9 +76,11 @@ def _shown(answer: Any) -> str:
     return "" if answer is None else answer if isinstance(answer, str) else f"{answer:g}"
 
 
-def _number(text: str) -> float | None:
-    """A number, also with a decimal comma or as 3 · 10⁻⁴ is typed, 3e-4."""
-    try:
-        return float(text.strip().replace(",", ".").replace("−", "-"))
-    except ValueError:
-        return None
+def _number(text: str, unit: str) -> float | None:
+    """A number, also with a decimal comma, or a size as the page writes it: 2.75 mm/s."""
+    plain = text.strip().replace(",", ".").replace("−", "-")
+    with suppress(ValueError):
+        return float(plain)
+    with suppress(ValueError):
+        return size_in(plain, unit)
+    return None

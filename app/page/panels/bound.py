@@ -50,6 +50,8 @@ class BoundWidgets:
         scene, label = self._session.scene, field_label(field).capitalize()
         value, names = getattr(scene, field), words.choices(type(scene), field)
         codes = {name: code for code, name in names.items()}
+        if not names:
+            self._gui.add_html(WIDE_LABEL)
         widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
             else self._gui.add_checkbox(label, value, hint=hint)
         self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))

@@ -51,9 +51,10 @@ class CostTab:
 
     def refresh(self) -> None:
         """Show what has changed."""
-        self._quiet.follow(self.jobs.status.running)
+        status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
+        self._quiet.follow(status.running)
         self._drop_what_is_old()
-        problem, status, stage = self._session.scene.problem, self.jobs.status, self._stage_word()
+        problem, stage = self._session.scene.problem, self._stage_word(status)
         shown = (self.runs.version, problem, status, self._remark, stage)
         if shown != self._shown:
             self._shown = shown
@@ -64,9 +65,9 @@ class CostTab:
         """Why the stage stands still, if that is for a job's sake."""
         return Notice("wait", words.pause(self.jobs.status.kind)) if self._quiet.paused else None
 
-    def _stage_word(self) -> str:
+    def _stage_word(self, status: JobStatus) -> str:
         """What disturbs the job that runs, which gives way to every stage that moves."""
-        if not self.jobs.status.running:
+        if not status.running:
             return ""
         others = self.jobs.others or self._session.others_playing
         if others or self._session.playing:
@@ -116,12 +117,15 @@ class CostTab:
         self._search.on_click(lambda _: self._start_search())
         self._bar = gui.add_progress_bar(0.0, visible=False, animated=True)
         self._sentence = gui.add_html("")
-        self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
+        self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False, hint="end the sweep or "
+                                      "search; what it has found so far stays")
         self._cancel.on_click(lambda _: self.jobs.cancel())
-        self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False)
+        self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False, hint="put the "
+                                    "run that was found on the stage")
         self._take.on_click(lambda _: self._load_advice())
         self._table = gui.add_html("")
-        self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True)
+        self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True, hint="all these runs, "
+                                        "a row each, for a spreadsheet")
         self._download.on_click(lambda _: self._client.send_file_download(
             FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True))
 
@@ -154,6 +158,7 @@ class CostTab:
     def _start_sweep(self, tasks: list[Task]) -> None:
         self._remark, self._asked = "", None
         self.jobs.sweep(tasks)
+        self._quiet.follow(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _start_search(self) -> None:
         try:
@@ -164,6 +169,7 @@ class CostTab:
             return
         self._remark, self._asked = "", self._question()
         self.jobs.search(job)
+        self._quiet.follow(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _load_advice(self) -> None:
         if advice := self.jobs.status.advice:

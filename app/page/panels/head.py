@@ -16,6 +16,10 @@ LOGARITHMIC = "<i class='lab-logarithmic'></i>"
 TYPED = "<i class='lab-typed'></i>"
 #: Put before each of the boxes that stand two in a row.
 HALF_WIDE = "<i class='lab-half'></i>"
+#: Put before each of two buttons that stand in a row.
+BESIDE = "<i class='lab-beside'></i>"
+#: Put before a row of buttons that needs all of the width.
+BARE = "<i class='lab-bare'></i>"
 #: Put before a box whose label is longer than the others'.
 WIDE_LABEL = "<i class='lab-wide'></i>"
 

@@ -17,7 +17,7 @@ from app.page.classroom import Classroom
 from app.page.doors.widgets import allow
 from app.page.panels import lesson_html as page
 from app.page.panels.answer import AnswerWidgets
-from app.page.panels.head import HALF_WIDE
+from app.page.panels.head import BESIDE
 from app.page.panels.marking import Marker, asked_since
 
 NO_LESSON = "choose a lesson"
@@ -253,10 +253,10 @@ class Player:
 
     def _buttons(self, back: bool, onward: bool) -> viser.GuiButtonHandle:
         """Back, next and leave; returns the one for next."""
-        self._gui.add_html(HALF_WIDE)
+        self._gui.add_html(BESIDE)
         previous = self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back)
         previous.on_click(lambda _: self._go(-1))
-        self._gui.add_html(HALF_WIDE)
+        self._gui.add_html(BESIDE)
         following = self._gui.add_button("Next", icon=viser.Icon.ARROW_RIGHT, disabled=not onward)
         following.on_click(lambda _: self._go(1))
         leave = self._gui.add_button("Close the lesson", color="gray", hint="your answers stay in this browser")

@@ -11,7 +11,7 @@ from app.lessons.progress import Answer, Progress
 from app.lessons.variants import Numbers, filled
 
 KIND_WORDS = {PREDICT: "Predict", RUN: "Run", OBSERVE: "Observe", EXPLAIN: "Explain"}
-SIGNS = {True: ("right", "✓ right"), False: ("wrong", "✗ not so"), None: ("unmarked", "")}
+SIGNS = {True: ("right", "✓", "right"), False: ("wrong", "✗", "not so"), None: ("unmarked", "", "")}
 
 
 def shelf_html(lessons: Mapping[str, Lesson]) -> str:
@@ -61,9 +61,9 @@ def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: M
         if isinstance(mark, str):
             out = f"<td colspan='2'>{escape(mark)}</td>"
         else:
-            kind, sign = SIGNS[mark.right]
+            kind, sign, word = SIGNS[mark.right]
             came = "for your teacher" if asked.kind == TEXT else escape(mark.expected)
-            out = f"<td>{came}</td><td class='lab-{kind}'>{sign}</td>"
+            out = f"<td>{came}</td><td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
         said = escape(filled(shown(asked, answer.first), numbers))
         rows.append(f"<tr><th scope='row'>{escape(filled(step.title, numbers))}</th><td>{said}</td>{out}</tr>")
     if not rows:
@@ -74,8 +74,8 @@ def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: M
 
 def recorded_html(said: str, comment: str, right: bool | None) -> str:
     """That an answer has been taken: what it was, and what is to be said of it."""
-    kind, sign = SIGNS[right]
-    mark = f" <span class='lab-{kind}'>{sign}</span>" if sign else ""
+    kind, sign, word = SIGNS[right]
+    mark = f" <span class='lab-{kind}'>{sign} {word}</span>" if sign else ""
     return f"<div class='lab-lesson lab-recorded' role='status'>Your answer: <b>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 

@@ -32,7 +32,8 @@ class Looking:
                                 hint="how much of the run the plots over time show")
         self._number = gui.add_text("Trace particle", "", hint="its number, or click it on the stage: its error, its "
                                     "estimates and its crossings are plotted over time; empty for none")
-        self._end = gui.add_button("Trace no more", visible=False, color="gray")
+        self._end = gui.add_button("Trace no more", visible=False, color="gray",
+                                   hint="take its mark and its plot away")
         show.on_update(lambda _: setattr(self, "latest", show.value == LATEST))
         self._number.on_update(self._typed)
         self._end.on_click(lambda _: self._choose(None))

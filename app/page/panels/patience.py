@@ -3,7 +3,7 @@
 import threading
 from typing import Any
 
-MARK = " · compiling …"
+MARK = "\ncompiling …"  # below the label, in small letters (style.css): a row is high enough for both
 
 
 class Patience:
@@ -12,7 +12,7 @@ class Patience:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._last: Any = None
-        self._marked: tuple[Any, str] | None = None  # a widget, and its own label
+        self._marked: Any = None
 
     def changed(self, widget: Any) -> None:
         """The visitor has changed a widget."""
@@ -20,17 +20,11 @@ class Patience:
             self._last = widget
 
     def show(self, compiling: bool) -> None:
-        """Mark the widget, or take the mark away."""
+        """Mark the widget, or take the mark away. Its label may have changed meanwhile."""
         with self._lock:
-            marked = self._marked[0] if self._marked else None
             wanted = self._last if compiling else None
-            if wanted is marked:
-                return
-            if self._marked:
-                widget, label = self._marked
-                if not widget._impl.removed:
-                    widget.label = label
-            self._marked = None
-            if wanted is not None and not wanted._impl.removed:
-                self._marked = (wanted, wanted.label)
+            marked, self._marked = self._marked, wanted
+            if marked and marked is not wanted and not marked._impl.removed:
+                marked.label = marked.label.removesuffix(MARK)
+            if wanted and not wanted._impl.removed and not wanted.label.endswith(MARK):
                 wanted.label += MARK

@@ -13,6 +13,7 @@ from viser import uplot
 
 from app.colours import PINNED, TRUTH
 from app.page.history import History
+from app.page.panels.readout import TRUE, named
 from app.page.pinned import PinnedRun
 from app.page.trace import Traced
 from app.scale import BEYOND, largest
@@ -22,7 +23,7 @@ from solvers.estimators.registry import ESTIMATORS
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
 APART = 0.05  # periods by which a pinned run may be late without a gap at the end of its curves
-LEAST_HEIGHT, LABEL_HEIGHT = 76, 15  # pixels, of a plot and of the label below the last
+LEAST_HEIGHT, LABEL_HEIGHT = 64, 15  # pixels, of a plot and of the label below the last
 LEAST_SPACE = 16  # pixels between two numbers of an axis: the smallest plot has two
 _FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
 _FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
@@ -32,6 +33,11 @@ _RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")
 _EMPTY = np.array([0.0, 1e-9])  # what an empty plot holds
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
 _TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}
+#: What each plot shows, for who rests on its title.
+NORM = "root of the mean square over all particles: the broad line is the true error, the others estimate it"
+INDEX = "estimated over true error, summed over the run so far; on the grey line, at 1, an estimate is perfect"
+CROSSED = "particles that pass from one cell of the grid into the next, in a second of simulated time"
+TRACE = "true error and its estimates at the particle that is traced; magenta: where it crosses a cell boundary"
 HeadedPlot = tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]
 
 
@@ -68,11 +74,11 @@ class Plots:
         nothing = np.full(len(time), np.nan)
         grey, grey_index, grey_rate = grey_curves(pinned, history, series, quantity, drawn, latest)
         errors, unit = self._errors(series, valid, quantity, grey)
-        self._headings[0].content = _heading(f"error norm of {words.symbol} / {unit}" + ", grey: pinned" * bool(grey),
-                                             kind="lab-presented")
+        title = f"error norm of {words.symbol} / {unit}" + "<br>grey: pinned" * bool(grey) + _legend(valid)
+        self._headings[0].content = _heading(title, NORM, kind="lab-presented")
         _put(self._plots[0], _finite(time, *errors))
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
-        self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", beyond)
+        self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", INDEX, beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
         _put(self._plots[1], _finite(time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
@@ -90,7 +96,7 @@ class Plots:
         first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
         crossed = np.where(traced.crossed(time), first, np.nan)
         at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
-        heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}")
+        heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}", TRACE)
         _put(plot, (*_finite(time, *errors), crossed, at))
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
@@ -123,12 +129,13 @@ class Plots:
 
     def _show_crossings(self, history: History, series: dict[str, np.ndarray], grey: list[np.ndarray]) -> None:
         time, rate = history.crossings_per_second(series)
+        time = np.append(series["time"][:1], time)  # from where the other plots begin, and the first rate counts too
         power = power_of_ten(max(map(largest, (*grey, rate))))
         self._headings[2].content = _heading(
-            f"grid crossings per second{' / ' * bool(power)}{power_text(power)}",
+            f"grid crossings per second{' / ' * bool(power)}{power_text(power)}", CROSSED,
             "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off")
-        rates = [values / 10.0**power for values in (*grey, rate)]
-        _put(self._plots[2], _finite(time, *rates) if len(time) > 1 else (_EMPTY, *(_EMPTY for _ in rates)))
+        rates = [np.append(values[:1], values) / 10.0**power for values in (*grey, rate)]
+        _put(self._plots[2], _finite(time, *rates) if len(time) > 2 else (_EMPTY, *(_EMPTY for _ in rates)))
 
     def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
               y_axis: uplot.Axis | None = None, x_label: str = "") -> HeadedPlot:
@@ -208,7 +215,14 @@ def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     return (time, *drawn)
 
 
-def _heading(text: str, remark: str = "", kind: str = "") -> str:
-    """A plot's title, and below why it is empty; one of ``kind`` "lab-presented" stays in the presenter's view. Not the
-    plot's own: the viewer builds a plot anew when it changes."""
-    return f"<div class='lab-heading {kind}'>{text}{f'<br><span>{remark}</span>' if remark else ''}</div>"
+def _legend(estimators: Sequence[str]) -> str:
+    """What the lines of the presented plot are, for where the readout does not say it."""
+    lines = "".join(f"<span>{named(name)}</span>" for name in (TRUE, *estimators))
+    return f"<div class='lab-lines'>{lines}<span>over t / s</span></div>"
+
+
+def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:
+    """A plot's title with what it means for who rests on it, and below why it is empty; one of ``kind`` "lab-presented"
+    stays in the presenter's view. Not the plot's own: the viewer builds a plot anew when it changes."""
+    below = f"<br><span>{remark}</span>" if remark else ""
+    return f"<div class='lab-heading {kind}' title='{hint}'>{text}{below}</div>"

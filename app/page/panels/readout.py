@@ -29,12 +29,13 @@ HINTS = {
     "steps": "time steps taken, and how long each is",
     "step": "the time step over the longest that the present configuration bears by linear theory; above 1 it breaks",
     "solver": "how fast the kernels run, waiting not counted, and on what",
-    "speed": "periods of the vibration in a second of yours: asked for, and reached",
+    "speed": "periods of the vibration in a second of yours: reached, of those asked for",
     "shown": "an earlier frame, of those that the slider Look back goes through",
     "energy": "kinetic and strain energy less the work of the body force, over the largest energy",
     "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
     "norm": "root of the mean square over the particles, now",
     "index": "error index: estimated over true, summed over the run so far; 1 is perfect",
+    "worst": "where the root mean square of the error is largest, by the estimate on the stage and in truth",
     "distance": "what the estimate misses, direction and all, over the true error; 0 is perfect",
 }
 
@@ -58,26 +59,25 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
 
 
 def pinned_lines(run: PinnedRun, report: FrameReport) -> int:
-    """And those of a pinned run."""
-    return 1 + math.ceil((len(_said(run, report)) + 8) / SILENCE_LINE)
+    """And those of a pinned run, with one in the title of a plot."""
+    return 2 + math.ceil((len(_said(run, report)) + 8) / SILENCE_LINE)
 
 
 def _run(session: Session, history: History, report: FrameReport, series: dict[str, np.ndarray], probed: str | None,
          ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
-    real = NOTHING if speed is None else f"{speed:.2g}"
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
-    capped = " <span class='lab-capped'>CAPPED</span>" if slow else ""
-    state = "" if report.playing else " <b>stopped</b>" if report.status == UNSTABLE \
-        else " <b>at its end</b>" if session.ended else " <b>paused</b>"
+    moves = f"{NOTHING if speed is None else f'{speed:.2g}'} of {session.speed:.3g} periods/s" \
+            + " <span class='lab-capped'>CAPPED</span>" * slow
+    rests = "stopped" if report.status == UNSTABLE else "at its end" if session.ended else "paused"
     margin = _last(series.get("margin", np.zeros(0))) if ago else history.margin
-    rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods{state}"),
+    rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods"),
             ("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
             *([("step", _margin(margin))] if scene.has("margin") else []),
             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
-            ("shown", f"<b>{ago:.2f} periods back</b>") if ago else
-            ("speed", f"asked {session.speed:.3g}, real {real} periods/s{capped}")]
+            ("shown", f"<b>{ago:.2f} periods back</b>, {rests}") if ago else
+            ("speed", moves if report.playing else f"<b>{rests}</b>, {session.speed:.3g} periods/s asked")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
         size = f"{drift:+.2%}" if abs(drift) < 10 else f"{100 * drift:+.2g}%"
@@ -109,13 +109,13 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
     rows = [_row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
     for name, silence in _silences(report, series, key).items():
         if len(silence) > SHORT:
-            rows.append(_row("", f"<span class='lab-name'>{_named(name)}</span>: {html.escape(silence)}"))
+            rows.append(_row("", f"<span class='lab-name'>{named(name)}</span>: {html.escape(silence)}"))
         elif silence:
-            rows.append(_row("", _named(name), html.escape(silence)))
+            rows.append(_row("", named(name), html.escape(silence)))
         elif name == TRUE:
-            rows.append(_row("", _named(name), _norm(series, f"error_{key}", unit), "", ""))
+            rows.append(_row("", named(name), _norm(series, f"error_{key}", unit), "", ""))
         else:
-            rows.append(_row("", _named(name), _norm(series, f"{name}/estimate_{key}", unit),
+            rows.append(_row("", named(name), _norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
         rows.append(_pinned(session.pinned, _said(session.pinned, report), key, drawn))
@@ -154,7 +154,8 @@ def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str)
 def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     """Where the error is worst, by the estimate on the stage and by the truth, with both errors there."""
     by = [(drawn, worst.by_estimate)] if drawn else []
-    rows = [_row("head", "worst region", "", "estimated", "true"),
+    heads = "".join(f"<td>{head}</td>" for head in ("estim.", "true"))
+    rows = [f"<tr class='lab-head' title='{HINTS['worst']}'><td colspan='2'>worst region</td>{heads}</tr>",
             *(_row("", html.escape(name), *_region(region, QUANTITIES[quantity].unit))
               for name, region in (*by, (TRUE, worst.by_truth)))]
     return _table("".join(rows), "lab-numbers lab-worst")
@@ -163,7 +164,8 @@ def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
 def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
     if region is None:
         return "unknown", "", ""
-    return (html.escape(region.name), *(NOTHING if value is None else with_unit(value, unit, 2)
+    place = ", ".join(f"<span class='lab-together'>{html.escape(part)}</span>" for part in region.name.split(", "))
+    return (place, *(NOTHING if value is None else with_unit(value, unit, 2)
                                         for value in (region.estimated, region.true)))
 
 
@@ -179,7 +181,7 @@ def _row(kind: str, *cells: str) -> str:
     return f"<tr class='lab-{kind}'>{first}{last}{cells[-1]}</td></tr>"
 
 
-def _named(name: str) -> str:
+def named(name: str) -> str:
     """A name behind a piece of its line in the plots."""
     known = ESTIMATORS.get(name)
     colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE

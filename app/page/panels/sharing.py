@@ -8,7 +8,7 @@ import viser
 
 from app import state
 from app.page.panels.controls import Controls
-from app.page.panels.head import HALF_WIDE
+from app.page.panels.head import BESIDE
 from app.page.panels.keeper import Keeper
 
 LESSON = "lesson="
@@ -36,10 +36,10 @@ class Sharing:
     def __init__(self, gui: viser.GuiApi, keeper: Keeper, controls: Controls):
         self._gui, self._keeper, self._controls = gui, keeper, controls
         with gui.add_folder(None, order=LAST):
-            gui.add_html(f"{HALF_WIDE}<i class='lab-copy'></i>")
+            gui.add_html(f"{BESIDE}<i class='lab-copy'></i>")
             gui.add_button("Copy link", icon=viser.Icon.LINK, hint="the address of just this scene, view and pinned "
                            "run: it opens for everyone who can reach this server")
-            gui.add_html(HALF_WIDE)
+            gui.add_html(BESIDE)
             code = gui.add_button("QR code", icon=viser.Icon.QRCODE, hint="the same, to be read off this screen by a "
                                   "phone")
         code.on_click(lambda _: self._show_code())

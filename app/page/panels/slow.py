@@ -8,6 +8,7 @@ from typing import Any
 
 import viser
 
+from app.page.panels.head import BARE
 from app.page.session import Session
 from app.problems.phases import PHASES, scaled
 from app.problems.slow import DIGITS, SlowStage
@@ -35,7 +36,7 @@ class SlowMotion:
         self.on = self._walking = False
         self.sentence = ""  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
-        self._drawn: tuple[int, float] | None = None
+        self._drawn: tuple[int, float, int] | None = None  # phase, how far it is, letters in a line
 
     @property
     def showing(self) -> bool:
@@ -50,9 +51,11 @@ class SlowMotion:
                                          "on the stage, around one particle; every number is the solver's own")
             acts = {"Back": self.back, "Forward": self.forward, "Walk": lambda: self._walk(True),
                     "Hold": lambda: self._walk(False)}
+            gui.add_html(BARE)
             buttons = gui.add_button_group("Phase", tuple(acts), hint="Walk goes on by itself; after the last phase "
                                            "comes the next step")
-            seconds = gui.add_slider("Seconds a phase", least, most, 0.5, self._seconds)
+            seconds = gui.add_slider("Seconds a phase", least, most, 0.5, self._seconds,
+                                     hint="how long Walk shows each phase")
             particles = self._session.scene.particles
             self._particle = gui.add_number("Particle", particles // 3, min=0, max=particles - 1, step=1,
                                             hint="the one in front of the others")
@@ -152,13 +155,13 @@ class SlowMotion:
 
     def _go_on(self, scene: Scene, step: Anatomy) -> None:
         """Draw what there is to see after another tick."""
-        now = self._phase, self._s
+        stage = self._stages.get(scene.problem) or VIEWS[scene.problem].slow(self._client)
+        self._stages[scene.problem] = stage
+        now = self._phase, self._s, stage.width
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
                 self.sentence = _sentence(scene, self._phase)
-            stage = self._stages.get(scene.problem) or VIEWS[scene.problem].slow(self._client)
-            self._stages[scene.problem] = stage
             along = min(1.0, self._s / MOVING)
             with self._client.atomic():
                 stage.draw(scene, step, self._phase, along * along * (3 - 2 * along))

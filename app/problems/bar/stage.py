@@ -1,6 +1,7 @@
 """The bar, as long as the stage: two lanes of particles, the estimate above the truth, and the field plot below."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import viser
@@ -15,9 +16,11 @@ from solvers.engine.frames import FrameArrays
 
 ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
+LANES_MIDDLE = (0.5, CROSSINGS_AT, 0.0)
 FIELD = Place(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field)
 NAME_LINE, LOWER = 0.05, 0.49  # what a line of words takes; by how much a pinned run's lanes are below the others
 LANE_POINTS = 2000  # points that a lane may be made of
+TIGHT = 1.02  # times as large they are as they would have to be: in half precision rows may be a hair apart
 
 
 class BarStage(Stage[BarScene]):
@@ -32,7 +35,8 @@ class BarStage(Stage[BarScene]):
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: Stage | None = None):
         super().__init__(client, scale, beside)
         s, at = client.scene, self.at
-        self._lanes = [drawing.points(s, f"{at}/{name}", 0.005, "square") for name in ("estimate", "truth")]
+        self._cloud = drawing.points(s, f"{at}/lanes", 0.005, "square", "float16")
+        self._cloud.position = LANES_MIDDLE
         self._cells = drawing.lines(s, f"{at}/cells", drawing.CELL, 1.0)
         self._flashes = drawing.points(s, f"{at}/crossings", 0.015)
         above = 0.5 * LANE_HEIGHT + 0.03
@@ -67,9 +71,8 @@ class BarStage(Stage[BarScene]):
     def _draw_frame(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
                     true: np.ndarray | None, t: float, speed: float) -> None:
         x = self._across(arrays)
-        for lane, middle, sizes in zip(self._lanes, (ESTIMATE_LANE, TRUTH_LANE), (estimated, true), strict=True):
-            drawing.put(lane, self._lane.points(x, middle),
-                        np.tile(drawing.shades(self._scale, sizes, len(x)), (self._lane.rows, 1)))
+        shades = [drawing.shades(self._scale, sizes, len(x)) for sizes in (estimated, true)]
+        drawing.put(self._cloud, self._lanes.points(x), self._lanes.colours(shades))
         since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
         shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS) & self._marked
         drawing.put_few(self._flashes, drawing.in_plane(x[shown], CROSSINGS_AT, 0.02),
@@ -89,17 +92,17 @@ class BarStage(Stage[BarScene]):
         edges = np.arange(scene.cells + 1) * scene.spacing
         self._cells.points = drawing.joined(drawing.in_plane(edges, TRUTH_LANE - 0.7 * LANE_HEIGHT, -0.01),
                                             drawing.in_plane(edges, ESTIMATE_LANE + 0.7 * LANE_HEIGHT, -0.01))
-        self._lane = _Lane(scene.particles)
+        self._lanes = _Lanes(scene.particles)
         self._mark(scene.particles)
-        for lane in self._lanes:
-            lane.point_size = self._lane.size / 2
+        self._cloud.point_size = TIGHT * self._lanes.size / 2
 
 
-class _Lane:
-    """How a lane of particles is tiled with square points: ``rows`` of ``size``, one column a particle.
+class _Lanes:
+    """How the lanes of P particles are tiled with square points: ``rows`` of ``size`` each, one column a particle.
 
     Columns are wider than a particle at rest, so that a gap shows only where the bar is stretched a lot. Neighbours
-    overlap, the one to the right on top; moving all by ``shift`` puts what remains visible in its place.
+    overlap, the one to the right on top; moving all by ``shift`` puts what remains visible in its place. Points are
+    counted from ``LANES_MIDDLE``: then half precision, with half the bytes, is a tenth of a pixel.
     """
 
     def __init__(self, particles: int):
@@ -107,13 +110,23 @@ class _Lane:
         self.rows = max(6, min(math.ceil(LANE_HEIGHT / (2 * column)), LANE_POINTS // particles))
         self.size = LANE_HEIGHT / self.rows
         self.shift = (self.size - column) / 2
+        self._points = np.zeros((2, self.rows, particles, 3), np.float16)  # without their x
+        up = (np.arange(self.rows) - (self.rows - 1) / 2) * self.size
+        for lane, middle in zip(self._points, (ESTIMATE_LANE, TRUTH_LANE), strict=True):
+            lane[..., 1] = (middle - CROSSINGS_AT + up)[:, None]
 
-    def points(self, x: np.ndarray, middle: float) -> np.ndarray:
-        """(rows * P, 3) points of particles at x in the lane around y = middle."""
-        out = np.empty((self.rows, len(x), 3), np.float32)
-        out[:, :, 0] = np.minimum(np.maximum(x + self.shift, self.size / 2), 1 - self.size / 2)
-        out[:, :, 1] = middle + (np.arange(self.rows)[:, None] - (self.rows - 1) / 2) * self.size
-        out[:, :, 2] = 0.0
+    def points(self, x: np.ndarray) -> np.ndarray:
+        """(2 * rows * P, 3) points of particles at x (P,): the estimate's lane, then the truth's."""
+        out = self._points.copy()
+        inside = np.minimum(np.maximum(x + self.shift, self.size / 2), 1 - self.size / 2)
+        out[..., 0] = (inside - LANES_MIDDLE[0]).astype(np.float16)
+        return out.reshape(-1, 3)
+
+    def colours(self, shades: Sequence[np.ndarray]) -> np.ndarray:
+        """(2 * rows * P, 3) colours of those points, from one for each particle (P, 3) in each lane."""
+        out = np.empty(self._points.shape, np.uint8)
+        for lane, colours in zip(out, shades, strict=True):
+            lane[...] = colours
         return out.reshape(-1, 3)
 
 

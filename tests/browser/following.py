@@ -1,0 +1,121 @@
+"""Doing what a lesson's text says, and nothing else: acts are found in it by their words, readings by what is bold."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+
+from app.lessons.lesson import NUMBER, OBSERVE, PREDICT
+from app.lessons.variants import drawn, filled
+from tests.browser.driving import FOLDERS, row, scene, time, unfold, until
+
+#: An act on a line of its own, or a reading: "Read **norm** of **true**".
+SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
+                  r"|\*\*(norm|index|distance)\*\* of \*\*([\w-]+)\*\*", re.MULTILINE)
+COLUMNS = {"norm": 1, "index": 2, "distance": 3}
+SOON = 8.0  # seconds in which a change of scene is on the stage
+LONG = 120.0  # seconds in which a lesson's run comes to its end
+
+
+def tab(page, name):
+    page.get_by_role("tab", name=name, exact=True).click()
+
+
+def act(page, verb, name, value):
+    """One act, on the tab where its widget is."""
+    if (verb, name) == ("Press", "On the stage"):
+        page.get_by_role("button", name=name, exact=True).click()
+        return
+    if page.get_by_role("tab", name=name, exact=True).count():
+        tab(page, name)
+        return
+    tab(page, "Explore")
+    if not page.get_by_text(name).count():
+        tab(page, "Cost")
+    if verb == "Press":
+        page.get_by_role("button", name=name, exact=True).or_(page.get_by_text(name, exact=True)).first.click()
+    elif verb == "Open":
+        unfold(page, next(folder for folder in FOLDERS if name.startswith(folder)))
+    elif verb == "Choose":
+        page.get_by_label(name, exact=True).first.click()
+        page.get_by_role("option", name=value, exact=True).click()
+    elif verb == "Set":
+        _set(page, name, value)
+    else:
+        row(page, re.compile(f"^{re.escape(name)}$")).get_by_role("checkbox").set_checked(verb == "Tick", force=True)
+    page.wait_for_timeout(1200)  # text that is typed counts a moment later
+    tab(page, "Lessons")
+
+
+def _set(page, name, value):
+    """A number in the box beside a slider, or as the text of a size."""
+    typed = page.get_by_label(f"{name}, typed", exact=True)
+    if typed.count():
+        typed.fill(value)
+    else:
+        row(page, re.compile(f"^{re.escape(name)}(,|$)")).locator("input.mantine-NumberInput-input").fill(value)
+
+
+def reading(page, column, name):
+    """A number of the readout, as it stands there."""
+    rows = page.locator(".lab-estimates tr", has_text=name)
+    return rows.first.locator("td").nth(COLUMNS[column]).inner_text()
+
+
+def answer(page, step, text):
+    """Answer a question: a choice by its first option, a number by ``text``."""
+    asked = step.question
+    if asked.options:
+        page.get_by_label("Answer", exact=True).first.click()
+        page.get_by_role("option").nth(1).click()
+    elif asked.kind == "interval":
+        page.get_by_label(re.compile("^At least")).fill("0")
+        page.get_by_label(re.compile("^At most")).fill("1")
+    elif asked.kind != "drag":
+        page.get_by_role("textbox", name=re.compile("^Answer")).fill(text)
+    page.wait_for_timeout(400)
+    page.get_by_role("button", name="Record my prediction" if step.kind == PREDICT else "Check my answer").click()
+    until(page.locator(".lab-recorded").count, "the answer taken")
+
+
+def do(page, text, stops):
+    """Do what a text says, in its order; what it had one read, as it stood there then."""
+    found = []
+    for verb, name, value, column, of in SAID.findall(text):
+        if verb:
+            before = scene(page), time(page)
+            act(page, verb, name, value)
+            if (verb, name) == ("Press", "On the stage") or (verb != "Press" and stops):
+                with suppress(AssertionError):  # what was read of the run before would be another run's
+                    until(lambda was=before: scene(page) != was[0] or time(page) < was[1], "another run", SOON)
+            continue
+        if stops:
+            until(lambda: "at its end" in page.locator(".lab-readout").inner_text(), "the end of the run", LONG)
+            page.wait_for_timeout(1500)  # numbers follow the picture
+        found.append(reading(page, column, of))
+    return found
+
+
+def follow(page, lesson, on_step=lambda number: None):
+    """Go through a lesson whose introduction is shown; the sentences of what was read and found not right."""
+    numbers, wrong, read, stops = drawn(lesson, ""), [], [], False
+    page.get_by_role("button", name="Next", exact=True).click()
+    for number, step in enumerate(lesson.steps, 1):
+        where = f"step {number} of {len(lesson.steps)}"
+        until(lambda where=where: where in page.locator(".lab-lesson-head").inner_text(), where)
+        if step.stage:
+            stops = "stops" in step.stage.partition(" pinned")[0].split()
+        found = do(page, filled(step.text, numbers), stops) if step.kind != PREDICT else []
+        read = found if step.stage else (read or found)  # of the run that is observed, else what is there now
+        if step.question:
+            counts = step.kind == OBSERVE and step.question.kind == NUMBER and read
+            answer(page, step, read[-1] if counts else "1")
+            if counts:
+                said = page.locator(".lab-recorded")
+                until(lambda said=said: "checked" not in said.inner_text(), "the mark", LONG)
+                if "right" not in said.inner_text():
+                    wrong.append(f"{where}: read {read}: {said.inner_text()}")
+                read = []
+        on_step(number)
+        page.get_by_role("button", name="Next", exact=True).click()
+    return wrong

@@ -1,0 +1,149 @@
+"""Lessons and links in the real page: played from start to hand-in, kept over a reload, marked again by the command."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+
+import pytest
+
+from app.cli import main
+from app.lessons import shelf
+from app.lessons.lesson import OBSERVE, PREDICT, TEXT
+from tests.browser.conftest import serving, visit
+from tests.browser.driving import row, scene, shown, until
+
+NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
+HOSTILE = "<img src=x onerror=\"document.title='stolen'\">"
+
+
+@pytest.fixture(scope="module")
+def class_room():
+    """A server that opens everyone on the lesson."""
+    with serving(arguments=("--lesson", NAME)) as one:
+        yield one
+
+
+def address(page):
+    return page.evaluate("location.href")  # the driver's own notion lags behind
+
+
+def press(page, name):
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def at_step(page, number, lesson):
+    where = f"step {number} of {len(lesson.steps)}"
+    until(lambda: where in page.locator(".lab-lesson-head").inner_text(), where)
+
+
+def answer(page, step):
+    """Answer a step's question: the first option, one, or hostile text."""
+    asked = step.question
+    if asked.options:
+        page.get_by_label("Answer").first.click()
+        page.get_by_role("option").nth(1).click()
+    elif asked.kind == "interval":
+        page.get_by_label("At least").fill("0")
+        page.get_by_label("At most").fill("1")
+    elif asked.kind == TEXT:
+        page.get_by_role("textbox", name="Answer").fill(HOSTILE)
+    elif asked.kind == "number":
+        page.get_by_label(re.compile("^Answer")).fill("1e-3")
+    page.wait_for_timeout(400)  # the viewer sends what is typed a moment later
+    press(page, "Record my prediction" if step.kind == PREDICT else "Check my answer")
+    until(page.locator(".lab-recorded").count, "the answer taken")
+
+
+def play(page, lesson, first, last):
+    """Go through the steps from the one numbered ``first`` on, which is shown."""
+    for number in range(first, last + 1):
+        step = lesson.steps[number - 1]
+        at_step(page, number, lesson)
+        if step.stage:
+            press(page, "On the stage")
+        if step.question:
+            following = page.get_by_role("button", name="Next", exact=True)
+            if step.kind in (PREDICT, OBSERVE):
+                assert following.is_disabled()
+            answer(page, step)
+            until(following.is_enabled, "the way on")
+        press(page, "Next")
+
+
+def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
+    lesson = shelf.lesson(NAME)
+    half = len(lesson.steps) // 2
+    with visit(chromium, class_room[0]) as page:
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+        page.get_by_label("Your name").fill("Ada <b>")
+        page.wait_for_timeout(400)
+        press(page, "Next")
+        play(page, lesson, 1, half)
+        at_step(page, half + 1, lesson)
+        page.reload()
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson again")
+        play(page, lesson, half + 1, len(lesson.steps))
+        shown(page, "The end")
+        until(lambda: "being worked out" not in page.locator(".lab-compared").last.inner_text(), "all marks", 60)
+        signs = page.locator(".lab-compared").last.locator("tr td:last-child").all_inner_texts()
+        assert HOSTILE in page.locator(".lab-compared").last.inner_text()
+        assert page.title() == "mpm-lab" and page.locator("img[src=x]").count() == 0
+        with page.expect_download() as download:
+            press(page, "Hand in")
+        download.value.save_as(tmp_path / "ada.json")
+    assert download.value.suggested_filename == f"{NAME}-Ada-b.json"
+    saved = json.loads((tmp_path / "ada.json").read_text(encoding="utf-8"))
+    assert saved["name"] == "Ada <b>" and saved["answers"].keys() == lesson.questions.keys()
+    assert main(["lesson", "grade", str(tmp_path / "ada.json")]) == 0
+    [row] = csv.DictReader(capfd.readouterr().out.splitlines())
+    marks = [row[f"{key}: right"] for key in lesson.questions]
+    predicted = [mark for mark, step in zip(marks, lesson.questions.values(), strict=True) if step.kind == PREDICT]
+    said = [{"✓": "yes", "✗": "no"}.get(sign.strip(), "") for sign in signs]
+    assert said == marks and {"yes", "no"} >= set(predicted)
+
+
+def test_a_link_shows_the_same_scene_to_another_visitor(server, chromium):
+    text = "bar;method=mpm;cells=24;amplitude=0.03;estimators=companion;error-of=sigma;magnify=10;pinned;cells=12"
+    with visit(chromium, server[0], query=f"#{text}") as page:
+        until(lambda: scene(page)["cells"] == 24, "the scene of the link")
+        until(lambda: address(page).endswith(f"#{text}"), "the same link again")
+        assert page.get_by_label("Error of", exact=True).input_value() == "stress σ"
+        assert page.get_by_label("Magnify error", exact=True).input_value() == "× 10"
+        shown(page, "Unpin")
+        row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("2")
+        until(lambda: "ppc=2" in address(page), "the address that follows")
+        link = address(page)
+    with visit(chromium, server[0], query=f"#{link.partition('#')[2]}") as page:
+        until(lambda: scene(page)["ppc"] == 2 and scene(page)["method"] == "mpm", "the first visitor's scene")
+
+
+def test_a_link_that_means_nothing_is_refused_in_words(server, chromium):
+    with visit(chromium, server[0], query="#bar;cells=2;amplitude=9") as page:
+        until(lambda: "The link cannot be followed: " in page.locator(".lab-notice").inner_text(), "the refusal")
+        assert scene(page)["cells"] == 40
+
+
+def test_a_lesson_leaves_the_controls_that_it_needs(class_room, chromium):
+    lesson = shelf.lesson(NAME)
+    with visit(chromium, class_room[0]) as page:
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+        page.get_by_role("tab", name="Explore").click()
+        until(page.get_by_text("Cells, h").count, "the controls")
+        assert "cells" in lesson.controls and "modulus" not in lesson.controls
+        assert not page.get_by_text("Modulus E", exact=True).is_visible()
+        page.get_by_role("tab", name="Lessons").click()
+        press(page, "Close the lesson")
+        page.get_by_role("tab", name="Explore").click()
+        until(page.get_by_text("Modulus E", exact=True).is_visible, "all controls")
+
+
+def test_a_link_can_be_copied_and_shown_as_a_code(own_page):
+    page = own_page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    press(page, "Copy link")
+    assert page.evaluate("navigator.clipboard.readText()") == address(page)
+    press(page, "QR code")
+    until(page.locator(".lab-code svg").is_visible, "the code")
+    shown(page, "mpm-lab run --scene")
