@@ -24,7 +24,7 @@ from typing import IO, cast
 START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); import solvers.processes as p; p.serve(sys.argv[2])"
 
 
-GOODBYE = 3.0  # seconds that a process may take to put away what it has compiled
+GOODBYE = 1.5  # seconds that a process may take to put away what it has compiled
 LINUX = sys.platform == "linux"
 PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 

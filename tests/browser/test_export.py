@@ -115,7 +115,7 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
         page.get_by_role("button", name="On the stage").click()
         page.wait_for_function("document.querySelector('#title').textContent.includes('8 cells')")
         onward.click()
-        for answer, told in (("1,5", "not so"), (right, "right")):
+        for answer, told in (("1,5", "not so"), ("2 km", "not so"), (right, "right")):
             page.get_by_label("Answer, m").fill(answer)
             check.click()
             assert told in page.locator(".recorded").inner_text()
@@ -134,7 +134,7 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
     assert download.value.suggested_filename == "99-test-Ada.json"
     found = progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
     assert (found.name, found.fingerprint, found.answers["in-words"].last) == ("Ada", lesson.fingerprint, ATTACK)
-    assert found.answers["and"].attempts == 2 and found.answers["and"].first == 1.5
+    assert found.answers["and"].attempts == 3 and found.answers["and"].first == 1.5
     for key, is_right in (("what-happens", True), ("and", True), ("in-words", None)):
         assert mark(lesson, lesson.questions[key], found.answers[key].last, numbers, outcomes).right is is_right
 

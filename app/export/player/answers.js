@@ -25,15 +25,18 @@ function field(label, widget) {
   return line;
 }
 
-// A number, also with a decimal comma or a true minus.
-function numberIn(text) {
+// A number, also with a decimal comma or a true minus, or a size as the page writes it: 2.75 mm/s.
+function numberIn(text, unit) {
   const plain = text.trim().replace(",", ".").replace("−", "-");
-  return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : null;
+  const found = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*(.*)$/i.exec(plain);
+  if (!found || !found[2]) return found ? Number(found[1]) : null;
+  const power = unit ? Object.keys(PREFIXES).find((third) => found[2] === PREFIXES[third] + unit) : undefined;
+  return power !== undefined && Number(found[1]) > 0 ? Number((found[1] * 1000 ** power).toPrecision(12)) : null;
 }
 
 function numberWidget(question, answer, fixed) {
   const text = element("input", "", {type: "text", inputMode: "decimal", maxLength: 40, disabled: fixed, value: answer ?? ""});
-  return [field(question.unit ? `Answer, ${question.unit}` : "Answer", text), () => numberIn(text.value)];
+  return [field(question.unit ? `Answer, ${question.unit}` : "Answer", text), () => numberIn(text.value, question.unit)];
 }
 
 function intervalWidget(question, answer, fixed) {
@@ -42,7 +45,7 @@ function intervalWidget(question, answer, fixed) {
     box.append(field(question.unit ? `${side}, ${question.unit}` : side, text));
     return text;
   });
-  return [box, () => texts.map((text) => numberIn(text.value))];
+  return [box, () => texts.map((text) => numberIn(text.value, question.unit))];
 }
 
 function textWidget(question, answer, fixed) {
