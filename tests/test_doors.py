@@ -16,6 +16,7 @@ from viser import _messages
 from websockets.exceptions import InvalidStatus
 
 from app.page.doors import messages, server, widgets
+from app.page.classroom import Classroom
 from app.page.doors.address import Addresses
 from app.page.doors.refusals import Refusals
 from app.page.limits import FASTEST, MOST_WATCHED, too_many
@@ -30,7 +31,7 @@ from tests.processes import until
 from tests.raw import CAMERA, Raw, unknown
 
 #: What no widget of any kind can be; texts and truths are tried where they do not belong.
-NEVER = (None, [], {}, [1, 2], b"bytes", float("nan"), float("inf"), -float("inf"), {"a": [None]}, "x" * 201, 2**63)
+NEVER = (None, [], {}, [1, 2], b"bytes", float("nan"), float("inf"), -float("inf"), {"a": [None]}, "x" * 20_001, 2**63)
 NOT_A_NUMBER = ("5", "", True, False)
 PROPERTIES = ("min", "max", "step", "precision", "options", "label", "hint", "disabled", "visible", "order", "_impl",
               "gui_api", "props", "uuid", "update_cb", "sync_cb", "removed", "is_button", "update_timestamp",
@@ -61,7 +62,7 @@ class Pool:
 def lab(host="127.0.0.1", names=(), code=""):
     """The page's own web server in this process, without engines; and its address."""
     port = free_port()
-    one = _start_server(host, port, Pool(), 4, Addresses(host, names), code)
+    one = _start_server(host, port, Pool(), 4, Addresses(host, names), code, Classroom())
     try:
         yield one, f"http://127.0.0.1:{port}"
     finally:
@@ -166,7 +167,7 @@ def test_every_control_takes_what_a_browser_sends(here, visitor, problem):
     taken = set()
     for name, widget in list(visitor.widgets.items()):
         label, off = visitor.label(name), widget["props"].get("disabled") or not widget["props"]["visible"]
-        if label == "Problem" or off:
+        if label in ("Problem", "Lesson") or off:  # by which others go
             continue
         assert type(page_of(one)[name]) in widgets.RULES or widget["type"] == "GuiProgressBarMessage"
         for value in good_values(widget):
@@ -178,6 +179,14 @@ def test_every_control_takes_what_a_browser_sends(here, visitor, problem):
                       or v not in getattr(page_of(one)[n], "options", (v,)), f"{label}: {value}")
                 taken.add(label)
     assert len(taken) > 30
+
+
+def test_a_text_may_be_long_only_where_it_says_so(here, visitor):
+    one, _ = here
+    for label, longest in (("Trace particle", 200), ("kept by the browser", 20_000)):
+        text = page_of(one)[visitor.find(label)]
+        assert widgets.refusal(text, "x" * longest) is None
+        assert "cannot have" in widgets.refusal(text, "x" * (longest + 1))
 
 
 def test_what_is_off_takes_nothing(here, visitor):
