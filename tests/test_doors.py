@@ -15,8 +15,8 @@ import viser._viser
 from viser import _messages
 from websockets.exceptions import InvalidStatus
 
-from app.page.doors import messages, server, widgets
 from app.page.classroom import Classroom
+from app.page.doors import messages, server, widgets
 from app.page.doors.address import Addresses
 from app.page.doors.refusals import Refusals
 from app.page.limits import FASTEST, MOST_WATCHED, too_many
