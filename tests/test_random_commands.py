@@ -37,7 +37,7 @@ class Begun(BaseException):
 
 
 def lines(name: tuple[str, ...], most: int) -> st.SearchStrategy[list[str]]:
-    flags = st.one_of(st.sampled_from(FLAGS[name]), st.sampled_from(["--celss", "--no-quiet", "--=", "--Ω"]))
+    flags = st.sampled_from([*FLAGS[name], "--celss", "--no-quiet", "--=", "--Ω"])
     part = st.tuples(flags, st.lists(words, max_size=2)).map(lambda pair: [pair[0], *pair[1]])
     equal = st.tuples(flags, words).map(lambda pair: [f"{pair[0]}={pair[1]}"])
     return st.lists(st.one_of(part, equal, words.map(lambda word: [word])), max_size=most).map(
@@ -59,7 +59,8 @@ def test_random_command_lines_end_as_they_should(name, tmp_path, monkeypatch, ca
         line = [*name, *arguments, *(ENDS_SOON if name[0] == "run" else [])]
         with patch("app.page.serve.serve", begin), patch.object(Study, "_place", begin), \
                 patch.object(Advise, "_search", begin), patch("app.commands.tables._run_rows", begin), \
-                patch("app.commands.bench.working", begin):
+                patch("app.commands.bench.working", begin), patch("app.commands.lesson.working", begin), \
+                patch("app.commands.export.working", begin):
             try:
                 status = main(line)
             except Begun:
@@ -71,6 +72,7 @@ def test_random_command_lines_end_as_they_should(name, tmp_path, monkeypatch, ca
             flag = re.match(r"mpm-lab: (--[\w-]+)", said)
             assert flag is None or any(word.startswith(flag[1]) for word in line) or flag[1] in ("--out", "--tolerance")
         else:
-            assert begun or status != 1, said
+            # Of many handed-in files one that is not there is told, and the others are graded.
+            assert begun or status != 1 or name == ("lesson", "grade"), said
 
     ends()

@@ -115,7 +115,7 @@ def test_numbers_are_those_of_the_frame():
     """The readout of an earlier frame is that of the live run when it was there, but for how the page goes."""
     scene = BarScene(cells=10, ppc=2, periods=1, estimators=("transport",))
     solver, history, seen = build(scene), History(scene, 20), []
-    session = SimpleNamespace(pinned=None, history=history, speed=1.0)
+    session = SimpleNamespace(pinned=None, history=history, speed=1.0, ended=False)
     for step in range(12):
         history.add(solver.measure() if step == 0 else solver.advance(40))
         report = replace(report_of(scene), step=solver.step, time=solver.time, playing=False)

@@ -187,7 +187,7 @@ def test_margin_of_the_step_is_read(margin, shown):
 
 
 def readout_of(scene, margin):
-    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0, pinned=None)
+    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0, pinned=None, ended=False)
     return readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions())
 
 

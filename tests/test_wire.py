@@ -11,6 +11,7 @@ from viser._messages import ReplayDoneMessage, SceneNodeUpdateMessage, SetCamera
 
 from app.page.wire import Buffer
 from tests.listening import PATIENCE
+from tests.processes import until
 
 
 @pytest.fixture
@@ -77,6 +78,8 @@ def test_other_words_wait_for_company_and_only_the_last_counts(loop):
     """What is said again before it has left leaves once; too much for one window leaves in several, in order."""
     buffer = Buffer(loop, persistent_messages=False, window_duration_sec=0.2)
     windows, end = listen(loop, buffer)
+    until(lambda: buffer.generator_cursors, "somebody who listens")
+    sleep(0.05)  # what is there when it begins to listen leaves at once
     said = monotonic()
     for step in range(50):
         buffer.push(moved("a", step))
