@@ -1,5 +1,6 @@
 """The lessons that there are: a Markdown file each in ``lessons/``."""
 
+import threading
 from functools import lru_cache
 from pathlib import Path
 
@@ -8,6 +9,9 @@ from app.lessons.reading import read
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 NO_LESSONS = ("README",)
+
+
+_READING = threading.Lock()
 
 
 class UnknownLesson(LookupError):
@@ -37,7 +41,9 @@ def lesson(name: str, folder: Path = FOLDER) -> Lesson:
 def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
     """All lessons that can be read, by their names, as their files are now. One that cannot is left out: ``mpm-lab
     lesson check`` says why."""
-    return _read(folder, tuple((name, (folder / f"{name}.md").stat().st_mtime_ns) for name in names(folder)))
+    files = tuple((name, (folder / f"{name}.md").stat().st_mtime_ns) for name in names(folder))
+    with _READING:  # a class that comes at once reads them once
+        return _read(folder, files)
 
 
 @lru_cache(2)

@@ -14,6 +14,7 @@ from functools import partial
 from typing import Any
 from urllib.parse import quote
 
+from app.lessons import shelf
 from app.page.classroom import Classroom
 from app.page.doors.address import Addresses
 from app.page.doors.code import ClassCode, made_up
@@ -146,6 +147,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else (),
                               1 / frames), None
     classroom = Classroom(lesson, teacher)
+    threading.Thread(target=shelf.lessons, daemon=True).start()  # before the first visitor wants them
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
         server = _start_server(host, port, pool, max_sessions, addresses, code, classroom)
