@@ -53,8 +53,9 @@ def act(page, verb, name, value):
 def _set(page, name, value):
     """A number in the box beside a slider, or a text."""
     box = row(page, re.compile(f"^{re.escape(name)}(,|$)")).locator("input.mantine-NumberInput-input")
-    text = page.get_by_role("textbox", name=re.compile(f"^{re.escape(name)}(, typed)?$"))
-    (text.last if page.get_by_label(f"{name}, typed", exact=True).count() or not box.count() else box).fill(value)
+    typed = page.get_by_role("textbox", name=f"{name}, typed", exact=True)
+    text = page.get_by_role("textbox", name=name, exact=True)
+    (typed if typed.count() else box if box.count() else text).fill(value)
 
 
 def reading(page, column, name):
