@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Any
 from urllib.parse import unquote
 
@@ -63,10 +64,9 @@ def read(text: str) -> State:
     """The state of a text; :class:`StateError` where it is none."""
     if len(text) > LONGEST:
         raise StateError(f"a scene of {len(text):,} characters is too long; at most {LONGEST:,} are allowed")
-    words = [word for word in re.split(r"[;&\s]+", unquote(text).strip()) if word]
-    if not words or words[0] not in PROBLEMS:
-        raise StateError(f"{_quoted(words[0] if words else text)} is no problem; begin with {' or '.join(PROBLEMS)}")
-    problem, rest = words[0], words[1:]
+    problem, *rest = _words(text) or [text]
+    if problem not in PROBLEMS:
+        raise StateError(f"{_quoted(problem)} is no problem; begin with {' or '.join(PROBLEMS)}")
     first, pinned = rest, None
     if PINNED in rest:
         cut = rest.index(PINNED)
@@ -82,11 +82,21 @@ def read(text: str) -> State:
     return state
 
 
-def _scene_words(scene: Scene) -> list[str]:
+def begins(text: str) -> bool:
+    """Whether a text is meant as a state: it begins with a problem."""
+    return _words(text)[:1] in [[problem] for problem in PROBLEMS]
+
+
+def _words(text: str) -> list[str]:
+    return [word for word in re.split(r"[;&\s]+", unquote(text)) if word]
+
+
+@lru_cache(maxsize=256)  # a page asks for its own again and again
+def _scene_words(scene: Scene) -> tuple[str, ...]:
     """What of a scene differs from its problem's defaults."""
     default = type(scene)()
-    return [_word(_key(f.name), getattr(scene, f.name)) for f in fields(scene)
-            if f.name != "problem" and getattr(scene, f.name) != getattr(default, f.name)]
+    return tuple(_word(_key(f.name), getattr(scene, f.name)) for f in fields(scene)
+                 if f.name != "problem" and getattr(scene, f.name) != getattr(default, f.name))
 
 
 def _word(key: str, value: Any) -> str:

@@ -131,6 +131,30 @@ class WorkerProcess:
         return f"was ended by signal {-status}"
 
 
+class WorkerPool:
+    """So many processes for one kind of work, which start when they are needed. Safe from any thread."""
+
+    def __init__(self, work: str, processes: int):
+        self._all = tuple(WorkerProcess(work) for _ in range(processes))
+        self._free: queue.LifoQueue[WorkerProcess] = queue.LifoQueue()  # the last has most of what it needs
+        for process in self._all:
+            self._free.put(process)
+
+    @contextlib.contextmanager
+    def lent(self) -> Iterator[WorkerProcess]:
+        """A process that nobody else asks meanwhile; waits until there is one."""
+        process = self._free.get()
+        try:
+            yield process
+        finally:
+            self._free.put(process)
+
+    def close(self) -> None:
+        """End all of them."""
+        for process in self._all:
+            process.close()
+
+
 def ask_fresh(work: str, environment: Mapping[str, str] | None = None, patience: float = 120.0) -> dict:
     """The only answer of a fresh process; :class:`ProcessDied` if none comes within ``patience`` seconds."""
     process = WorkerProcess(work, environment)

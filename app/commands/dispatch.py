@@ -71,24 +71,16 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
     if not arguments or (arguments[0].startswith("-") and arguments[0] not in ("-h", "--help")):
         return DEFAULT_COMMAND, arguments
     name: tuple[str, ...] = ()
-    arguments = _parted(arguments)
     for position, word in enumerate(arguments):
         if word in ("-h", "--help"):
             return name, []
-        if word not in _next_words(name):
+        flag, equals, value = word.partition("=") if word.startswith("-") else (word, "", "")  # run --scene=TEXT
+        if flag not in _next_words(name):
             raise BadInput("", word, f"is not a command{_meant(word, _next_words(name))}; {_give(name)}")
-        name += (word,)
+        name += (flag,)
         if name in commands():
-            return name, arguments[position + 1:]
+            return name, [*([value] if equals else []), *arguments[position + 1:]]
     raise BadInput("", " ".join(name), f"what? {_give(name)}")
-
-
-def _parted(arguments: list[str]) -> list[str]:
-    """The arguments with ``run --scene=TEXT`` as ``run --scene TEXT``."""
-    first, second = (*arguments[:2], "", "")[:2]
-    if first == "run" and second.startswith("--scene="):
-        return [first, *second.split("=", 1), *arguments[2:]]
-    return arguments
 
 
 def _give(name: tuple[str, ...]) -> str:

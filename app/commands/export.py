@@ -10,8 +10,7 @@ import tyro
 from app.commands.flags import BadInput, NumberFlag, Switch, TextFlag, default_hint
 from app.commands.lesson import lesson_called
 from app.commands.output import Target, say, working
-from app.state import StateError, read
-from solvers.problems import PROBLEMS
+from app.state import StateError, begins, read
 from solvers.rules import require_whole
 
 OK, FAILED = 0, 1
@@ -40,7 +39,7 @@ class Export:
     def execute(self) -> int:
         """Record the runs and write the file."""
         require_whole("processes", self.processes, 1, 64)
-        is_scene = next(iter(self.what.replace(";", " ").replace("&", " ").split()), "") in PROBLEMS
+        is_scene = begins(self.what)
         name = "" if is_scene else lesson_called(self.what)
         if is_scene:
             _check_scene(self.what)

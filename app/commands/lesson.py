@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from app.lessons.outcomes import Outcomes
     from app.lessons.progress import Progress
 
-OK, FAILED, BAD_INPUT = 0, 1, 2
+OK, FAILED = 0, 1
 MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
 CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
 

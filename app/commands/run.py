@@ -21,7 +21,38 @@ OK, FAILED, BROKEN = 0, 1, 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run(SceneFlags):
+class Output:
+    """What comes of a run, and where it goes."""
+
+    json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
+    """File for the result as a JSON object; - is standard output."""
+    plot: Annotated[PathFlag, default_hint("no picture")] = None
+    """File for a picture of the result, .png."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar, no warnings and no remarks on standard error."""
+
+    def run_and_write(self, scene: Scene) -> int:
+        """Run a scene and write what was asked for; the exit status. Files are tried first, so that no run is lost to
+        a typo."""
+        target = json_target(self.json)
+        picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
+        if target and picture and target.path == picture.path:
+            raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
+        for sentence in () if self.quiet else scene.warnings():
+            say(f"warning: {sentence}")
+        result = _run(scene, self.quiet)
+        if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
+            say(f"no GPU was found: this ran on the processor ({result.arch})")
+        report(result.to_dict(), target, run_table)
+        drawn = picture is None or _draw(result, picture)
+        if result.status != "ok":
+            say(result.reason)
+            return BROKEN
+        return OK if drawn else FAILED
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Output, SceneFlags):
     """What is done with a scene, and where its result goes."""
 
     HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
@@ -31,20 +62,13 @@ class Run(SceneFlags):
     """
     OUTPUT: ClassVar[frozenset[str]] = frozenset({"json", "plot", "quiet"})
 
-    json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
-    """File for the result as a JSON object; - is standard output."""
-    plot: Annotated[PathFlag, default_hint("no picture")] = None
-    """File for a picture of the result, .png."""
-    quiet: Annotated[Switch, default_hint("off")] = False
-    """No progress bar, no warnings and no remarks on standard error."""
-
     def execute(self) -> int:
         """Run, then write what was asked for."""
-        return run_and_write(self.scene(), self.json, self.plot, self.quiet)
+        return self.run_and_write(self.scene())
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunText:
+class RunText(Output):
     """Run a scene that is given as a text, as a link to the page or a lesson has it.
 
     Such as "bar;method=mpm;cells=80"; what it says of the view and of a pinned run is left aside. Exit status: 0 ok,
@@ -53,12 +77,6 @@ class RunText:
 
     text: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="TEXT")] = ""
     """The scene: a problem, and what differs from its defaults."""
-    json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
-    """File for the result as a JSON object; - is standard output."""
-    plot: Annotated[PathFlag, default_hint("no picture")] = None
-    """File for a picture of the result, .png."""
-    quiet: Annotated[Switch, default_hint("off")] = False
-    """No progress bar, no warnings and no remarks on standard error."""
 
     def execute(self) -> int:
         """Run, then write what was asked for."""
@@ -66,27 +84,7 @@ class RunText:
             scene = state.read(self.text.rpartition("#")[2]).scene  # a whole link does as well
         except state.StateError as error:
             raise BadInput("scene", self.text, str(error)) from None
-        return run_and_write(scene, self.json, self.plot, self.quiet)
-
-
-def run_and_write(scene: Scene, json: str | None, plot: str | None, quiet: bool) -> int:
-    """Run a scene and write what was asked for; the exit status. Files are tried first, so that no run is lost to a
-    typo."""
-    target = json_target(json)
-    picture = None if plot is None else Target("plot", plot, ending=".png")
-    if target and picture and target.path == picture.path:
-        raise BadInput("plot", plot, "is the file of --json too; give each its own")
-    for sentence in () if quiet else scene.warnings():
-        say(f"warning: {sentence}")
-    result = _run(scene, quiet)
-    if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not quiet:
-        say(f"no GPU was found: this ran on the processor ({result.arch})")
-    report(result.to_dict(), target, run_table)
-    drawn = picture is None or _draw(result, picture)
-    if result.status != "ok":
-        say(result.reason)
-        return BROKEN
-    return OK if drawn else FAILED
+        return self.run_and_write(scene)
 
 
 def _run(scene: Scene, quiet: bool) -> Result:

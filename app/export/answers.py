@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-from app.lessons.claims import ClaimError, needed, value
-from app.lessons.lesson import CHOICE, INTERVAL, TEXT, Lesson, Step
-from app.lessons.marks import mark
+from app.lessons.claims import ClaimError, needed
+from app.lessons.lesson import CHOICE, TEXT, Lesson, Step
+from app.lessons.marks import expressions, right
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.variants import Numbers, filled
 
@@ -30,8 +30,8 @@ def _needed(lesson: Lesson) -> list[str]:
         asked = step.question
         assert asked is not None
         for numbers in lesson.variants:
-            for expression in filter(None, (*asked.holds, asked.expected)):
-                names = needed(filled(expression, numbers), lesson.runs, lesson.main_run(step)) - {""}
+            for expression in expressions(asked, numbers):
+                names = needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [filled(text, numbers) for name in names for text in lesson.runs[name].texts]
     return found
 
@@ -41,16 +41,12 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> d
     what came out, in words."""
     asked = step.question
     assert asked is not None
+    if asked.kind == TEXT:
+        return {"told": ""}
     try:
-        if asked.kind == TEXT:
-            return {"told": ""}
-        if asked.kind == CHOICE:
-            marks = [mark(lesson, step, k, numbers, outcomes) for k in range(1, len(asked.options) + 1)]
-            return {"options": [k for k, one in enumerate(marks, 1) if one.right], "told": marks[0].expected}
-        expected = filled(asked.expected, numbers)
-        right = value(expected, outcomes.scope(lesson, step, numbers, [expected]))
-        dummy = (0.0, 0.0) if asked.kind == INTERVAL else 0.0
-        return {"value": right, "tolerance": asked.tolerance,
-                "told": mark(lesson, step, dummy, numbers, outcomes).expected}
+        found = right(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed):
         return None
+    if asked.kind == CHOICE:
+        return {"options": list(found.options), "told": found.told}
+    return {"value": found.value, "tolerance": asked.tolerance, "told": found.told}

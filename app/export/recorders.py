@@ -1,13 +1,12 @@
 """Recordings made side by side, each by a process of its own that does nothing else."""
 
-import queue
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from typing import Any
 
 from app.export.record import Wanted
-from solvers.processes import WorkerProcess
+from solvers.processes import WorkerPool
 
 WORK = "app.export.record:work"
 
@@ -17,18 +16,12 @@ def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[
 
     Raises :class:`~solvers.processes.ProcessDied` where one cannot be made.
     """
-    free: queue.SimpleQueue[WorkerProcess] = queue.SimpleQueue()
-    workers = [WorkerProcess(WORK) for _ in range(processes)]
-    for worker in workers:
-        free.put(worker)
+    pool = WorkerPool(WORK, processes)
 
     def record(one: Wanted) -> dict[str, Any]:
-        worker = free.get()
-        try:
-            [answer] = worker.ask(asdict(one))
+        with pool.lent() as process:
+            [answer] = process.ask(asdict(one))
             return answer
-        finally:
-            free.put(worker)
 
     found = []
     threads = ThreadPoolExecutor(processes)
@@ -39,5 +32,4 @@ def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[
         return found
     finally:
         threads.shutdown(wait=False, cancel_futures=True)
-        for worker in workers:
-            worker.close()
+        pool.close()

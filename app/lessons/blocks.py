@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from app import state
+from app.lessons.dragging import REACH
 from app.lessons.lesson import ANSWERS, CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Claim, LessonError, Question, Run
 from app.lessons.variants import Numbers, filled
 
@@ -17,7 +18,8 @@ else:
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 STAGE = "stage"
-DRAGGED = ("cells", "ppc", "amplitude", "modulus", "cfl")  # fields of a scene that a student may drag
+DRAGGED = tuple(REACH)  # fields of a scene that a student may drag
+VARIED = (*DRAGGED, "dt")  # and those that may have several values in a run
 MOST_OPTIONS = 8
 MOST_RUNS = 8  # of one block that differ in a number
 _AT = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
@@ -90,7 +92,7 @@ def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> Run:
     """A run or, where one number of the scene is several with commas between, the runs that differ in it."""
     words = text.split()
     several = [k for k, word in enumerate(words)
-               if "," in word and word.partition("=")[0] in ("cells", "ppc", "amplitude", "modulus", "cfl", "dt")]
+               if "," in word and word.partition("=")[0] in VARIED]
     if len(several) > 1:
         raise LessonError(line, f"{name}: only one number may have several values, not {words[several[0]]} and "
                                 f"{words[several[1]]}")

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.lessons.claims import ClaimError, judge, value
+from app.lessons.claims import ClaimError, judge
 from app.lessons.lesson import CHOICE, Lesson, Step
-from app.lessons.marks import right_options
+from app.lessons.marks import expressions, right
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.variants import Numbers, filled
 
@@ -49,18 +49,19 @@ def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) 
     """That a question has one right answer."""
     asked = step.question
     assert asked is not None
-    claims = [filled(text, numbers) for text in asked.holds]
-    if asked.kind == CHOICE and claims:
-        try:
-            right = right_options(asked, claims, outcomes.scope(lesson, step, numbers, claims))
-            found = "right are " + (", ".join(map(str, right)) or "none")
-        except (ClaimError, RunFailed) as error:
-            right, found = [], str(error)
-        yield Check(lesson.name, step.title, asked.line, "one option is right", len(right) == 1, found)
-    elif asked.expected:
-        expected = filled(asked.expected, numbers)
-        try:
-            found, holds = f"found {value(expected, outcomes.scope(lesson, step, numbers, [expected]))}", True
-        except (ClaimError, RunFailed) as error:
-            found, holds = str(error), False
-        yield Check(lesson.name, step.title, asked.line, f"{expected} has a value", holds, found)
+    if not expressions(asked, numbers):
+        return
+    if asked.kind == CHOICE:
+        claim = "one option is right"
+    else:
+        claim = f"{filled(asked.expected, numbers)} has a value"
+    try:
+        answer = right(lesson, step, numbers, outcomes)
+    except (ClaimError, RunFailed) as error:
+        yield Check(lesson.name, step.title, asked.line, claim, False, str(error))
+        return
+    if asked.kind == CHOICE:
+        holds, found = len(answer.options) == 1, "right are " + (", ".join(map(str, answer.options)) or "none")
+    else:
+        holds, found = True, f"found {answer.value}"
+    yield Check(lesson.name, step.title, asked.line, claim, holds, found)

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Iterator
 
-from app.lessons.claims import ClaimError, said, value
+from app.lessons.claims import ClaimError
 from app.lessons.lesson import CHOICE, TEXT, Lesson, Step
-from app.lessons.marks import right_options
+from app.lessons.marks import in_unit, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.shelf import FOLDER
-from app.lessons.variants import Numbers, filled
+from app.lessons.variants import Numbers
 from solvers.markdown import grid
 
 STYLE = """
@@ -72,14 +72,11 @@ def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
 def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> str:
     asked = step.question
     assert asked is not None
-    texts = [filled(text, numbers) for text in (*asked.holds, *([asked.expected] if asked.expected else []))]
     try:
-        scope = outcomes.scope(lesson, step, numbers, texts)
-        if asked.kind == CHOICE:
-            return " or ".join(filled(asked.options[k - 1], numbers) for k in right_options(asked, texts, scope))
-        return f"{said(value(texts[-1], scope))} {asked.unit}".strip()
+        found = right(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return f"could not be worked out: {error}"
+    return found.told if asked.kind == CHOICE else in_unit(asked, found.value)
 
 
 def _quoted(notes: str) -> str:

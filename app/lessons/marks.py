@@ -1,11 +1,10 @@
 """Whether an answer is right: derived from the runs each time, never kept."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from app.lessons.claims import Scope, judge, said, value
+from app.lessons.claims import judge, said, value
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Question, Step
 from app.lessons.outcomes import Outcomes
 from app.lessons.variants import Numbers, filled
@@ -23,6 +22,16 @@ class Mark:
     expected: str
 
 
+@dataclass(frozen=True)
+class Right:
+    """What is right in a question, in words as it is ``told``: of a choice the ``options``, counted from 1, else the
+    ``value``."""
+
+    told: str
+    options: tuple[int, ...] = ()
+    value: float | str = 0.0
+
+
 def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Outcomes) -> Mark:
     """The mark of an answer that fits the step's question; runs what it needs.
 
@@ -30,28 +39,49 @@ def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Ou
     """
     asked = step.question
     assert asked is not None
-    texts = [filled(text, numbers) for text in (*asked.holds, *([asked.expected] if asked.expected else []))]
-    scope = outcomes.scope(lesson, step, numbers, texts)
     if asked.kind == TEXT:
         return Mark(None, "")
+    found = right(lesson, step, numbers, outcomes)
+    return Mark(_fits(asked, answer, found), found.told)
+
+
+def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Right:
+    """What is right in a step's question, which is none for free text; runs what it needs, and raises as
+    :func:`mark`."""
+    asked = step.question
+    assert asked is not None
+    texts = expressions(asked, numbers)
+    scope = outcomes.scope(lesson, step, numbers, texts)
     if asked.kind == CHOICE:
-        right = right_options(asked, texts, scope)
-        return Mark(answer in right, " or ".join(filled(asked.options[k - 1], numbers) for k in right))
+        options = (asked.correct,) if asked.correct is not None else \
+            tuple(k for k, claim in enumerate(texts, 1) if judge(claim, scope).holds)
+        return Right(" or ".join(filled(asked.options[k - 1], numbers) for k in options), options)
     expected = value(texts[-1], scope)
-    told = f"{said(expected)} {asked.unit}".strip()
-    if isinstance(expected, str):
-        return Mark(answer == expected, told)
+    told = in_unit(asked, expected)
+    if asked.kind != INTERVAL and not isinstance(expected, str):
+        told += f" (± {100 * asked.tolerance:g} %)"
+    return Right(told, value=expected)
+
+
+def expressions(asked: Question, numbers: Numbers) -> list[str]:
+    """The claims of a question's options, or what it expects, with these numbers."""
+    return [filled(text, numbers) for text in (*asked.holds, asked.expected) if text]
+
+
+def in_unit(asked: Question, found: float | str) -> str:
+    """A value in words, with the question's unit."""
+    return f"{said(found)} {asked.unit}".strip()
+
+
+def _fits(asked: Question, answer: Any, found: Right) -> bool:
+    if asked.kind == CHOICE:
+        return answer in found.options
+    if isinstance(found.value, str):
+        return answer == found.value
     if asked.kind == INTERVAL:
         low, high = answer
-        return Mark(low <= expected <= high, told)
-    return Mark(abs(answer - expected) <= asked.tolerance * abs(expected), f"{told} (± {100 * asked.tolerance:g} %)")
-
-
-def right_options(asked: Question, claims: Sequence[str], scope: Scope) -> list[int]:
-    """The options that are right, counted from 1: the stated one, or those whose claims hold."""
-    if asked.correct is not None:
-        return [asked.correct]
-    return [k for k, claim in enumerate(claims, 1) if judge(claim, scope).holds]
+        return low <= found.value <= high
+    return abs(answer - found.value) <= asked.tolerance * abs(found.value)
 
 
 def trouble(asked: Question, answer: Any) -> str:
@@ -76,7 +106,7 @@ def shown(asked: Question, answer: Any) -> str:
         return asked.options[answer - 1]
     if asked.kind == INTERVAL:
         return f"{said(float(answer[0]))} to {said(float(answer[1]))} {asked.unit}".strip()
-    return answer if asked.kind == TEXT else f"{said(float(answer))} {asked.unit}".strip()
+    return answer if asked.kind == TEXT else in_unit(asked, float(answer))
 
 
 def _is_real(number: Any) -> bool:

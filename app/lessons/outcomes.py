@@ -4,13 +4,14 @@ import os
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any
 
 from app import state
 from app.lessons.claims import Outcome, Scope, needed
 from app.lessons.lesson import Lesson, Run, Step
 from app.lessons.variants import Numbers, filled
-from solvers.processes import ProcessDied, WorkerProcess
+from solvers.processes import ProcessDied, WorkerPool
 
 WORK = "app.lessons.outcomes:work"
 KEPT = 500  # results
@@ -24,42 +25,35 @@ class Outcomes:
     """Runs scenes in so many ``processes``, which start when they are needed. Safe from any thread."""
 
     def __init__(self, processes: int = 1, politeness: int = 0):
-        self._politeness, self._lock = politeness, threading.Lock()
+        self._processes, self._politeness, self._lock = processes, politeness, threading.Lock()
         self._kept: dict[str, dict[str, Any]] = {}
-        self._free = [WorkerProcess(WORK) for _ in range(processes)]
-        self._all = tuple(self._free)
-        self._room = threading.Semaphore(processes)
-        self._closed = False
+        self._pool = WorkerPool(WORK, processes)
 
     def close(self) -> None:
         """End all processes."""
-        self._closed = True
-        for process in self._all:
-            process.close()
+        self._pool.close()
 
     def result(self, text: str) -> dict[str, Any]:
         """The result's JSON object of the scene of a state; waits for it."""
         scene = state.write(state.State(state.read(text).scene))
-        with self._lock:
-            if scene in self._kept:
-                return self._kept[scene]
-        with self._room:
-            with self._lock:
-                if scene in self._kept:
-                    return self._kept[scene]
-                process = self._free.pop()
+        if found := self._known(scene):
+            return found
+        with self._pool.lent() as process:
+            if found := self._known(scene):  # somebody else has had it run meanwhile
+                return found
             try:
                 [found] = process.ask({"scene": scene, "politeness": self._politeness})
             except ProcessDied as error:
                 raise RunFailed(f"{scene} could not be run: the process {error}") from None
-            finally:
-                with self._lock:
-                    self._free.append(process)
         with self._lock:
             if len(self._kept) >= KEPT:
                 self._kept.pop(next(iter(self._kept)))
             self._kept[scene] = found
         return found
+
+    def _known(self, scene: str) -> dict[str, Any] | None:
+        with self._lock:
+            return self._kept.get(scene)
 
     def outcome(self, run: Run, numbers: Numbers) -> Outcome:
         """What comes of a run with these numbers."""
@@ -74,16 +68,14 @@ class Outcomes:
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""
         scenes, done = sorted(set(texts)), 0
-        with ThreadPoolExecutor(len(self._all)) as threads:
+        with ThreadPoolExecutor(self._processes) as threads:
             for _ in threads.map(self._try, scenes):
                 done += 1
                 on_progress(done, len(scenes))
 
     def _try(self, text: str) -> None:
-        try:
+        with suppress(RunFailed):
             self.result(text)
-        except RunFailed:
-            pass
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:

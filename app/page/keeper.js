@@ -17,6 +17,8 @@
     field.dispatchEvent(new Event("input", {bubbles: true}));
   }
 
+  const tellLink = () => tell({link, here: location.origin + location.pathname});
+
   read();
   history.replaceState(null, "", location.pathname + location.search);
 
@@ -25,7 +27,7 @@
     if (!found) { field = lesson = null; return; }
     if (found !== field) {
       field = found;
-      tell({link, here: location.origin + location.pathname});
+      tellLink();
     }
     const kept = document.querySelector(".lab-kept")?.dataset;
     if (!kept) return;
@@ -51,7 +53,7 @@
 
   addEventListener("hashchange", () => {  // somebody has typed or followed another link on the same page
     read();
-    if (field && link) tell({link, here: location.origin + location.pathname});
+    if (field && link) tellLink();
   });
   document.addEventListener("click", event => {  // only in a click may a page copy
     if (!event.target.closest("[data-lab~=lab-copy] + div button")) return;

@@ -147,7 +147,6 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else (),
                               1 / frames), None
     classroom = Classroom(lesson, teacher)
-    threading.Thread(target=shelf.lessons, daemon=True).start()  # before the first visitor wants them
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
         server = _start_server(host, port, pool, max_sessions, addresses, code, classroom)
@@ -158,6 +157,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
             print(f"the class code is {code}; {link} brings it along", file=sys.stderr, flush=True)
             if sys.stderr.isatty():
                 print(_picture(link), file=sys.stderr, flush=True)
+        shelf.lessons()  # while nothing else is to be done: the first visitor wants them
         threading.Event().wait()
     finally:
         if server is not None:

@@ -8,7 +8,7 @@ from contextlib import suppress
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT
 from app.lessons.variants import drawn, filled
 from app.words import size_in
-from tests.browser.driving import FOLDERS, row, scene, time, unfold, until
+from tests.browser.driving import FOLDERS, click, row, scene, time, unfold, until
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".
 SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
@@ -27,7 +27,7 @@ def tab(page, name):
 def act(page, verb, name, value):
     """One act, on the tab where its widget is."""
     if (verb, name) == ("Press", "On the stage"):
-        page.get_by_role("button", name=name, exact=True).click()
+        click(page, name)
         return
     if page.get_by_role("tab", name=name, exact=True).count():
         tab(page, name)
@@ -91,7 +91,7 @@ def answer(page, step, text):
     elif asked.kind != "drag":
         page.get_by_role("textbox", name=re.compile("^Answer")).fill(text)
     page.wait_for_timeout(400)
-    page.get_by_role("button", name="Record my prediction" if step.kind == PREDICT else "Check my answer").click()
+    click(page, "Record my prediction" if step.kind == PREDICT else "Check my answer")
     until(page.locator(".lab-recorded").count, "the answer taken")
 
 
@@ -116,7 +116,7 @@ def do(page, text, stops):
 def follow(page, lesson, on_step=lambda number: None):
     """Go through a lesson whose introduction is shown; the sentences of what was read and found not right."""
     numbers, wrong, read, stops = drawn(lesson, ""), [], [], False
-    page.get_by_role("button", name="Next", exact=True).click()
+    click(page, "Next")
     for number, step in enumerate(lesson.steps, 1):
         where = f"step {number} of {len(lesson.steps)}"
         until(lambda where=where: where in page.locator(".lab-lesson-head").inner_text(), where)
@@ -134,5 +134,5 @@ def follow(page, lesson, on_step=lambda number: None):
                     wrong.append(f"{where}: read {read}: {said.inner_text()}")
                 read = []
         on_step(number)
-        page.get_by_role("button", name="Next", exact=True).click()
+        click(page, "Next")
     return wrong

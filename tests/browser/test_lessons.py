@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import re
 
 import pytest
 
@@ -12,7 +11,8 @@ from app.cli import main
 from app.lessons import shelf
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
 from tests.browser.conftest import serving, visit
-from tests.browser.driving import row, scene, shown, until
+from tests.browser.driving import click, row, scene, shown, until
+from tests.browser.following import answer
 
 NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
 HOSTILE = "<img src=x onerror=\"document.title='stolen'\">"
@@ -29,31 +29,9 @@ def address(page):
     return page.evaluate("location.href")  # the driver's own notion lags behind
 
 
-def press(page, name):
-    page.get_by_role("button", name=name, exact=True).click()
-
-
 def at_step(page, number, lesson):
     where = f"step {number} of {len(lesson.steps)}"
     until(lambda: where in page.locator(".lab-lesson-head").inner_text(), where)
-
-
-def answer(page, step):
-    """Answer a step's question: the first option, one, or hostile text."""
-    asked = step.question
-    if asked.options:
-        page.get_by_label("Answer").first.click()
-        page.get_by_role("option").nth(1).click()
-    elif asked.kind == "interval":
-        page.get_by_label("At least").fill("0")
-        page.get_by_label("At most").fill("1")
-    elif asked.kind == TEXT:
-        page.get_by_role("textbox", name="Answer").fill(HOSTILE)
-    elif asked.kind == "number":
-        page.get_by_label(re.compile("^Answer")).fill("1e-3")
-    page.wait_for_timeout(400)  # the viewer sends what is typed a moment later
-    press(page, "Record my prediction" if step.kind == PREDICT else "Check my answer")
-    until(page.locator(".lab-recorded").count, "the answer taken")
 
 
 def play(page, lesson, first, last):
@@ -62,14 +40,14 @@ def play(page, lesson, first, last):
         step = lesson.steps[number - 1]
         at_step(page, number, lesson)
         if step.stage:
-            press(page, "On the stage")
+            click(page, "On the stage")
         if step.question:
             following = page.get_by_role("button", name="Next", exact=True)
             if step.kind in (PREDICT, OBSERVE):
                 assert following.is_disabled()
-            answer(page, step)
+            answer(page, step, HOSTILE if step.question.kind == TEXT else "1e-3")
             until(following.is_enabled, "the way on")
-        press(page, "Next")
+        click(page, "Next")
 
 
 def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
@@ -79,7 +57,7 @@ def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
         page.get_by_label("Your name").fill("Ada <b>")
         page.wait_for_timeout(400)
-        press(page, "Next")
+        click(page, "Next")
         play(page, lesson, 1, half)
         at_step(page, half + 1, lesson)
         page.reload()
@@ -91,7 +69,7 @@ def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
         assert HOSTILE in page.locator(".lab-compared").last.inner_text()
         assert page.title() == "mpm-lab" and page.locator("img[src=x]").count() == 0
         with page.expect_download() as download:
-            press(page, "Hand in")
+            click(page, "Hand in")
         download.value.save_as(tmp_path / "ada.json")
     assert download.value.suggested_filename == f"{NAME}-Ada-b.json"
     saved = json.loads((tmp_path / "ada.json").read_text(encoding="utf-8"))
@@ -134,7 +112,7 @@ def test_a_lesson_leaves_the_controls_that_it_needs(class_room, chromium):
         assert "cells" in lesson.controls and "modulus" not in lesson.controls
         assert not page.get_by_text("Modulus E", exact=True).is_visible()
         page.get_by_role("tab", name="Lessons").click()
-        press(page, "Close the lesson")
+        click(page, "Close the lesson")
         page.get_by_role("tab", name="Explore").click()
         until(page.get_by_text("Modulus E", exact=True).is_visible, "all controls")
 
@@ -142,8 +120,8 @@ def test_a_lesson_leaves_the_controls_that_it_needs(class_room, chromium):
 def test_a_link_can_be_copied_and_shown_as_a_code(own_page):
     page = own_page
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    press(page, "Copy link")
+    click(page, "Copy link")
     assert page.evaluate("navigator.clipboard.readText()") == address(page)
-    press(page, "QR code")
+    click(page, "QR code")
     until(page.locator(".lab-code svg").is_visible, "the code")
     shown(page, "mpm-lab run --scene")
