@@ -75,14 +75,15 @@ def test_health(server):
     assert found["engines"] >= 1
 
 
-@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
-def test_the_end_is_told_and_leaves_nothing(end):
-    """Neither a process nor a word of warning (``serving`` looks for that), however it is ended."""
+@pytest.mark.parametrize("end, thread", [(signal.SIGINT, "first"), (signal.SIGTERM, "first"), (signal.SIGINT, "last")])
+def test_the_end_is_told_and_leaves_nothing(end, thread):
+    """Neither a process nor a word of warning (``serving`` looks for that), however it is ended, and whichever of its
+    threads the system chooses to tell."""
     with serving() as (address, process), Raw(address) as one, Raw(address) as two:
         until(lambda: one.frames > 3 and two.frames > 3, "frames")
         engines = children(process, "spawn_main")
         assert engines
-        os.kill(process, end)
+        os.kill({"first": process, "last": max(map(int, os.listdir(f"/proc/{process}/task")))}[thread], end)
         until(lambda: one.closed is not None and two.closed is not None, "websockets closed")
         for visitor in (one, two):
             assert any(OVER in text for text in visitor.html.values())

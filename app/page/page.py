@@ -56,6 +56,7 @@ class Page:
         self.client, self._ready, self._links, self._classroom = client, False, pool, classroom
         self.token = secrets.token_urlsafe(12)
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
+        self._keeping = threading.Lock()
         self._stands = threading.Event()  # the frame that has come is the last for now
         self._recent = Recent()
         self._trace = Trace(self._recent)
@@ -146,8 +147,9 @@ class Page:
 
     def _keep(self) -> None:
         """Have the browser keep what is seen: in its address, and the answers to a lesson."""
-        lesson = self._player.name
-        self._keeper.keep(link(self._controls.state, lesson), lesson, self._player.answers)
+        with self._keeping:  # else a refresh could put what was before in the place of what is
+            lesson = self._player.name
+            self._keeper.keep(link(self._controls.state, lesson), lesson, self._player.answers)
 
     def _show_stage(self, problem: str | None) -> None:
         """Show one of them, or none."""

@@ -11,6 +11,7 @@ import threading
 import warnings
 from collections.abc import Callable
 from functools import partial
+from time import sleep
 from typing import Any
 from urllib.parse import quote
 
@@ -25,6 +26,7 @@ from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
+HEARS_WITHIN = 0.3  # seconds
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
 
@@ -158,7 +160,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
             if sys.stderr.isatty():
                 print(_picture(link), file=sys.stderr, flush=True)
         shelf.lessons()  # while nothing else is to be done: the first visitor wants them
-        threading.Event().wait()
+        while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
+            sleep(HEARS_WITHIN)
     finally:
         if server is not None:
             server.visitors.say_goodbye()

@@ -99,8 +99,8 @@ class Player:
             if self._lesson is None or self._progress is None:
                 return
             self._progress.step = min(max(self._progress.step + by, 0), len(self._lesson.steps) + 1)
+        self._on_change()  # first: a step that is seen is one to come back to
         self._rebuild()
-        self._on_change()
 
     def _rebuild(self) -> None:
         with self._lock:
