@@ -75,11 +75,13 @@ def test_a_frame_is_not_written_over_before_the_page_has_it(clock):
 
 
 def test_turns_are_shorter_where_many_share_an_engine():
-    """Eight thousandths of a second, until fifty are too few for all; not so short that launches are most of it."""
+    """Eight thousandths of a second, until fifty are too few for all and their frames; not so short that launches are
+    most of it."""
     with one_session(Wish(1, 1, SCENE, True, 1.0, 0, 0, "")) as session:
         session._seconds_a_step = 1e-6
-        for sessions, steps in ((1, 8000), (6, 8000), (10, 5000), (30, 1666), (200, 1000)):
-            session.sessions = sessions
+        for sessions, frame, steps in ((1, 0, 8000), (6, 0, 8000), (10, 0, 5000), (10, 0.001, 4000), (30, 0.001, 667),
+                                       (30, 0.002, 400), (200, 0, 400)):
+            session.sessions, session._seconds_a_frame = sessions, frame
             assert session._slice == pytest.approx(steps, abs=1)
 
 

@@ -108,3 +108,23 @@ def test_a_newcomer_hears_what_was_said_before_and_where_that_ends(loop):
     end.result(PATIENCE)
     messages = [message for _, window in windows for message in window]
     assert len(messages) == 202 and isinstance(messages[200], ReplayDoneMessage) and messages[201].name == "later"
+
+
+def test_all_is_sent_when_the_last_window_has_gone(loop):
+    """Not when it has been taken out: a browser that takes nothing holds it up."""
+    buffer, go = Buffer(loop, persistent_messages=False), asyncio.Event()
+
+    async def send():
+        async for _ in buffer.window_generator(1, None):
+            await go.wait()
+
+    sending = asyncio.run_coroutine_threadsafe(send(), loop)
+    assert buffer.all_sent
+    buffer.push(moved("/bar", 1))
+    buffer.flush()
+    until(lambda: buffer.generator_cursors.get(1) == 0, "the message taken")
+    assert not buffer.all_sent
+    loop.call_soon_threadsafe(go.set)
+    until(lambda: buffer.all_sent, "the message gone")
+    buffer.set_done()
+    sending.result(PATIENCE)

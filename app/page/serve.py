@@ -26,7 +26,7 @@ from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
-HEARS_WITHIN = 0.3  # seconds
+HEARS_WITHIN, TOLD_WITHIN = 0.3, 1.0  # seconds until it hears of its end, and has told all others at most
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
 
@@ -165,6 +165,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     finally:
         if server is not None:
             server.visitors.say_goodbye()
+            server.wait_until_sent(TOLD_WITHIN)
         pool.close()
         classroom.outcomes.close()
         if server is not None:

@@ -54,6 +54,12 @@ class Buffer(AsyncMessageBuffer):
 
     message_event: Bell = field(default_factory=Bell)
     _flushed: bool = False
+    _sent: int = -1  # the number of the last message that has gone, of those that only this browser gets
+
+    @property
+    def all_sent(self) -> bool:
+        """Whether all that has been put in has gone, or nobody is there any more."""
+        return self.done or self._sent >= self.message_counter - 1
 
     def atomic_end(self) -> None:
         with self.buffer_lock:
@@ -80,7 +86,8 @@ class Buffer(AsyncMessageBuffer):
                 if marker is not None and last >= backlog_last_id and not self.atomic_counter:
                     window, marker = [*window, marker], None
                 if window:
-                    yield window
+                    yield window  # and it goes on when that has gone
+                self._sent = last
                 if self.message_counter - 1 == last or self.atomic_counter:
                     await self._more(last)
         finally:

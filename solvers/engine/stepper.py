@@ -16,8 +16,9 @@ from solvers.run import build
 from solvers.scene import MOST_STEPS
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
-ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn: shorter ones then
-SHORTEST_SLICE = 0.001  # some twenty launches' worth
+ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn and frame: shorter ones then
+SHORTEST_SLICE = 0.0004  # some ten launches' worth
+FRAME_WEIGHT = 0.1  # of the last frame in what frames cost
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
@@ -35,7 +36,8 @@ class Stepper:
 
     def __init__(self, wish: Wish):
         self.wish = wish
-        self.sessions = 1  # that share the engine
+        self.sessions = 1  # that share the engine and move
+        self._seconds_a_frame = 0.0
         self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
         self._block = _attach(wish.memory)
         frames.clear(self._block)  # of what an engine has left there that has died
@@ -107,20 +109,20 @@ class Stepper:
     @property
     def behind(self) -> bool:
         """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
-        if not self._running or (self._frame_due() and self._unseen):
+        if not self.running or (self._frame_due() and self._unseen):
             return False
         return self._steps_wanted() >= (1 if self._frame_due() else self._enough)
 
     @property
     def ready(self) -> bool:
         """Whether a frame can go: the last was seen and this one is due. A turn before it catches up what it can."""
-        return (self._frame_wanted or (self._running and self._frame_due())) and not self._unseen
+        return (self._frame_wanted or (self.running and self._frame_due())) and not self._unseen
 
     @property
     def next_due(self) -> float:
         """When the session next has something to do, by ``perf_counter``; soon, to see whether the page has taken the
         last frame, where another has to wait for that."""
-        if not (self._running or self._frame_wanted):
+        if not (self.running or self._frame_wanted):
             return float("inf")
         return max(self._due, perf_counter() + LOOK_SECONDS) if self._unseen else self._due
 
@@ -147,11 +149,11 @@ class Stepper:
             self._window = (now, solver.time)
         particle_steps = self._kernel_steps * solver.scene.particles  # since the build
         rows, not_valid = np.concatenate(self._rows), solver.not_valid()
-        self._verdict.look(rows, len(shot.position), self._running)
+        self._verdict.look(rows, len(shot.position), self.running)
         status, reason, since = self._verdict.tell(solver, not_valid)
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
-            fresh=self._fresh, playing=self._running, particles=len(shot.position), step=solver.step, time=solver.time,
+            fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,
             rows=rows, reason=reason, status=status, since=since,
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference),
@@ -162,6 +164,7 @@ class Stepper:
         # late by what the last one was, and 30 a second become 24. Within limits, so that frames come evenly.
         apart = self.wish.frame_seconds
         self._due = min(max(self._due + apart, now + 0.5 * apart), now + apart)
+        self._seconds_a_frame += FRAME_WEIGHT * (perf_counter() - now - self._seconds_a_frame)
         return report
 
     @property
@@ -170,7 +173,8 @@ class Stepper:
         return frames.unseen(self._block)
 
     @property
-    def _running(self) -> bool:
+    def running(self) -> bool:
+        """Whether it is to step and can."""
         return self.wish.playing and self.solver.sound and self.solver.step < self._last_step
 
     @property
@@ -179,8 +183,10 @@ class Stepper:
 
     @property
     def _slice(self) -> int:
-        """Steps that fit into one turn."""
-        seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, ROUND_SECONDS / self.sessions))
+        """Steps that fit into one turn: in a full engine frames come first, and runs are slower than they were asked
+        to be."""
+        share = ROUND_SECONDS / self.sessions - self._seconds_a_frame
+        seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, share))
         return max(1, int(seconds / self._seconds_a_step))
 
     @property
@@ -207,7 +213,7 @@ class Stepper:
         """How far this session may go until its partner follows, in s: to the number of periods that this has come to,
         and ``_lead`` further."""
         partner, scene = self.partner, self.solver.scene
-        if partner is None or not partner._running:
+        if partner is None or not partner.running:
             return float("inf")
         return partner.solver.time / partner.solver.scene.period * scene.period + self._lead
 

@@ -132,9 +132,10 @@ class Worker:
                      if session == wish.partner or stepper.wish.partner == wish.session), None)
 
     def _pair(self) -> None:
-        """Let sessions know how many they are, and partners each other: anyone may have come, left or failed."""
+        """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed."""
+        moving = sum(stepper.running for stepper in self._steppers.values())
         for stepper in self._steppers.values():
-            stepper.partner, stepper.sessions = None, len(self._steppers)
+            stepper.partner, stepper.sessions = None, max(1, moving)
         for stepper in self._steppers.values():
             if partner := self._steppers.get(stepper.wish.partner or 0):
                 stepper.partner, partner.partner = partner, stepper

@@ -8,8 +8,8 @@ from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from pathlib import Path
-from time import monotonic
-from typing import Any, Protocol
+from time import monotonic, sleep
+from typing import Any, Protocol, cast
 from urllib.parse import unquote
 
 import viser
@@ -24,7 +24,7 @@ from app.page.doors.address import Addresses, is_ip, is_loopback
 from app.page.doors.bucket import Bucket
 from app.page.doors.code import ClassCode
 from app.page.doors.refusals import Refusals
-from app.page.wire import PROTOCOL
+from app.page.wire import PROTOCOL, Buffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
@@ -48,6 +48,13 @@ class Lab(viser.ViserServer):
     has come through the doors."""
 
     visitors: Any = None
+
+    def wait_until_sent(self, seconds: float) -> None:
+        """Until every browser has been sent all that was said to it; one that takes nothing is not waited for longer."""
+        end = monotonic() + seconds
+        buffers = [state.message_buffer for state in list(self._websock_server._client_state_from_id.values())]
+        while not all(cast(Buffer, buffer).all_sent for buffer in buffers) and monotonic() < end:
+            sleep(0.01)
 
     def request_share_url(self, verbose: bool = True) -> None:
         """There is none."""
