@@ -45,7 +45,9 @@ def test_frames_are_counted_between_two_times():
     visitor = Visitor("nowhere", frames=[0.0, 1.0, 1.5, 2.0, 4.0])
     assert visitor.rate(1.0, 3.0) == 1.5 and visitor.standstill(1.0, 3.0) == 1.0 and visitor.standstill(0.0, 8.0) == 4.0
     visitor.broken.add(2)  # after 1.0 and until 1.5 there was nothing to see
-    assert visitor.rate(1.0, 3.0) == 2.0 and visitor.standstill(1.0, 2.0) == 0.5
+    assert visitor.rate(1.0, 3.0) == 2 / 1.5 and visitor.standstill(1.0, 2.0) == 0.5
+    visitor.notice = "9"  # and not after the last one
+    assert visitor.standstill(0.0, 8.0) == 2.0
     visitor.controls["7"] = Control("GuiSliderMessage", {"label": "Cells, h = 1/40"})
     visitor.controls["8"] = Control("GuiTextMessage", {"label": "Cells, typed"})
     assert (visitor.find("Cells", "Slider"), visitor.find("Cells", "Text"), visitor.find("Cells", "Button")) == \

@@ -47,7 +47,8 @@ class Visitor:
     address: str
     asked: float = 0.0  # when it knocked
     frames: list[float] = field(default_factory=list)  # when they came
-    broken: set[int] = field(default_factory=set)  # after how many of them it was said that the run has broken down
+    broken: set[int] = field(default_factory=set)  # before which of them it was said that the run has broken down
+    notice: str = ""  # the number of the text that says so now
     controls: dict[str, Control] = field(default_factory=dict)  # by their number
 
     async def stay(self) -> None:
@@ -83,18 +84,20 @@ class Visitor:
     def rate(self, begin: float, end: float) -> float | None:
         """Frames a second between two times, while there was something to see; None if there never was."""
         seconds = sum(self._pauses(begin, end))
-        return sum(begin <= at < end for at in self.frames) / seconds if seconds else None
+        seen = sum(begin <= at < end for k, at in enumerate(self.frames) if k not in self.broken)
+        return seen / seconds if seconds else None
 
     def standstill(self, begin: float, end: float) -> float:
         """The longest time without a frame between two times, in s."""
         return max(self._pauses(begin, end), default=0.0)
 
     def _pauses(self, begin: float, end: float) -> list[float]:
-        """Seconds from frame to frame between two times, but for those in which a run that had broken down stood still:
-        it does until the visitor asks for something else."""
+        """Seconds from frame to frame between two times, but for those in which a run had broken down: it stands still
+        until the visitor asks for something else."""
         times = [-math.inf, *self.frames, math.inf]
+        broken = self.broken | ({len(self.frames)} if self.notice else set())
         return [min(later, end) - max(earlier, begin) for k, (earlier, later) in enumerate(pairwise(times))
-                if later > begin and earlier < end and k not in self.broken]
+                if later > begin and earlier < end and k not in broken]
 
     def _take(self, raw: bytes) -> None:
         framed = False
@@ -104,12 +107,21 @@ class Visitor:
                     framed |= message["name"].endswith(FRAME) and "points" in message["updates"]
                 case "GuiUpdateMessage" if message["uuid"] in self.controls:
                     self.controls[message["uuid"]].props.update(message["updates"])
-                    if BROKEN in str(message["updates"].get("content", "")):
-                        self.broken.add(len(self.frames))
+                    self._read(message["uuid"], message["updates"].get("content"))
                 case "GuiRemoveMessage":
                     self.controls.pop(message["uuid"], None)
                 case kind if kind.startswith("Gui") and "props" in message:
                     self.controls[message["uuid"]] = Control(kind, {"value": message.get("value"), **message["props"]})
         if framed:
+            if self.notice:
+                self.broken.add(len(self.frames))
             self.frames.append(monotonic())
+
+    def _read(self, text: str, content: Any) -> None:
+        """A text says something else now."""
+        if BROKEN in str(content):
+            self.notice = text
+            self.broken.add(len(self.frames))
+        elif content is not None and text == self.notice:
+            self.notice = ""
 

@@ -50,7 +50,7 @@ class Lab(viser.ViserServer):
     visitors: Any = None
 
     def wait_until_sent(self, seconds: float) -> None:
-        """Until every browser has been sent all that was said to it; one that takes nothing is not waited for longer."""
+        """Until every browser has been sent all that was said to it; for one that takes nothing no longer than that."""
         end = monotonic() + seconds
         buffers = [state.message_buffer for state in list(self._websock_server._client_state_from_id.values())]
         while not all(cast(Buffer, buffer).all_sent for buffer in buffers) and monotonic() < end:
