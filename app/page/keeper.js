@@ -39,9 +39,10 @@
     if (opened) {  // its tab may come later than it
       const tab = [...document.querySelectorAll("[role=tab]")].find(one => one.textContent.trim() === "Lessons");
       if (tab?.getAttribute("aria-selected") === "true") opened = false;
-      else if (tab && !pressed) {  // the viewer's tabs hear pointers, which may drag, and keys
+      else if (tab && !pressed) {  // in wide windows its tabs hear keys, and pointers, which may drag; in narrow ones clicks
         pressed = setTimeout(() => { pressed = null; look(); }, 500);
         tab.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter", bubbles: true}));
+        tab.click();
       }
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));

@@ -103,6 +103,12 @@ def test_a_link_that_means_nothing_is_refused_in_words(server, chromium):
         assert scene(page)["cells"] == 40
 
 
+def test_a_lesson_opens_on_a_phone(class_room, chromium):
+    """There the viewer has other tabs."""
+    with visit(chromium, class_room[0], size={"width": 390, "height": 844}) as page:
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+
+
 def test_a_lesson_leaves_the_controls_that_it_needs(class_room, chromium):
     lesson = shelf.lesson(NAME)
     with visit(chromium, class_room[0]) as page:
