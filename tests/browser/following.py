@@ -33,10 +33,11 @@ def act(page, verb, name, value):
         tab(page, name)
         return
     tab(page, "Explore")
-    if not page.get_by_text(name).count():
+    if not page.get_by_text(name).locator("visible=true").count():  # the lesson's own words are on a hidden tab
         tab(page, "Cost")
     if verb == "Press":
-        page.get_by_role("button", name=name, exact=True).or_(page.get_by_text(name, exact=True)).first.click()
+        named = page.get_by_role("button", name=name, exact=True).or_(page.get_by_text(name, exact=True))
+        named.locator("visible=true").first.click()
     elif verb == "Open":
         unfold(page, next(folder for folder in FOLDERS if name.startswith(folder)))
     elif verb == "Choose":

@@ -10,7 +10,7 @@ import viser
 from app import state
 from app.lessons import progress as kept
 from app.lessons import shelf
-from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step
+from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Step
 from app.lessons.marks import LONGEST, TOLD_AFTER, Mark, shown, trouble
 from app.lessons.variants import Numbers, drawn, filled
 from app.page.classroom import Classroom
@@ -205,9 +205,9 @@ class Player:
     def _check(self, lesson: Lesson, step: Step) -> None:
         """Mark the answer, which may need a run, and say so."""
         said, progress = self._said, self._progress
-        assert progress is not None
-        said.content = self._taken(lesson, step, "Being checked against the run …")
-
+        assert progress is not None and step.question is not None
+        waiting = "" if step.question.kind == TEXT else "Being checked against the run …"
+        said.content = self._taken(lesson, step, waiting)
         self._marker.check(lesson, step, progress, lambda found: self._show(
             said, lambda: self._taken(lesson, step, found)))
 
