@@ -4,7 +4,7 @@ import textwrap
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Literal
-from weakref import WeakKeyDictionary
+from weakref import ReferenceType, WeakKeyDictionary, ref
 
 import numpy as np
 import viser
@@ -120,10 +120,11 @@ def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: A
 
 @dataclass
 class _Lettering:
-    """The labels of a scene by name, with their usual sizes, and how many times as large they are written."""
+    """The labels of a scene by name, with their usual sizes, and how many times as large they are written. A label knows
+    its scene: held here, it would keep that for ever."""
 
     factor: float = 1.0
-    sizes: dict[str, tuple[viser.LabelHandle, float]] = field(default_factory=dict)
+    sizes: dict[str, tuple[ReferenceType[viser.LabelHandle], float]] = field(default_factory=dict)
 
 
 _LETTERING: WeakKeyDictionary[viser.SceneApi, _Lettering] = WeakKeyDictionary()
@@ -132,7 +133,7 @@ _LETTERING: WeakKeyDictionary[viser.SceneApi, _Lettering] = WeakKeyDictionary()
 def resize(s: viser.SceneApi, handle: viser.LabelHandle, size: float) -> None:
     """Give a label of a scene another usual size."""
     lettering = _LETTERING.setdefault(s, _Lettering())
-    lettering.sizes[handle.name] = handle, size
+    lettering.sizes[handle.name] = ref(handle), size
     if handle.font_screen_scale != lettering.factor * size:
         handle.font_screen_scale = lettering.factor * size
 
@@ -142,8 +143,9 @@ def enlarge(s: viser.SceneApi, factor: float) -> None:
     lettering = _LETTERING.setdefault(s, _Lettering())
     if lettering.factor != factor:
         lettering.factor = factor
-        for handle, size in list(lettering.sizes.values()):
-            resize(s, handle, size)
+        for known, size in list(lettering.sizes.values()):
+            if handle := known():
+                resize(s, handle, size)
 
 
 def letters(s: viser.SceneApi, pixels: float, size: float = 1.0) -> int:
