@@ -120,8 +120,8 @@ def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: A
 
 @dataclass
 class _Lettering:
-    """The labels of a scene by name, with their usual sizes, and how many times as large they are written. A label knows
-    its scene: held here, it would keep that for ever."""
+    """The labels of a scene by name, with their usual sizes, and how many times as large they are written. A label
+    knows its scene: held here, it would keep that for ever."""
 
     factor: float = 1.0
     sizes: dict[str, tuple[ReferenceType[viser.LabelHandle], float]] = field(default_factory=dict)
