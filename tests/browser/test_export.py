@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from contextlib import closing, contextmanager
+from pathlib import Path
 
 import pytest
 
+import app.export
 from app.export.lesson import lesson_page
 from app.export.page import scene_page
 from app.export.record import recording
@@ -14,6 +16,7 @@ from app.lessons.marks import mark
 from app.lessons.outcomes import Outcomes
 from app.lessons.reading import parse
 from app.lessons.variants import drawn
+from app.page.panels.answer import _number
 from tests.browser.conftest import SIZE
 from tests.test_lesson_format import TEXT
 
@@ -137,6 +140,20 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
     assert found.answers["and"].attempts == 3 and found.answers["and"].first == 1.5
     for key, is_right in (("what-happens", True), ("and", True), ("in-words", None)):
         assert mark(lesson, lesson.questions[key], found.answers[key].last, numbers, outcomes).right is is_right
+
+
+def test_an_answer_is_read_as_on_the_page(chromium):
+    """With the unit asked for, another prefix of it, or none: the file's own script, in the browser."""
+    player = Path(app.export.__file__).parent / "player"
+    script = "".join((player / name).read_text(encoding="utf-8") for name in ("words.js", "answers.js"))
+    page = chromium.new_page()
+    for unit in ("", "µm", "mm/s", "m", "m/s", "Pa", "kPa", "s", "%", "m/s²"):
+        for text in ("330 nm", "2,5", "-1e-3", "0.33 µm", "2.75 mm/s", "3 m/s", "4 kPa", "4 Pa", "12 %", "5 m", "5 mm",
+                     "1 ms", "7 µm/s²", "nothing", "", "-3 mm", "1 mmm"):
+            found = page.evaluate(f"([text, unit]) => {{ {script}; return numberIn(text, unit); }}", [text, unit])
+            meant = _number(text, unit)
+            assert found == (meant if meant is None else pytest.approx(meant, rel=1e-11)), (text, unit)
+    page.close()
 
 
 def test_a_name_draws_the_same_numbers_as_on_the_page(chromium, lesson, lesson_file):

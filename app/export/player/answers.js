@@ -30,8 +30,14 @@ function numberIn(text, unit) {
   const plain = text.trim().replace(",", ".").replace("−", "-");
   const found = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*(.*)$/i.exec(plain);
   if (!found || !found[2]) return found ? Number(found[1]) : null;
-  const power = unit ? Object.keys(PREFIXES).find((third) => found[2] === PREFIXES[third] + unit) : undefined;
-  return power !== undefined && Number(found[1]) > 0 ? Number((found[1] * 1000 ** power).toPrecision(12)) : null;
+  if (!unit || !(Number(found[1]) > 0)) return null;
+  const thirds = Object.keys(PREFIXES);
+  for (const asked of thirds) {  // that unit, or another of its prefixes: 330 nm where µm are asked for
+    if (!unit.startsWith(PREFIXES[asked]) || unit === PREFIXES[asked]) continue;
+    const said = thirds.find((third) => found[2] === PREFIXES[third] + unit.slice(PREFIXES[asked].length));
+    if (said !== undefined) return Number((found[1] * 1000 ** (said - asked)).toPrecision(12));
+  }
+  return null;
 }
 
 function numberWidget(question, answer, fixed) {
