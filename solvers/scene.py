@@ -55,7 +55,7 @@ class Scene(ABC, Remembered):
     problem: str = option("")
     method: str = option("", "Shape functions of the particles")
     cells: int = option(0, "Cells of the grid")
-    ppc: int = option(0, "Particles per cell")
+    ppc: float = option(0, "Particles per cell")  # whole, but where a problem says otherwise
     amplitude: float = option(0.0, "Amplitude A of the displacement", "m")
     modulus: float = option(0.0, "Young's modulus E", "Pa")
     density: float = option(0.0, "Density", "kg/m3")
@@ -82,6 +82,8 @@ class Scene(ABC, Remembered):
     TITLE: ClassVar[str]  # what the problem is called, in the words of its command's help
     SETTING: ClassVar[str]  # and where it is
     EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.samples``)
+    #: Fields that only single runs and sweeps have, with the reason why other commands do not.
+    RUN_ONLY: ClassVar[Mapping[str, str]] = {}
     #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
     VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
     DIMENSIONS: ClassVar[int] = 1
@@ -127,6 +129,10 @@ class Scene(ABC, Remembered):
     def _check_amplitude(self) -> None:
         """Refuse an amplitude for which there is no exact solution."""
 
+    def _check_per_cell(self) -> None:
+        """Refuse what is no number of particles in a cell."""
+        require_whole("ppc", self.ppc, 1, 64)
+
     def _check_combinations(self) -> None:  # a problem without such rules has none
         """Refuse what does not go together."""
 
@@ -156,6 +162,16 @@ class Scene(ABC, Remembered):
     def motion_amplitude(self) -> float:
         """Largest displacement of the exact solution."""
         return self.amplitude
+
+    @property
+    def swings(self) -> bool:
+        """Whether the exact motion goes to and fro, so that it is worth seeing where it is largest."""
+        return True
+
+    @property
+    def lost_from(self) -> dict[str, float]:
+        """Errors beside that of x from which on a run counts as lost, over ``size_of`` their quantities."""
+        return {}
 
     def size_of(self, quantity: str) -> float:
         """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""
@@ -271,7 +287,7 @@ class Scene(ABC, Remembered):
 
     def _check_numbers(self) -> None:
         require_whole("cells", self.cells, self.FEWEST_CELLS, 100_000)
-        require_whole("ppc", self.ppc, 1, 64)
+        self._check_per_cell()
         require_whole("threads", self.threads, 1, 1024)
         self._check_amplitude()
         require_number("modulus", self.modulus, 1e-6, 1e12)

@@ -87,8 +87,9 @@ def _tracks(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, 
     kept, instants = _shown(scene.DIMENSIONS, _count(shots), wanted.particles), [_first(shot) for shot in shots]
     rest = _flat(instants[0].material_position[kept])
     position = np.stack([_flat(shot.position[kept]) for shot in instants])
+    farthest = FARTHEST if scene.swings else np.inf  # the player brings back what moves on and on
     with np.errstate(invalid="ignore"):
-        position = np.fmax(np.fmin(position, FARTHEST), -FARTHEST)
+        position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
     if wanted.domains and (edges := VIEWS[scene.problem].domains):
         half = [edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
@@ -180,5 +181,6 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Sn
     return {"problem": scene.problem, "particles": count, "shown": shown,
             "spacing": scene.spacing, "step": scene.time_step, "steps": solver.step, "period": scene.period,
             "end": scene.end_time, "reach": scene.amplitude, "ppc": scene.ppc, "known": scene.solution_known,
+            "moves_on": not scene.swings,
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since}

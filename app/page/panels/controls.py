@@ -13,6 +13,7 @@ from app.page.panels.patience import Patience
 from app.page.panels.size import Size
 from app.page.panels.slow import SlowMotion
 from app.page.session import Session, first_scene
+from app.problems.interface import Motion
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from app.state import State
@@ -117,7 +118,8 @@ class Controls:
             self._view()
             with self._part("details"), self._gui.add_folder("Method details and remedies", expand_by_default=False):
                 for field, hint in VIEWS[self._session.scene.problem].details.items():
-                    self._bound.field(field, hint)
+                    if field != "body_force" or self._session.scene.swings:
+                        self._bound.field(field, hint)
                 self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
                 self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"), \
@@ -161,25 +163,59 @@ class Controls:
 
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
+        self._motion()
         with self._part("method"):
             self._bound.field("method", "shape functions that carry data between particles and grid")
         with self._part("cells"):
             self._cells()
         with self._part("ppc"):
             low, high = view.reach.ppc
-            per_cell = self._gui.add_slider("Particles / cell", low, max(high, scene.ppc), 1, scene.ppc,
-                                            hint="in each direction")
+            step, hint = (1, "in each direction") if scene.swings else (0.5, "need not be whole here")
+            per_cell = self._gui.add_slider("Particles / cell", low, max(high, scene.ppc), step, scene.ppc, hint=hint)
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))
         default = type(scene)()
-        with self._part("amplitude"):
-            self._bound.size(Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
-                       scene.amplitude, lambda value: session.set(amplitude=value))
+        if scene.swings:
+            with self._part("amplitude"):
+                self._bound.size(
+                    Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
+                    scene.amplitude, lambda value: session.set(amplitude=value))
+        else:
+            self._still()
         with self._part("modulus"):
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
                             "Young's modulus: what is stiffer vibrates faster"),
                        scene.modulus, lambda value: session.set(modulus=value))
         with self._part("step"):
             self._step()
+
+    def _motion(self) -> None:
+        """What the problem does, where it can do several things."""
+        scene, motion = self._session.scene, VIEWS[self._session.scene.problem].motion
+        if motion is None:
+            return
+        names = words.choices(type(scene), "motion")
+        with self._part("motion"):
+            shown = self._gui.add_dropdown("Motion", tuple(names.values()), hint=motion.hint,
+                                           initial_value=names[scene.to_dict()["motion"]])
+        codes = {name: code for code, name in names.items()}
+        shown.on_update(lambda event: self._move(motion, codes[event.target.value]))
+
+    def _move(self, motion: Motion, code: str) -> None:
+        """Another motion has other controls."""
+        scene = self._session.scene
+        changed = motion.change(scene, code, first_scene(scene.problem).estimators)
+        still = {} if changed.swings else {"quantity": motion.quantity, "speed": motion.speed}
+        self.show(State(changed, magnified=self.magnified, logarithmic=self._scale.logarithmic, **still))
+
+    def _still(self) -> None:
+        """What is set of a motion that does not swing."""
+        session, motion = self._session, VIEWS[self._session.scene.problem].motion
+        values = session.scene.to_dict()
+        for field, (label, low, high, step, hint) in (motion.sliders if motion else {}).items():
+            value = values[field]
+            with self._part("stretch"):
+                slider = self._gui.add_slider(label, min(low, value), max(high, value), step, value, hint=hint)
+                self._bound.follow(slider, lambda new, field=field: session.set(**{field: new}))
 
     def _step(self) -> None:
         """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
