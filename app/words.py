@@ -59,7 +59,7 @@ CHOICES = {"method": {code: str(method) for code, method in METHODS.items()},
            "body_force": {"material": "at the particles", "node": "at the nodes", "none": "none",
                           "two-tone": "two-tone: no exact solution known"},
            "velocity": {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"},
-           "motion": {"vibrate": "vibration", "patch": "patch test: nothing should happen"},
+           "motion": {"vibrate": "vibration", "patch": "patch test"},
            "remedies": {remedy.name: remedy.label for remedy in REMEDIES.values()},
            "layout": {"polar": "polar", "cartesian": "Cartesian"}}
 

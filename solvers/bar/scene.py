@@ -111,6 +111,10 @@ class BarScene(Scene):
         if "two-grid" in self.active_estimators and validity.noisy(self):
             sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
                              "each of the two grids has in other places")
+        if self.is_patch and (step := patch.edge_step(self)):
+            sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
+                             "says in which cell they are: hat functions show that even with whole particles per cell; "
+                             f"another velocity moves them off, such as {0.9717 * self.initial_velocity:.4g} m/s")
         return sentences
 
     def __post_init__(self) -> None:

@@ -1,5 +1,6 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
+import functools
 import threading
 from collections.abc import Callable
 
@@ -204,18 +205,20 @@ class Controls:
         """Another motion has other controls."""
         scene = self._session.scene
         changed = motion.change(scene, code, first_scene(scene.problem).estimators)
-        still = {} if changed.swings else {"quantity": motion.quantity, "speed": motion.speed}
-        self.show(State(changed, magnified=self.magnified, logarithmic=self._scale.logarithmic, **still))
+        quantity, speed = (self.quantity, None) if changed.swings else (motion.quantity, motion.speed)
+        self.show(State(changed, quantity, magnified=self.magnified, logarithmic=self._scale.logarithmic, speed=speed))
 
     def _still(self) -> None:
         """What is set of a motion that does not swing."""
-        session, motion = self._session, VIEWS[self._session.scene.problem].motion
-        values = session.scene.to_dict()
+        motion, values = VIEWS[self._session.scene.problem].motion, self._session.scene.to_dict()
         for field, (label, low, high, step, hint) in (motion.sliders if motion else {}).items():
             value = values[field]
             with self._part("stretch"):
                 slider = self._gui.add_slider(label, min(low, value), max(high, value), step, value, hint=hint)
-                self._bound.follow(slider, lambda new, field=field: session.set(**{field: new}))
+                self._bound.follow(slider, functools.partial(self._set, field))
+
+    def _set(self, field: str, value: float) -> None:
+        self._session.set(**{field: value})
 
     def _step(self) -> None:
         """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
