@@ -16,6 +16,7 @@ MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
 MEMORY = 1.0  # periods for which the largest error is kept in mind: errors come and go within one, and the top must not
 SMALLEST = 1e-300
+LEAST_TOP = 1e-3  # of a quantity's size, where nothing should happen: coloured round-off would say that something does
 BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale: it would hide both
 
 

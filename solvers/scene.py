@@ -22,6 +22,7 @@ from solvers.remedies import FROZEN
 from solvers.remembered import Remembered
 from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
 from solvers.step_bound import SAFE
+from solvers.usual import Usual
 
 MOST_PARTICLES = 1_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
@@ -45,7 +46,7 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
 
 
 @dataclass(frozen=True)
-class Scene(ABC, Remembered):
+class Scene(Usual, ABC, Remembered):
     """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
@@ -82,8 +83,6 @@ class Scene(ABC, Remembered):
     TITLE: ClassVar[str]  # what the problem is called, in the words of its command's help
     SETTING: ClassVar[str]  # and where it is
     EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.samples``)
-    #: Fields that only single runs and sweeps have, with the reason why other commands do not.
-    RUN_ONLY: ClassVar[Mapping[str, str]] = {}
     #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
     VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
     DIMENSIONS: ClassVar[int] = 1
@@ -129,13 +128,6 @@ class Scene(ABC, Remembered):
     def _check_amplitude(self) -> None:
         """Refuse an amplitude for which there is no exact solution."""
 
-    def _check_per_cell(self) -> None:
-        """Refuse what is no number of particles in a cell."""
-        require_whole("ppc", self.ppc, 1, 64)
-
-    def _check_combinations(self) -> None:  # a problem without such rules has none
-        """Refuse what does not go together."""
-
     def warnings(self) -> list[str]:
         """Sentences about what is allowed but will surprise."""
         sentences = []
@@ -162,16 +154,6 @@ class Scene(ABC, Remembered):
     def motion_amplitude(self) -> float:
         """Largest displacement of the exact solution."""
         return self.amplitude
-
-    @property
-    def swings(self) -> bool:
-        """Whether the exact motion goes to and fro, so that it is worth seeing where it is largest."""
-        return True
-
-    @property
-    def lost_from(self) -> dict[str, float]:
-        """Errors beside that of x from which on a run counts as lost, over ``size_of`` their quantities."""
-        return {}
 
     def size_of(self, quantity: str) -> float:
         """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""

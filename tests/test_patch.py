@@ -138,7 +138,9 @@ def test_what_stands_on_a_boundary_to_the_last_digit_is_told():
 
 
 def test_a_third_is_a_number_of_particles_too():
-    assert BarScene(motion="patch", cells=30, ppc=2.3333333).particles == 70
+    third = BarScene(motion="patch", cells=30, ppc=2.3333333)
+    assert third.particles == 70 and third.ppc == 7 / 3
+    assert replace(third, cells=300).particles == 700
     assert BarScene(motion="patch", ppc=4.0) == BarScene(motion="patch", ppc=4)
 
 
@@ -190,3 +192,4 @@ def test_the_page_passes_from_one_motion_to_the_other():
 def test_a_recording_says_that_it_moves_on():
     head = recording(Wanted("bar;motion=patch;ppc=2.5;cells=20;t-end=2.5", 5, 100, ("sigma",)))["head"]
     assert head["moves_on"] and head["particles"] == 50
+    assert head["least"]["sigma"] == pytest.approx([8e-5, 8e-3])  # a thousandth and a tenth of the stress

@@ -34,7 +34,7 @@ from app.page.view import View, look
 from app.page.worst import WorstRegions
 from app.problems.stage import Stage
 from app.problems.views import VIEWS
-from app.scale import ColourScale
+from app.scale import LEAST_TOP, ColourScale
 from app.state import StateError
 from app.state import read as read_state
 from app.words import QUANTITIES, differing
@@ -42,7 +42,6 @@ from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
 
-STILL = 1e-3  # of a quantity's size: the least top of the colours where nothing should happen, not to show round-off
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on
@@ -181,7 +180,7 @@ class Page:
             if changed or not back:  # looking back keeps the colours, to compare frames by
                 self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period,
                                    (beside.left.sizes, beside.right.sizes) if beside else (None, None),
-                                   0.0 if scene.swings else STILL * scene.size_of(controls.quantity))
+                                   0.0 if scene.swings else LEAST_TOP * scene.size_of(controls.quantity))
             stage = self._stages[scene.problem]
             second = stage.pair(pinned is not None)
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified

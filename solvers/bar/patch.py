@@ -38,11 +38,15 @@ FAILED = 0.1  # of the stress: an error beyond which a patch test counts as fail
 
 
 def settle(scene: BarScene) -> None:
-    """What a patch test's inputs mean: no body force where none was asked for, and 4.0 particles per cell are 4."""
+    """What a patch test's inputs mean: no body force where none was asked for, 2.3333333 particles in each of 30 cells
+    are 70, and 4.0 are 4."""
     if scene.body_force == "material":
         object.__setattr__(scene, "body_force", "none")
-    if isinstance(scene.ppc, float) and scene.ppc.is_integer():
-        object.__setattr__(scene, "ppc", int(scene.ppc))
+    if isinstance(scene.ppc, float) and math.isfinite(scene.ppc) and type(scene.cells) is int and scene.cells > 0:
+        count = round(scene.cells * scene.ppc)
+        if abs(scene.cells * scene.ppc - count) <= WHOLE:
+            whole = count % scene.cells == 0
+            object.__setattr__(scene, "ppc", count // scene.cells if whole else count / scene.cells)
 
 
 def check_per_cell(cells: int, ppc: object) -> None:
@@ -61,8 +65,8 @@ def check_per_cell(cells: int, ppc: object) -> None:
                          f"number; give {' or '.join(nearest)}, or other cells")
 
 
-def check(scene: BarScene) -> None:
-    """Refuse what a patch test cannot be, or what would mean nothing in it."""
+def check_numbers(scene: BarScene) -> None:
+    """Refuse a stretch or a velocity that no patch test can have."""
     stretch, velocity, (least, most) = scene.stretch, scene.initial_velocity, STRETCHES
     allowed = f"give a number from {least:g} to {most:g}, but not 1"
     require_number("stretch", stretch, 0, math.inf, allowed)
@@ -75,6 +79,10 @@ def check(scene: BarScene) -> None:
                    allowed := f"give a number from {-MOST_VELOCITY:g} to {MOST_VELOCITY:g}")
     if abs(velocity) > MOST_VELOCITY:
         raise SceneError("initial_velocity", velocity, allowed)
+
+
+def check_alone(scene: BarScene) -> None:
+    """Refuse for a patch test what means nothing in it."""
     for name, alone in (("amplitude", _default(scene, "amplitude")), ("body_force", "none")):
         if getattr(scene, name) != alone:
             raise SceneError(name, getattr(scene, name), "means nothing in a patch test (motion patch), in which "
@@ -92,8 +100,7 @@ def edge_step(scene: BarScene) -> int | None:
     """The first step after which a particle stands on a cell boundary but for rounding, which then says in which cell
     it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
     a_step = scene.initial_velocity * scene.time_step / scene.spacing  # in cells
-    places = (np.arange(scene.particles) + 0.5) / scene.ppc % 1
-    starts = np.unique(np.round(places, 9))
+    starts = np.unique(np.round((np.arange(scene.particles) + 0.5) / scene.ppc % 1, 9))
     if scene.method != "mpm" or scene.linearity_preserving or scene.frozen or not a_step or len(starts) > MOST_PER_CELL:
         return None
     after = starts + a_step * np.arange(1, min(scene.steps, MOST_EDGE_STEPS) + 1)[:, None]

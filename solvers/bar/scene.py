@@ -136,9 +136,13 @@ class BarScene(Scene):
         if self.amplitude >= BAR_AMPLITUDE_LIMIT:
             raise SceneError("amplitude", self.amplitude, f"the exact bar inverts from 1/(2 pi) = 0.159 on; {allowed}")
 
+    def _check_numbers(self) -> None:
+        super()._check_numbers()
+        patch.check_numbers(self)
+
     def _check_combinations(self) -> None:
         if self.is_patch:
-            patch.check(self)
+            patch.check_alone(self)
         else:
             patch.check_absent(self)
         if self.velocity == "corners" and self.method != "cpgimp":

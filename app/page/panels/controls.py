@@ -1,6 +1,5 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
-import functools
 import threading
 from collections.abc import Callable
 
@@ -10,11 +9,11 @@ from app import words
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.looking import Looking
+from app.page.panels.motion import MotionControls
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size
 from app.page.panels.slow import SlowMotion
 from app.page.session import Session, first_scene
-from app.problems.interface import Motion
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from app.state import State
@@ -41,6 +40,7 @@ class Controls:
         self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self._patience = Patience()
         self._bound = BoundWidgets(gui, session, self._patience)
+        self._motion = MotionControls(gui, session, self._bound)
         self.estimators = EstimatorChoice(session, on_view, self._patience)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
@@ -164,7 +164,8 @@ class Controls:
 
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
-        self._motion()
+        with self._part("motion"):
+            self._motion.build_choice(self._move)
         with self._part("method"):
             self._bound.field("method", "shape functions that carry data between particles and grid")
         with self._part("cells"):
@@ -181,7 +182,8 @@ class Controls:
                     Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
                     scene.amplitude, lambda value: session.set(amplitude=value))
         else:
-            self._still()
+            with self._part("stretch"):
+                self._motion.build_sliders()
         with self._part("modulus"):
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
                             "Young's modulus: what is stiffer vibrates faster"),
@@ -189,36 +191,10 @@ class Controls:
         with self._part("step"):
             self._step()
 
-    def _motion(self) -> None:
-        """What the problem does, where it can do several things."""
-        scene, motion = self._session.scene, VIEWS[self._session.scene.problem].motion
-        if motion is None:
-            return
-        names = words.choices(type(scene), "motion")
-        with self._part("motion"):
-            shown = self._gui.add_dropdown("Motion", tuple(names.values()), hint=motion.hint,
-                                           initial_value=names[scene.to_dict()["motion"]])
-        codes = {name: code for code, name in names.items()}
-        shown.on_update(lambda event: self._move(motion, codes[event.target.value]))
-
-    def _move(self, motion: Motion, code: str) -> None:
+    def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Another motion has other controls."""
-        scene = self._session.scene
-        changed = motion.change(scene, code, first_scene(scene.problem).estimators)
-        quantity, speed = (self.quantity, None) if changed.swings else (motion.quantity, motion.speed)
-        self.show(State(changed, quantity, magnified=self.magnified, logarithmic=self._scale.logarithmic, speed=speed))
-
-    def _still(self) -> None:
-        """What is set of a motion that does not swing."""
-        motion, values = VIEWS[self._session.scene.problem].motion, self._session.scene.to_dict()
-        for field, (label, low, high, step, hint) in (motion.sliders if motion else {}).items():
-            value = values[field]
-            with self._part("stretch"):
-                slider = self._gui.add_slider(label, min(low, value), max(high, value), step, value, hint=hint)
-                self._bound.follow(slider, functools.partial(self._set, field))
-
-    def _set(self, field: str, value: float) -> None:
-        self._session.set(**{field: value})
+        self.show(State(changed, quantity or self.quantity, magnified=self.magnified, speed=speed,
+                        logarithmic=self._scale.logarithmic))
 
     def _step(self) -> None:
         """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
