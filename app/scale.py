@@ -16,6 +16,7 @@ MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
 MEMORY = 1.0  # periods for which the largest error is kept in mind: errors come and go within one, and the top must not
 SMALLEST = 1e-300
+LEAST_TOP = 1e-3  # of a quantity's size, where nothing should happen: coloured round-off would say that something does
 BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale: it would hide both
 
 
@@ -36,12 +37,13 @@ class ColourScale:
             self._peaks.clear()
 
     def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, periods: float,
-               beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None)) -> None:
-        """Take in the errors of a frame at a time in periods, and of a run ``beside`` it; move the top, unless held."""
+               beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
+        """Take in the errors of a frame at a time in periods, and of a run ``beside`` it; move the top, unless held,
+        but never below ``least``."""
         truth, estimate = (max(map(largest, sizes)) for sizes in zip((true, estimated), beside[::-1], strict=True))
         if not self.held:
             top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
-            self._remember(top, periods)
+            self._remember(max(top, least), periods)
             if self._peaks[0][1] > SMALLEST:
                 self.top, step = round_up(self._peaks[0][1], TOPS)
                 self._parts = TOPS[step]

@@ -51,12 +51,15 @@ EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
 #: Fields of a scene that say nothing of the run itself, or only together: the time step's.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Sizes of a scene, by their symbols.
-SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ"}
+SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "initial_velocity": "v"}
+#: Fields that some problems have, beside what moves them all.
+OF_SOME = ("motion", "stretch", "initial_velocity")
 #: What a scene's fields may be, in words, in the order in which they are offered.
 CHOICES = {"method": {code: str(method) for code, method in METHODS.items()},
            "body_force": {"material": "at the particles", "node": "at the nodes", "none": "none",
                           "two-tone": "two-tone: no exact solution known"},
            "velocity": {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"},
+           "motion": {"vibrate": "vibration", "patch": "patch test"},
            "remedies": {remedy.name: remedy.label for remedy in REMEDIES.values()},
            "layout": {"polar": "polar", "cartesian": "Cartesian"}}
 
@@ -72,8 +75,16 @@ def method_name(method: str) -> str:
     return METHODS[method].name if method in METHODS else method
 
 
-def per_cell(problem: str, ppc: int) -> str:
-    """Particles per cell, which are counted along each direction: 4, 2 × 2."""
+def moving(scene: Scene) -> str:
+    """What moves the material, in few words: "A = 25 mm"; of a patch test its stretch and velocity."""
+    if scene.swings:
+        return f"A = {with_unit(scene.amplitude, 'm')}"
+    values = scene.to_dict()
+    return f"patch test, F = {values['stretch']:g}, v = {with_unit(values['initial_velocity'], 'm/s')}"
+
+
+def per_cell(problem: str, ppc: float) -> str:
+    """Particles per cell, which are counted along each direction: 4, 2 × 2, 2.5."""
     return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)
 
 
@@ -124,8 +135,10 @@ def command_line(scene: Scene) -> str:
     """The command that runs the scene, with what differs from the defaults."""
     words = [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells} --ppc {scene.ppc}",
              f"--dt {AUTO}" if scene.dt == AUTO else f"--cfl {scene.courant_number:g}"]
-    for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force"):
-        if getattr(scene, field) != getattr(type(scene), field):
+    kind = type(scene)
+    for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force", *OF_SOME):
+        idle = field == "body_force" and not scene.swings
+        if field in kind.__dataclass_fields__ and not idle and getattr(scene, field) != getattr(kind, field):
             words.append(f"--{field_key(field).replace('_', '-')} {getattr(scene, field)}")
     if scene.linearity_preserving:
         words.append("--linearity-preserving")

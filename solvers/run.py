@@ -75,7 +75,7 @@ def shown_step(scene: Scene) -> int:
     after whole periods; then the one of its last largest displacement."""
     turns = scene.end_time / (0.5 * scene.period)
     largest = math.floor(turns - 0.5) + 0.5  # in half periods
-    if abs(math.sin(math.pi * turns)) >= SMALL_MOTION or largest < 0:
+    if not scene.swings or abs(math.sin(math.pi * turns)) >= SMALL_MOTION or largest < 0:
         return scene.steps
     return min(scene.steps, max(1, round(largest * 0.5 * scene.period / scene.time_step)))
 

@@ -22,6 +22,7 @@ from solvers.remedies import FROZEN
 from solvers.remembered import Remembered
 from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
 from solvers.step_bound import SAFE
+from solvers.usual import Usual
 
 MOST_PARTICLES = 1_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
@@ -45,7 +46,7 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
 
 
 @dataclass(frozen=True)
-class Scene(ABC, Remembered):
+class Scene(Usual, ABC, Remembered):
     """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
@@ -55,7 +56,7 @@ class Scene(ABC, Remembered):
     problem: str = option("")
     method: str = option("", "Shape functions of the particles")
     cells: int = option(0, "Cells of the grid")
-    ppc: int = option(0, "Particles per cell")
+    ppc: float = option(0, "Particles per cell")  # whole, but where a problem says otherwise
     amplitude: float = option(0.0, "Amplitude A of the displacement", "m")
     modulus: float = option(0.0, "Young's modulus E", "Pa")
     density: float = option(0.0, "Density", "kg/m3")
@@ -126,9 +127,6 @@ class Scene(ABC, Remembered):
     @abstractmethod
     def _check_amplitude(self) -> None:
         """Refuse an amplitude for which there is no exact solution."""
-
-    def _check_combinations(self) -> None:  # a problem without such rules has none
-        """Refuse what does not go together."""
 
     def warnings(self) -> list[str]:
         """Sentences about what is allowed but will surprise."""
@@ -271,7 +269,7 @@ class Scene(ABC, Remembered):
 
     def _check_numbers(self) -> None:
         require_whole("cells", self.cells, self.FEWEST_CELLS, 100_000)
-        require_whole("ppc", self.ppc, 1, 64)
+        self._check_per_cell()
         require_whole("threads", self.threads, 1, 1024)
         self._check_amplitude()
         require_number("modulus", self.modulus, 1e-6, 1e12)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
+NOUNS = {"v": "velocity", "sigma": "stress", "a": "acceleration"}
 MOST_ERROR = 0.5  # of x, in amplitudes of the motion: beyond it a run says nothing about where its particles are
 
 
@@ -54,7 +55,8 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
 
 @dataclass(frozen=True)
 class Finding:
-    """The first sample at which a run is found lost: its time in s, what was found, and in how many amplitudes."""
+    """The first sample at which a run is found lost: its time in s, what was found, and how large, mostly in
+    amplitudes."""
 
     time: float
     sentence: str
@@ -72,22 +74,28 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
 
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
-    A = scene.motion_amplitude
-    rules = {name: (series[name], rule.most * A, rule.sentence) for name, rule in CONTRADICTIONS.items()}
-    rules["error_x"] = (series["error_x"], MOST_ERROR * A, "the particles have lost the solution (the true error of x "
-                                                           "is {size} of the amplitude)")
-    for name in scene.active_estimators:
-        if registry.ESTIMATORS[name].judges:
-            sentence = f"the particles have lost the solution ({name} puts the error of x at {{size}} of the amplitude)"
-            rules[name] = (series[f"{name}/estimate_x"], MOST_ERROR * A, sentence)
-    return {name: found for name, (values, most, sentence) in rules.items()
-            if (found := _first(series, values, most, A, sentence))}
+    A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if registry.ESTIMATORS[n].judges]
+    rules = {name: (series[name], rule.most, A, rule.sentence) for name, rule in CONTRADICTIONS.items()}
+    rules["error_x"] = (series["error_x"], MOST_ERROR, A, "the particles have lost the solution (the true error of x "
+                                                          "is {size} of the amplitude)")
+    for name in judges:
+        sentence = f"the particles have lost the solution ({name} puts the error of x at {{size}} of the amplitude)"
+        rules[name] = (series[f"{name}/estimate_x"], MOST_ERROR, A, sentence)
+    for quantity, most in scene.lost_from.items():
+        noun, unit = NOUNS[quantity], scene.size_of(quantity)
+        rules[f"error_{quantity}"] = (series[f"error_{quantity}"], most, unit,
+                                      f"the {noun} is not what it should be (its true error is {{size}} of it)")
+        for name in judges:
+            sentence = f"the {noun} is not what it should be ({name} puts its error at {{size}} of it)"
+            rules[f"{name}/{quantity}"] = (series[f"{name}/estimate_{quantity}"], most, unit, sentence)
+    return {name: found for name, (values, most, unit, sentence) in rules.items()
+            if (found := _first(series, values, most, unit, sentence))}
 
 
 def earliest(found: Mapping[str, Finding], not_valid: Collection[str] = ()) -> Finding | None:
     """The first of several findings, but for those of estimators that do not hold."""
-    return min((finding for name, finding in found.items() if name not in not_valid), key=lambda one: one.time,
-               default=None)
+    return min((finding for name, finding in found.items() if name.partition("/")[0] not in not_valid),
+               key=lambda one: one.time, default=None)
 
 
 def verdict(solver: Solver, finding: Finding | None) -> tuple[str, str | None, float | None]:
@@ -98,13 +106,13 @@ def verdict(solver: Solver, finding: Finding | None) -> tuple[str, str | None, f
     return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)
 
 
-def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, A: float,
+def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, unit: float,
            sentence: str) -> Finding | None:
-    beyond = np.flatnonzero(values > most)  # NaN, of what is switched off, is not
+    beyond = np.flatnonzero(values > most * unit)  # NaN, of what is switched off, is not
     if not len(beyond):
         return None
     at = int(beyond[0])
-    time, size, places = float(series["time"][at]), float(values[at]) / A, series["place"][:at + 1]
+    time, size, places = float(series["time"][at]), float(values[at]) / unit, series["place"][:at + 1]
     known = places[np.isfinite(places)]
     return Finding(time, sentence.format(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
 

@@ -20,6 +20,7 @@ class Switches(NamedTuple):
     effects: tuple[str, ...]
     estimators: tuple[str, ...]
     remedies: tuple[str, ...]
+    motion: str  # of a problem that has several, "" of the others
 
     def __getattr__(self, name: str) -> bool:
         if name in SWITCHES:
@@ -32,7 +33,8 @@ class Switches(NamedTuple):
 def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
-                    tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators, scene.remedies)
+                    tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators, scene.remedies,
+                    getattr(scene, "motion", ""))
 
 
 @lru_cache(maxsize=256)  # asked again and again while somebody waits for the compiler

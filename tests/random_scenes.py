@@ -40,6 +40,7 @@ SETS: tuple[Inputs, ...] = (
     {"problem": "bar", "method": "bspline", "body_force": "none", "velocity": "particle", "estimators": ("companion",)},
     {"problem": "bar", "method": "cpgimp", "velocity": "corners", "estimators": ("two-grid",)},
     {"problem": "bar", "method": "mpm", "remedies": (FROZEN,), "body_force": "two-tone"},
+    {"problem": "bar", "method": "mpm", "motion": "patch", "estimators": ("companion",)},
     {"problem": "ring"},
     {"problem": "ring", "method": "mpm", "estimators": (), "velocity": "particle", "effects": ("truth", "margin")},
     {"problem": "ring", "method": "ugimp", "remedies": (FILTER, COUPLED), "estimators": (), "body_force": "none",
@@ -95,6 +96,9 @@ def inputs(draw: st.DrawFn, switches: Mapping[str, Any]) -> Inputs:
              "ppc": draw(whole_logarithmic(1, 16 if bar else 5)),
              "amplitude": draw(logarithmic(1e-11, 0.159 if bar else 0.385)),
              "modulus": draw(logarithmic(2e-6, 0.9e12)), "density": draw(logarithmic(2e-6, 0.9e12))}
+    if switches.get("motion") == "patch":
+        drawn |= draw(_patch(drawn["cells"]))
+        del drawn["amplitude"]
     if not bar:
         drawn["layout"] = draw(st.sampled_from(kind.choices("layout")))
     probe = kind(**drawn, periods=1e-9, **draw(_step(kind(**drawn))))  # says how long a step is
@@ -107,6 +111,14 @@ def inputs(draw: st.DrawFn, switches: Mapping[str, Any]) -> Inputs:
     if draw(st.booleans()):
         drawn["sample_every"] = draw(whole_logarithmic(max(1, int(steps / MOST_SAMPLES)), max(2, int(2 * steps))))
     return drawn
+
+
+@st.composite
+def _patch(draw: st.DrawFn, cells: int) -> Inputs:
+    """What only a patch test has, and particles per cell that are whole together."""
+    sizes = st.one_of(st.floats(0.1, 1 - 1e-5), st.floats(1 + 1e-5, 10.0))
+    return {"ppc": draw(st.integers(cells, 16 * cells)) / cells, "stretch": draw(sizes),
+            "initial_velocity": draw(st.one_of(st.just(0.0), st.floats(-100.0, 100.0)))}
 
 
 def _step(scene: Scene) -> st.SearchStrategy[Inputs]:

@@ -56,9 +56,10 @@ def test_json_has_exactly_the_contracts_keys(printed):
 def test_json_scene_has_every_flag_with_its_default(printed):
     flags = {"method", "cells", "ppc", "amplitude", "modulus", "density", "dt", "cfl", "t_end", "periods",
              "body_force", "linearity_preserving", "velocity", "estimator", "effects", "remedies", "arch", "threads",
-             "sample_every"}
-    assert set(printed["scene"]) == flags | {"problem"}
-    assert None not in printed["scene"].values()
+             "sample_every", "motion"}
+    of_patch = {"stretch", "initial_velocity"}  # which mean nothing here
+    assert set(printed["scene"]) == flags | {"problem"} | of_patch
+    assert {name for name, value in printed["scene"].items() if value is None} == of_patch
     assert (printed["scene"]["cells"], printed["scene"]["ppc"]) == (8, 2)
     assert printed["scene"]["modulus"] == BarScene.modulus
     assert printed["scene"]["estimator"] == list(BarScene.estimators)

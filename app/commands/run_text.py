@@ -22,8 +22,14 @@ def _heading(result: dict) -> str:
     scene = result["scene"]
     per = per_cell(scene["problem"], scene["ppc"])
     return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} particles per cell "
-            f"({result['particles']:,}), amplitude {scene['amplitude']:g} m, cfl {scene['cfl']:.3g}\n"
+            f"({result['particles']:,}), {_moving(scene)}, cfl {scene['cfl']:.3g}\n"
             f"{result['status']}: {result['steps']:,} steps to t = {result['t']:.6g} s")
+
+
+def _moving(scene: dict) -> str:
+    if scene["amplitude"] is None:
+        return f"patch test with stretch {scene['stretch']:g} at {scene['initial_velocity']:g} m/s"
+    return f"amplitude {scene['amplitude']:g} m"
 
 
 def _norm(key: str, summary: dict) -> tuple[str, ...]:

@@ -113,8 +113,10 @@ def _value(scene: Scene, field: str, text: str) -> Any:
         plain = text.lower()
         return next((code for code, method in NAMES.items()
                      if plain in (code, method.name.lower(), method.full.lower())), None)
-    kind = int if field in ("cells", "ppc") else float
     try:
-        return kind(text.split()[0].replace(",", "."))
+        number = float(text.split()[0].replace(",", "."))
     except (ValueError, IndexError):
         return None
+    if field in ("cells", "ppc") and number.is_integer():
+        return int(number)
+    return None if field == "cells" else number

@@ -9,7 +9,7 @@ from app.export.lattice import Axis
 from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
-from app.words import METHODS, differing, per_cell, with_unit
+from app.words import METHODS, OF_SOME, differing, moving, per_cell, with_unit
 from solvers.scene import Scene
 
 LABELS = {field: name for name, field in lattice.CONTROLS.items()}
@@ -117,9 +117,9 @@ def _title(text: str) -> str:
     if text.startswith("!"):
         return ""
     scene = read(text).scene
-    plain = type(scene)(method=scene.method, cells=scene.cells, ppc=scene.ppc, amplitude=scene.amplitude,
-                        estimators=scene.estimators)
+    said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
+    plain = type(scene)(**{name: getattr(scene, name) for name in said})
     more = differing(scene, plain)
     return f"{scene.TITLE.capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
-           f"{per_cell(scene.problem, scene.ppc)} particles per cell, A = {with_unit(scene.amplitude, 'm')}" \
+           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {moving(scene)}" \
            + f", {more}" * bool(more)

@@ -10,7 +10,9 @@ import numpy as np
 
 from app import state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
+from app.problems.field import LEAST_REACH
 from app.problems.views import VIEWS
+from app.scale import LEAST_TOP
 from solvers import samples
 from solvers.norms import distance, error_index
 from solvers.result import Snapshot
@@ -87,8 +89,9 @@ def _tracks(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, 
     kept, instants = _shown(scene.DIMENSIONS, _count(shots), wanted.particles), [_first(shot) for shot in shots]
     rest = _flat(instants[0].material_position[kept])
     position = np.stack([_flat(shot.position[kept]) for shot in instants])
+    farthest = FARTHEST if scene.swings else np.inf  # the player brings back what moves on and on
     with np.errstate(invalid="ignore"):
-        position = np.fmax(np.fmin(position, FARTHEST), -FARTHEST)
+        position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
     if wanted.domains and (edges := VIEWS[scene.problem].domains):
         half = [edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
@@ -180,5 +183,7 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Sn
     return {"problem": scene.problem, "particles": count, "shown": shown,
             "spacing": scene.spacing, "step": scene.time_step, "steps": solver.step, "period": scene.period,
             "end": scene.end_time, "reach": scene.amplitude, "ppc": scene.ppc, "known": scene.solution_known,
+            "moves_on": not scene.swings, "least": {} if scene.swings else {
+                key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since}

@@ -7,8 +7,9 @@ PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain"
 NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ANSWERS = ("number", "choice", "drag", "interval", "text")
 
 #: Controls of the page that a lesson may leave visible, by the names that it gives them.
-CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "modulus", "step", "speed", "pin", "slow-motion",
-            "look-back", "quantity", "magnify", "estimators", "colours", "trace", "domains", "details", "effects")
+CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "motion", "stretch", "modulus", "step", "speed", "pin",
+            "slow-motion", "look-back", "quantity", "magnify", "estimators", "colours", "trace", "domains", "details",
+            "effects")
 
 
 class LessonError(ValueError):

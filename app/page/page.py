@@ -34,7 +34,7 @@ from app.page.view import View, look
 from app.page.worst import WorstRegions
 from app.problems.stage import Stage
 from app.problems.views import VIEWS
-from app.scale import ColourScale
+from app.scale import LEAST_TOP, ColourScale
 from app.state import StateError
 from app.state import read as read_state
 from app.words import QUANTITIES, differing
@@ -179,7 +179,8 @@ class Page:
             beside = pinned.view(controls.quantity, choice.drawn, choice.difference) if pinned else None
             if changed or not back:  # looking back keeps the colours, to compare frames by
                 self._scale.follow(view.left.sizes, view.right.sizes, report.time / scene.period,
-                                   (beside.left.sizes, beside.right.sizes) if beside else (None, None))
+                                   (beside.left.sizes, beside.right.sizes) if beside else (None, None),
+                                   0.0 if scene.swings else LEAST_TOP * scene.size_of(controls.quantity))
             stage = self._stages[scene.problem]
             second = stage.pair(pinned is not None)
             stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified

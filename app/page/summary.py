@@ -12,6 +12,7 @@ from solvers.engine.messages import FrameReport
 from solvers.soundness import LOST, UNSTABLE
 
 WAITING = "Waiting for the first frame."
+ROUND_OFF = 1e-9  # of a quantity's size, and far above what a patch test that is passed has
 SAY_SECONDS = 2.0  # between two sentences: a screen reader reads each of them
 
 
@@ -42,8 +43,9 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     series = until(series, report.time)
     if report.status == UNSTABLE:
         return f"The run went unstable and has stopped at t = {number(report.time)} s; this is its last picture."
-    parts = [_errors(view, series, quantity, drawn), *_where(worst), *_crossings(report, arrays),
-             *filter(None, [beside])]
+    still = _still(report, series, quantity)
+    errors = [still] if still else [_errors(view, series, quantity, drawn), *_where(worst)]
+    parts = [*errors, *_crossings(report, arrays), *filter(None, [beside])]
     if report.status == LOST:
         parts.insert(0, f"the run is lost from t = {number(report.since or 0.0)} s on")
     when = f"{ago:.2f} periods back" if ago else f"paused at t = {number(report.time)} s"
@@ -80,6 +82,15 @@ def _errors(view: View, series: dict[str, np.ndarray], quantity: str, drawn: str
         return f"no {of} has been measured yet"
     times = "times" if index[-1] >= 1 else "of"
     return f"the estimate by {drawn} is {ratio(float(index[-1]))} {times} the true {of}"
+
+
+def _still(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> str:
+    """That a motion without swings is what it should be, but for round-off; "" where it is not, or nothing is known."""
+    scene, values = report.scene, series.get(f"error_{quantity}", np.zeros(0))
+    if scene.swings or not len(values) or not values[-1] <= ROUND_OFF * scene.size_of(quantity):
+        return ""
+    return f"exactly nothing happens, as it should: the true error of {QUANTITIES[quantity]} is " \
+           f"{_size(series, f'error_{quantity}', quantity) if values[-1] else 'zero'}, round-off"
 
 
 def _size(series: dict[str, np.ndarray], name: str, quantity: str) -> str:

@@ -7,6 +7,7 @@ from itertools import combinations
 from typing import Any
 
 from app.page.session import first_scene
+from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.rules import SceneError
 from solvers.scene import Scene
@@ -35,7 +36,10 @@ def _methods(first: Scene) -> Iterator[Scene]:
 
 
 def _single_changes(first: Scene) -> Iterator[Scene]:
-    """One box or one choice among the details, the remedies and the effects."""
+    """One box or one choice among the motions, the details, the remedies and the effects."""
+    if motion := VIEWS[first.problem].motion:
+        for choice in first.choices("motion"):
+            yield motion.change(first, choice, first.estimators)
     for remedy in first.choices("remedies"):
         yield from _with(first, remedies=(remedy,))
     for effect in first.effects:

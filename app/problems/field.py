@@ -16,6 +16,7 @@ from solvers.effects import EFFECTS
 from solvers.scene import Scene
 
 CURVE_POINTS = 121
+LEAST_REACH = 0.1  # of a quantity's size, that the axis of a motion without any shows at least
 INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
 
 
@@ -108,6 +109,8 @@ class FieldPlot:
         if scene.solution_known:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
             self._reach = max(largest(np.abs(place.exact(scene, quantity, self._line, t))) for t in times)
+        if not scene.swings:  # round-off should not fill the plot
+            self._reach = max(self._reach, LEAST_REACH * scene.size_of(quantity))
 
     def points(self, at: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Points of the stage (n, 3) for values at coordinates (n,); away where a value is not finite."""
@@ -129,6 +132,8 @@ class FieldPlot:
 
     def _caption_it(self, scene: Scene, quantity: str, magnified: int, unknown: int) -> None:
         name = f"{self._place.component} {field_name(quantity)}".strip()
+        if quantity == "x" and not scene.swings:
+            name += " − vt"
         if quantity == "a" and not scene.has("acceleration"):
             text = f"{name} not computed: the effect \"{EFFECTS['acceleration'].label}\" is off"
         elif not scene.solution_known:

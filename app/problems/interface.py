@@ -49,6 +49,20 @@ class Regions:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """How the page lets one choose what a problem does: ``hint`` of the choice, and ``change(scene, motion, usual)``,
+    the scene in which that happens, with the ``usual`` estimators where its own would say nothing. ``sliders`` are the
+    fields that only a motion without swings has: (label, low, high, step, hint) of each; ``speed`` and ``quantity`` is
+    what such a motion begins with."""
+
+    hint: str
+    change: Callable[[Any, str, tuple[str, ...]], Any]
+    sliders: Mapping[str, tuple[str, float, float, float, str]]
+    speed: float
+    quantity: str
+
+
+@dataclass(frozen=True)
 class ProblemView:
     """How one problem is shown.
 
@@ -56,6 +70,7 @@ class ProblemView:
     bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and that of its lower row over the
     upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the fields of the scene
     among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can outline domains.
+    ``motion`` is there where the scene has several motions.
     """
 
     problem: str
@@ -67,6 +82,7 @@ class ProblemView:
     speed: float
     details: Mapping[str, str]
     domains_hint: str = ""
+    motion: Motion | None = None
 
     @property
     def about(self) -> str:

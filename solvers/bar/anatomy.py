@@ -11,7 +11,7 @@ from solvers.bar.state import WatchedBar
 def carried(a: WatchedBar) -> Carried:
     """What the particles carry now, copied."""
     x, v, F = (values[:, None].copy() for values in (a.position, a.velocity, a.deformation_gradient))
-    return Carried(x, v, F[:, None], a.modulus * (F[:, None] - 1))
+    return Carried(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
 
 
 def anatomy(scene: BarScene, a: WatchedBar, particle: int, step: int, before: Carried) -> Anatomy:
@@ -23,7 +23,7 @@ def anatomy(scene: BarScene, a: WatchedBar, particle: int, step: int, before: Ca
     period = np.floor(place)  # the solver's nodes are those of the particle's own period
     links.shift[:] += period[particle] - period[links.members]
     seen = before.seen(links)
-    F, g = before.deformation_gradient[:, 0, 0], _home(links.nodes, N)
+    F, g = before.deformation_gradient[:, 0, 0] * a.unstretched, _home(links.nodes, N)
     width = {"mpm": 0.0, "cpgimp": 1.0 if scene.frozen else F}.get(scene.method, 1.0) * np.ones_like(F)
     width = np.minimum(h * a.half_width * width, h * MOST_HALF_WIDTH)
     tension = a.volume * (1.0 if scene.frozen else F) * before.stress[:, 0, 0]

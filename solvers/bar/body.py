@@ -23,17 +23,19 @@ class BarBody(Members):
     spacing: Real
     cells_per_length: Real
     dt: Real
-    modulus: Real
-    density: Real
-    volume: Real  # of a particle at rest
+    modulus: Real  # E F at the start: stress is this times (deformation - unstretched)
+    density: Real  # at the start
+    volume: Real  # of a particle at the start
+    unstretched: Real  # deformation at which there is no stress: 1, but where the bar starts stretched
     half_width: Real  # of a particle's domain, in cells
     amplitude: Real  # of the motion
+    drift_velocity: Real  # at which the whole bar moves, in a patch test, m/s
     angular_frequency: Real
     force_scale: Real  # 3 w^2 A
     material_position: Reals  # X_p (P,)
     position: Reals  # x_p (P,), not wrapped: displacement is x - X
     velocity: Reals  # v_p (P,)
-    deformation_gradient: Reals  # F_p (P,)
+    deformation_gradient: Reals  # F_p since the start (P,)
     sine: Reals  # sin 2 pi X_p (P,)
     cosine: Reals  # cos 2 pi X_p (P,)
     first_node: Integers  # first node of a particle's stencil, in the padded node arrays (P,)
@@ -54,20 +56,23 @@ class BarBody(Members):
 
 
 def body(scene: BarScene, on: Switches) -> dict:
-    """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, velocity A w sin 2 pi X."""
+    """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of the
+    exact solution. A patch test counts F from its stretch on (``solvers.bar.patch``)."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
+    swings, stretch = scene.swings, scene.initial_stretch
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     return {
         "particles": P, "cells": scene.cells, "spacing": scene.spacing, "cells_per_length": float(scene.cells),
-        "dt": scene.time_step, "modulus": scene.modulus, "density": scene.density,
-        "volume": scene.spacing / scene.ppc, "half_width": 0.5 / scene.ppc, "amplitude": scene.motion_amplitude,
+        "dt": scene.time_step, "modulus": scene.modulus * stretch, "density": scene.density / stretch,
+        "volume": scene.spacing / scene.ppc, "unstretched": 1 / stretch, "half_width": 0.5 / scene.ppc,
+        "amplitude": scene.motion_amplitude, "drift_velocity": 0.0 if swings else scene.initial_velocity,
         "angular_frequency": w, "force_scale": 3 * w * w * scene.amplitude,
         "material_position": X, "position": X, "velocity": exact.velocity(scene, X, 0.0),
         "deformation_gradient": np.ones(P),
-        "sine": np.sin(exact.WAVENUMBER * X) if on.truth or material else zeros(1),
-        "cosine": np.cos(exact.WAVENUMBER * X) if on.truth or on.body_force == "two-tone" else zeros(1),
+        "sine": np.sin(exact.WAVENUMBER * X) if (on.truth and swings) or material else zeros(1),
+        "cosine": np.cos(exact.WAVENUMBER * X) if (on.truth and swings) or on.body_force == "two-tone" else zeros(1),
         "first_node": zeros(P, kind=np.int32), "weights": zeros(P, 4), "acceleration": zeros(P, when=on.acceleration),
         "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),
         "node_moments": zeros(nodes, 4, when=on.linearity_preserving),

@@ -1,9 +1,10 @@
-"""The bar's exact solution (eqs 29-34), as functions of the material coordinate X and the time t.
+"""The bar's exact solution (eqs 29-34), and its patch test's, as functions of the material coordinate X and the time t.
 
 u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(F - 1) and
 b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
 same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``BarScene.motion_amplitude`` and
-``BarScene.angular_frequency`` are those of whichever solution holds.
+``BarScene.angular_frequency`` are those of whichever solution holds. In a patch test X is where a particle begins, and
+u = v0 t, F = F0 for ever.
 """
 
 import numpy as np
@@ -15,22 +16,30 @@ WAVENUMBER = 2 * np.pi
 
 def displacement(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """u(X, t) in metres."""
+    if scene.is_patch:
+        return np.full_like(X, scene.initial_velocity * t)
     return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
 def velocity(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """v = u_t in m/s."""
+    if scene.is_patch:
+        return np.full_like(X, scene.initial_velocity)
     w = scene.angular_frequency
     return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
 
 
 def acceleration(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """a = u_tt = -w^2 u in m/s^2."""
+    if scene.is_patch:
+        return np.zeros_like(X)
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
 
 def deformation_gradient(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """F = 1 + u_X."""
+    if scene.is_patch:
+        return np.full_like(X, scene.stretch)
     return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
@@ -41,7 +50,10 @@ def stress(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
 
 def field(scene: BarScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
     """A quantity by its key (``samples.QUANTITIES``), u for x, as a method has it after the time t: its acceleration is
-    the one that its last step used, which began a step before."""
+    the one that its last step used, which began a step before. Of a patch test u - v0 t, beside which v0 t would hide
+    all else."""
+    if scene.is_patch and quantity == "x":
+        return np.zeros_like(X)
     if quantity == "a":
         return acceleration(scene, X, max(0.0, t - scene.time_step))
     return {"x": displacement, "v": velocity, "sigma": stress}[quantity](scene, X, t)

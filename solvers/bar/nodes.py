@@ -73,7 +73,7 @@ def gather_moments(bar: ti.template()):
         i = bar.first_node[p]
         r = offset(bar, p)
         volume = bar.deformation_gradient[p] * bar.volume
-        stress = bar.modulus * (bar.deformation_gradient[p] - 1)
+        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
         for k in ti.static(range(3)):
             D = -dS[k] * volume
             r_k = r - k * bar.spacing

@@ -54,7 +54,7 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
         volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
         if ti.static(not on.frozen):
             volume *= bar.deformation_gradient[p]
-        stress = bar.modulus * (bar.deformation_gradient[p] - 1)
+        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
         interpolated = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
         if ti.static(on.body_force in ("material", "two-tone")):
             interpolated[3] = force_on_particle(bar, p, size, on)

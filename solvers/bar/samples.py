@@ -11,23 +11,39 @@ from solvers.samples import BASE, EACH, column
 
 
 @ti.func
-def true_error(bar: ti.template(), p, sin_t, cos_t, sin_before, on: ti.template()):
-    """Errors of x, v, sigma = E(F - 1) and a at particle p."""
-    w = bar.angular_frequency
-    u = bar.amplitude * bar.sine[p]
-    stretch = 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * sin_t  # exact F - 1
-    a = 0.0
+def true_error(bar: ti.template(), p, now, on: ti.template()):
+    """Errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is what :func:`exact_now` says."""
+    moved, v, a = now[3], bar.drift_velocity, 0.0
+    strain = bar.deformation_gradient[p] - 1
     if ti.static(on.acceleration):
-        a = bar.acceleration[p] + w * w * u * sin_before
-    return ti.Vector([bar.position[p] - bar.material_position[p] - u * sin_t, bar.velocity[p] - u * w * cos_t,
-                      bar.modulus * (bar.deformation_gradient[p] - 1 - stretch), a])
+        a = bar.acceleration[p]
+    if ti.static(on.motion == "vibrate"):
+        u, w = bar.amplitude * bar.sine[p], bar.angular_frequency
+        moved, v = u * now[0], u * w * now[1]
+        strain -= 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * now[0]
+        if ti.static(on.acceleration):
+            a += w * w * u * now[2]
+    return ti.Vector([bar.position[p] - bar.material_position[p] - moved, bar.velocity[p] - v,
+                      bar.modulus * strain, a])
 
 
 @ti.func
-def logarithmic_stress_error(bar: ti.template(), p, sin_t):
+def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
     """Error of the stress that the rate form sigma' = E L integrates to, E ln F (Table 1); NaN where F <= 0."""
-    stretch = 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * sin_t
-    return bar.modulus * (ti.log(bar.deformation_gradient[p]) - stretch)
+    error = ti.log(bar.deformation_gradient[p])
+    if ti.static(on.motion == "patch"):
+        error *= bar.unstretched  # E L since the start, of which the modulus here is the stretched one
+    else:
+        error -= 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * now[0]
+    return bar.modulus * error
+
+
+@ti.func
+def exact_now(bar: ti.template(), step):
+    """sin w t and cos w t at a step, sin w t one step before, and how far a patch test has moved."""
+    angle = bar.angular_frequency * bar.dt * step
+    before = ti.max(0.0, angle - bar.angular_frequency * bar.dt)  # at the start both a are 0
+    return ti.Vector([ti.sin(angle), ti.cos(angle), ti.sin(before), bar.drift_velocity * bar.dt * step])
 
 
 @ti.func
@@ -37,16 +53,14 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
     out[row, ti.static(column("step"))] = step
     out[row, ti.static(column("work"))] = bar.totals[1]
     out[row, ti.static(column("crossings"))] = bar.totals[0]
-    angle = bar.angular_frequency * bar.dt * step
-    sin_t, cos_t = ti.sin(angle), ti.cos(angle)
-    sin_before = ti.sin(ti.max(0.0, angle - bar.angular_frequency * bar.dt))  # at the start both a are 0
+    now = exact_now(bar, step)
     if ti.static(on.truth):
         squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
         extra = 0.0
         for p in range(bar.particles):
-            e = true_error(bar, p, sin_t, cos_t, sin_before, on)
+            e = true_error(bar, p, now, on)
             squares += e * e
-            extra += logarithmic_stress_error(bar, p, sin_t) ** 2
+            extra += logarithmic_stress_error(bar, p, now, on) ** 2
         for q in ti.static(range(3 + on.acceleration)):  # what is off stays NaN
             out[row, ti.static(column("error_x")) + q] = squares[q]
         out[row, ti.static(column("error_extra"))] = extra
@@ -56,7 +70,7 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
             estimate = bar.estimate[e * bar.particles + p]
             squares += estimate * estimate
             if ti.static(on.truth):
-                d = estimate - true_error(bar, p, sin_t, cos_t, sin_before, on)
+                d = estimate - true_error(bar, p, now, on)
                 missed += d * d
         for q in ti.static(range(4)):
             at = ti.static(len(BASE)) + ti.static(len(EACH)) * e + q
@@ -67,11 +81,11 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
         out[row, q] = ti.math.nan
     if ti.static(on.soundness):
         if looks:
-            soundness.look(bar, row)
+            soundness.look(bar, row, now[3])
     if ti.static(on.energy):
         kinetic, strain = 0.0, 0.0
         for p in range(bar.particles):
             kinetic += bar.velocity[p] ** 2
-            strain += (bar.deformation_gradient[p] - 1) ** 2
+            strain += (bar.deformation_gradient[p] - bar.unstretched) ** 2
         out[row, ti.static(column("kinetic"))] = 0.5 * bar.density * bar.volume * kinetic
         out[row, ti.static(column("strain"))] = 0.5 * bar.modulus * bar.volume * strain

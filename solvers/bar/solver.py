@@ -44,7 +44,7 @@ class BarSolver(Solver):
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         self._advance(self.step, 1, REPORT)
         a, scene, t = self._arrays, self.scene, self.time
-        X = a.material_position
+        X, F = a.material_position, a.deformation_gradient / a.unstretched
         errors = None
         if self._switches.truth:
             before = t - scene.time_step if self.step else 0.0
@@ -52,14 +52,14 @@ class BarSolver(Solver):
                 if self._switches.acceleration and self.step else np.zeros_like(X)
             with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
                 u, v = a.position - X - exact.displacement(scene, X, t), a.velocity - exact.velocity(scene, X, t)
-                stretch = a.deformation_gradient - exact.deformation_gradient(scene, X, t)
+                stretch = F - exact.deformation_gradient(scene, X, t)
                 errors = np.stack([u, v, scene.modulus * stretch, true_a], axis=1)
         estimates = {name: a.estimate[k * len(X):(k + 1) * len(X)].copy()
                      for k, name in enumerate(self._switches.estimators)}
         missed = {} if errors is None or not differences else {
             name: np.abs(estimate - errors) for name, estimate in estimates.items()}
         return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
-                        velocity=a.velocity.copy(), deformation_gradient=a.deformation_gradient.copy(),
+                        velocity=a.velocity.copy(), deformation_gradient=F,
                         error=errors, estimate=estimates, difference=missed,
                         plotted=None if plotted is None else field(scene, a, plotted, t),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
@@ -78,6 +78,12 @@ class BarSolver(Solver):
 
     def _escape(self) -> str:
         return f"moved {farthest(self.scene):.3g} m or more from where it began"
+
+    def _advice(self) -> str:
+        if self.scene.is_patch and self.scene.time_step <= self.scene.step_bound:  # whatever else it has: it is this
+            return ("cells that hold unequal numbers of particles pull at their nodes unequally: give a whole number "
+                    "of particles per cell, ugimp or cpgimp, or linearity preservation")
+        return super()._advice()
 
     def _other_advice(self) -> str:
         """The remedies that the scene has not yet called for; measured in ``assets/stability.md``."""

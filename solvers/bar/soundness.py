@@ -10,12 +10,13 @@ from solvers.samples import column
 
 
 @ti.func
-def look(bar: ti.template(), row):
-    """Write how far neighbours are apart, the body is adrift and its displacement torn from its deformation, in m."""
+def look(bar: ti.template(), row, drift):
+    """Write how far neighbours are apart, the body is adrift from the ``drift`` that it should have, and its
+    displacement torn from its deformation, in m."""
     P, dX = bar.particles, bar.volume  # a particle's volume at rest is its length
     squares, worst, place = 0.0, -1.0, 0
     moved = 0.0  # sum of x - X
-    gap, gaps, gap_squares = bar.position[0] - bar.material_position[0], 0.0, 0.0
+    gap, gaps, gap_squares = bar.position[0] - bar.material_position[0] - drift, 0.0, 0.0
     for p in range(P):
         q = ti.select(p + 1 < P, p + 1, 0)  # the bar is periodic: so is x - X
         here = bar.position[p] - bar.material_position[p]
@@ -31,6 +32,6 @@ def look(bar: ti.template(), row):
     out = ti.static(bar.samples)
     mean = gaps / P
     out[row, ti.static(column("apart"))] = ti.sqrt(squares / P)
-    out[row, ti.static(column("adrift"))] = abs(moved) / P
+    out[row, ti.static(column("adrift"))] = abs(moved / P - drift)
     out[row, ti.static(column("torn"))] = ti.sqrt(ti.max(0.0, gap_squares / P - mean * mean))
     out[row, ti.static(column("place"))] = place

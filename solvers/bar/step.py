@@ -21,12 +21,13 @@ def check(bar: ti.template(), step):
     Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
     """
     flattest, bad = FLATTEST, -1
+    moved = bar.drift_velocity * bar.dt * step
     for p in range(bar.particles):
         F = bar.deformation_gradient[p]
         if not F >= flattest:  # true for NaN too
             flattest, bad = -1e300 if ti.math.isnan(F) else F, p
             bar.verdict[0] = CRUSHED if F > 0 else INVERTED
-        elif not abs(bar.position[p] - bar.material_position[p]) < bar.farthest and bad < 0:
+        elif not abs(bar.position[p] - bar.material_position[p] - moved) < bar.farthest and bad < 0:
             bad = p
             bar.verdict[0] = ESCAPED
     if bad >= 0:

@@ -17,9 +17,9 @@ from solvers.solver import SOUND
 from solvers.turn import CHECK_EVERY
 
 StrippedBarState = part_types(WatchedBar, (
-    "particles", "cells", "cells_per_length", "dt", "modulus", "density", "volume", "half_width", "farthest",
-    "angular_frequency", "force_scale", "material_position", "position", "velocity", "deformation_gradient", "sine",
-    "first_node", "weights", "node_sums", "node_motion", "verdict"))
+    "particles", "cells", "cells_per_length", "dt", "modulus", "density", "volume", "unstretched", "half_width",
+    "farthest", "drift_velocity", "angular_frequency", "force_scale", "material_position", "position", "velocity",
+    "deformation_gradient", "sine", "first_node", "weights", "node_sums", "node_motion", "verdict"))
 
 
 @ti.func
@@ -41,7 +41,7 @@ def particles_to_nodes(bar: ti.template(), t):
         S, dS = stencil_of(bar, p)
         i = bar.first_node[p]
         volume = bar.deformation_gradient[p] * bar.volume
-        stress = bar.modulus * (bar.deformation_gradient[p] - 1)
+        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
         interpolated = ti.Vector([1.0, bar.velocity[p], 0.0, size * bar.sine[p]])
         force = ti.Vector([0.0, 0.0, -volume * stress, 0.0])
         for k in ti.static(range(3)):

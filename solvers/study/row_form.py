@@ -20,8 +20,8 @@ MEASURED = {
     "h": NUMBER, "steps": int, "particles": int, "error": NORMS, "estimate": Each(NORMS), "index": NORMS,
     "seconds": {"repeats": list, "min": NUMBER, "full": NUMBER, "estimators": Each(NUMBER), "effects": Each(NUMBER)},
     "rate": NUMBER_OR_NONE, "life": Each(NUMBER_OR_NONE)}
-SCENE = {"method": str, "cells": int, "ppc": int, "amplitude": NUMBER, "dt": NUMBER, "cfl": NUMBER, "periods": NUMBER,
-         "estimator": list, "effects": list, "remedies": list}
+SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE, "dt": NUMBER, "cfl": NUMBER,
+         "periods": NUMBER, "estimator": list, "effects": list, "remedies": list}
 
 
 def fault(row: Any) -> str | None:

@@ -9,7 +9,7 @@ function drawBar(pen, run, pinned, view, scene) {
   drawColourBar(pen, scale, scene.measures, scene.unit, left, right, 24);
   words(pen, scene.titles[0], left, first - 9, "left", "bottom");
   drawCells(pen, run, x, first - 8, low + 8);
-  const places = row(run.tracks.position, at);
+  const places = row(run.tracks.position, at).map((place) => run.moves_on ? place - Math.floor(place) : place);
   drawLane(pen, run, places, sizes[0], scale, x, across, first, lane, scene.silences[0]);
   drawLane(pen, run, places, sizes[1], scale, x, across, second, lane, scene.silences[1]);
   for (const [p, ago] of flashed) {

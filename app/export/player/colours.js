@@ -11,13 +11,13 @@ const SHADES = Array.from({length: 256}, (_, k) => `rgb(${TABLE[3 * k]},${TABLE[
 function topsOf(run, view) {
   const key = ["tops", view.quantity, view.estimator, view.difference].join();
   if (run[key]) return run[key];
-  const times = run.tracks.time.values, peaks = [], tops = [];
+  const times = run.tracks.time.values, peaks = [], tops = [], least = (run.least[view.quantity] || [0])[0];
   for (let k = 0; k < times.length; k++) {
     const truth = largest(trueSizes(run, view.quantity, k));
     const estimate = largest(estimatedSizes(run, view.quantity, view.estimator, view.difference, k));
     peaks.push(truth > 0 ? Math.max(truth, Math.min(estimate, BEYOND * truth)) : estimate);
     const since = times[k] - run.period;
-    let peak = 0;
+    let peak = least;
     for (let j = k; j >= 0 && times[j] >= since; j--) peak = Math.max(peak, peaks[j]);
     const [top, step] = peak > 1e-30 ? roundUp(peak, Object.keys(STEPS).map(Number).sort((a, b) => a - b)) : [1, 1];
     tops.push({top, parts: STEPS[step], exceeded: Math.max(truth, estimate) > top});

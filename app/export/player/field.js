@@ -34,7 +34,7 @@ function axisTop(run, view) {
   const key = ["axis", view.quantity, view.magnified].join();
   if (!run[key]) {
     const curve = run.tracks[`curve.${view.quantity}`], reach = curve ? largest(curve.values.map(Math.abs)) : 0;
-    let most = reach;
+    let most = Math.max(reach, (run.least[view.quantity] || [0, 0])[1]);
     for (let k = 0; k < run.tracks.time.rows; k++) most = Math.max(most, largest(fieldValues(run, view, k).map(Math.abs)));
     most = reach && view.magnified === 1 ? Math.min(most, 4 * reach) : most;
     run[key] = most > 1e-30 ? roundUp(most / ROOM, AXIS_STEPS)[0] : 1;

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from app.page.cost.jobs import JobStatus
 from app.page.cost.runs import MOST_RUNS, NumberedRun
 from app.page.limits import too_many
-from app.words import NOTHING, command_line, method_name, number, per_cell
+from app.words import NOTHING, command_line, method_name, moving, number, per_cell
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES
 from solvers.scene import Scene
@@ -34,6 +34,10 @@ def typed(name: str, text: str, most: float = math.inf) -> float:
     return value
 
 
+NOTHING_TO_FIND = ("There is nothing to find in a patch test: its error is round-off, or does not fall with the cells. "
+                   "Compare methods and particles per cell instead.")
+
+
 def setting(scene: Scene) -> str:
     """A scene in short."""
     preserving = "linearity-preserving " * scene.linearity_preserving
@@ -46,7 +50,7 @@ def setting(scene: Scene) -> str:
 def sentence(run: NumberedRun) -> str:
     """A run in a sentence."""
     scene = run.scene
-    text = f"run {run.number}: {setting(scene)}, A {scene.amplitude:.3g} m, E {scene.modulus:.3g} Pa; "
+    text = f"run {run.number}: {setting(scene)}, {moving(scene)}, E {scene.modulus:.3g} Pa; "
     if run.status in (*BROKEN, FAILED):
         return f"{text}{run.status}: {run.row['reason']}."
     return f"{text}error of x {relative(run.error)}, estimated {relative(run.estimate)} of A in {seconds(run.seconds)}."

@@ -9,6 +9,7 @@ from app import words
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.looking import Looking
+from app.page.panels.motion import MotionControls
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size
 from app.page.panels.slow import SlowMotion
@@ -39,6 +40,7 @@ class Controls:
         self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self._patience = Patience()
         self._bound = BoundWidgets(gui, session, self._patience)
+        self._motion = MotionControls(gui, session, self._bound)
         self.estimators = EstimatorChoice(session, on_view, self._patience)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
@@ -117,7 +119,8 @@ class Controls:
             self._view()
             with self._part("details"), self._gui.add_folder("Method details and remedies", expand_by_default=False):
                 for field, hint in VIEWS[self._session.scene.problem].details.items():
-                    self._bound.field(field, hint)
+                    if field != "body_force" or self._session.scene.swings:
+                        self._bound.field(field, hint)
                 self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
                 self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"), \
@@ -161,25 +164,37 @@ class Controls:
 
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
+        with self._part("motion"):
+            self._motion.build_choice(self._move)
         with self._part("method"):
             self._bound.field("method", "shape functions that carry data between particles and grid")
         with self._part("cells"):
             self._cells()
         with self._part("ppc"):
             low, high = view.reach.ppc
-            per_cell = self._gui.add_slider("Particles / cell", low, max(high, scene.ppc), 1, scene.ppc,
-                                            hint="in each direction")
+            step, hint = (1, "in each direction") if scene.swings else (0.5, "need not be whole here")
+            per_cell = self._gui.add_slider("Particles / cell", low, max(high, scene.ppc), step, scene.ppc, hint=hint)
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))
         default = type(scene)()
-        with self._part("amplitude"):
-            self._bound.size(Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
-                       scene.amplitude, lambda value: session.set(amplitude=value))
+        if scene.swings:
+            with self._part("amplitude"):
+                self._bound.size(
+                    Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
+                    scene.amplitude, lambda value: session.set(amplitude=value))
+        else:
+            with self._part("stretch"):
+                self._motion.build_sliders()
         with self._part("modulus"):
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
                             "Young's modulus: what is stiffer vibrates faster"),
                        scene.modulus, lambda value: session.set(modulus=value))
         with self._part("step"):
             self._step()
+
+    def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
+        """Another motion has other controls."""
+        self.show(State(changed, quantity or self.quantity, magnified=self.magnified, speed=speed,
+                        logarithmic=self._scale.logarithmic))
 
     def _step(self) -> None:
         """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""

@@ -161,6 +161,9 @@ class CostTab:
         self._quiet.follow(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _start_search(self) -> None:
+        if not self._session.scene.swings:
+            self._say(words.NOTHING_TO_FIND)
+            return
         try:
             job = search(self._session.scene, words.typed("Tolerance", self._tolerance.value),
                          words.typed("Longest run", self._budget.value, words.LONGEST_BUDGET))

@@ -24,15 +24,17 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     """Where the particles went, on the exact displacement."""
     shown, scene = result.shown, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
-    curve = exact.displacement(scene, fine, shown.time)
+    even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # nobody could see the rest beside it
+    curve = exact.displacement(scene, fine, shown.time) - even
     axes.plot(fine, curve, color=TRUTH, linewidth=1.2, label="exact", zorder=4)
     few = thinned(len(shown.position))
-    moved = drawable((shown.position - shown.material_position)[few])
+    moved = drawable((shown.position - shown.material_position - even)[few])
     size = float(np.clip(5000 / len(few), 3.0, 30.0))
     axes.scatter(shown.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
     axes.set_title(f"displacement {moment(result)}", fontsize=10)
-    limit = 1.4 * max(abs(curve).max(), robust_size(moved)) or scene.amplitude
-    axes.set(xlabel="material coordinate X (m)", ylabel="displacement u (m)", xlim=(0, 1), ylim=(-limit, limit))
+    limit = 1.4 * max(abs(curve).max(), robust_size(moved)) or scene.motion_amplitude
+    name = "displacement u − vt (m)" if scene.is_patch else "displacement u (m)"
+    axes.set(xlabel="material coordinate X (m)", ylabel=name, xlim=(0, 1), ylim=(-limit, limit))
     axes.ticklabel_format(axis="y", scilimits=(-2, 3))
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", fontsize=8, ncols=2, markerscale=np.sqrt(30 / size))
@@ -41,19 +43,20 @@ def _draw_curve(axes: Axes, result: Result) -> None:
 def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """The bar: a lane for each estimate and one for the truth, on one colour scale."""
     shown, cells = result.shown, result.scene.cells
+    position = cast(BarScene, result.scene).within(shown.position)
     lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH)]
     lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE)
               for name in result.scene.active_estimators]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
     few = thinned(len(shown.position))
-    few = few[(shown.position[few] >= 0) & (shown.position[few] <= 1)]  # an unstable run leaves NaN and worse
+    few = few[(position[few] >= 0) & (position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
     truth = known.pop(0) if shown.error is not None else None
     scale = shared_scale(truth, known)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):
         look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
-        strokes = axes.vlines(shown.position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
+        strokes = axes.vlines(position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
     if not len(few):
         say(axes, "no particle is left on the bar")
     lined = cells <= MOST_CELL_LINES

@@ -50,7 +50,8 @@ class BarStage(Stage[BarScene]):
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
-        return (arrays.position[:, 0] >= low[0]) & (arrays.position[:, 0] <= high[0])
+        x = self._across(arrays)
+        return (x >= low[0]) & (x <= high[0])
 
     def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
         """In the lanes the particle nearest in x, however high the click; below, a dot of the field plot."""
@@ -66,7 +67,8 @@ class BarStage(Stage[BarScene]):
 
     def _across(self, arrays: FrameArrays) -> np.ndarray:
         """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
-        return np.fmin(np.fmax(arrays.position[:, 0], -0.5), 1.5)  # fmax takes the number where one is none
+        x = arrays.position[:, 0] if self._drawn_scene is None else self._drawn_scene.within(arrays.position[:, 0])
+        return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax takes the number where one is none
 
     def _draw_frame(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None,
                     true: np.ndarray | None, t: float, speed: float) -> None:

@@ -57,7 +57,8 @@ def gather_errors(bar: ti.template(), base, on: ti.template()):
         i = bar.first_node[p]
         F = bar.deformation_gradient[p]
         error = bar.estimate[base + p]
-        source = error[2] + (F - 1) * error[2] / F  # Esigma + sigma EF/F of eq 12: EF = Esigma/E, sigma = E(F - 1)
+        strain = F - bar.unstretched
+        source = error[2] + strain * error[2] / F  # Esigma + sigma EF/F of eq 12: EF = Esigma/E, sigma = E strain
         r = nodes.offset(bar, p)
         for k in ti.static(range(3)):
             D, r_k = -dS[k] * F * bar.volume, r - k * bar.spacing
@@ -66,7 +67,7 @@ def gather_errors(bar: ti.template(), base, on: ti.template()):
                 bar.transport_moments[i + k] += ti.Vector([S[k] * r_k * r_k, 0.0, 0.0, 0.0])
             else:
                 bar.transport_moments[i + k] += ti.Vector([
-                    D, D * r_k, S[k] * bar.modulus * (F - 1), S[k] * F * bar.volume])
+                    D, D * r_k, S[k] * bar.modulus * strain, S[k] * F * bar.volume])
     nodes.fold(bar.transport_nodes, bar.cells)
     nodes.fold(bar.transport_moments, bar.cells)
 

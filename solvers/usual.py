@@ -1,0 +1,31 @@
+"""What holds for the scene of most problems, and what a problem that knows better replaces."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from solvers.rules import require_whole
+
+
+class Usual:
+    """Rules and facts of a scene whose motion swings to and fro and whose cells hold whole numbers of particles."""
+
+    #: Fields that only single runs and sweeps have, each with the reason why no other command has them.
+    RUN_ONLY: ClassVar[Mapping[str, str]] = {}
+    ppc: float
+
+    @property
+    def swings(self) -> bool:
+        """Whether the exact motion goes to and fro; where it does not, exactly nothing should happen."""
+        return True
+
+    @property
+    def lost_from(self) -> Mapping[str, float]:
+        """Errors beside that of x from which on a run counts as lost, over ``size_of`` their quantities."""
+        return {}
+
+    def _check_per_cell(self) -> None:
+        """Refuse what is no number of particles in a cell."""
+        require_whole("ppc", self.ppc, 1, 64)
+
+    def _check_combinations(self) -> None:
+        """Refuse what does not go together."""
