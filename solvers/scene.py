@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar
 
-from solvers.effects import EFFECTS
+from solvers.effects import ALL, EFFECTS
 from solvers.estimators import registry
 from solvers.remedies import FROZEN
 from solvers.remembered import Remembered
@@ -90,6 +90,7 @@ class Scene(ABC, Remembered):
     HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map
     FEWEST_CELLS: ClassVar[int] = 4
     REMEDIES: ClassVar[tuple[str, ...]] = ()
+    OWN_EFFECTS: ClassVar[tuple[str, ...]] = ()  # that not every problem has
     DEFAULT_PERIODS: ClassVar[float] = 5.0
     SAMPLES_A_PERIOD: ClassVar[int] = 200
 
@@ -100,7 +101,9 @@ class Scene(ABC, Remembered):
             return registry.names(cls.problem)
         if name == "remedies":
             return cls.REMEDIES
-        return tuple(EFFECTS) if name == "effects" else cls.__dataclass_fields__[name].metadata.get("choices", ())
+        if name == "effects":
+            return *EFFECTS, *cls.OWN_EFFECTS
+        return cls.__dataclass_fields__[name].metadata.get("choices", ())
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
@@ -250,7 +253,7 @@ class Scene(ABC, Remembered):
             return False
         if effect == "estimate":
             return bool(self.active_estimators)
-        kind = EFFECTS[effect]
+        kind = ALL[effect]
         return (self.solution_known or not kind.needs_solution) and (not kind.needs or any(map(self.has, kind.needs)))
 
     def to_dict(self) -> dict:

@@ -5,7 +5,7 @@ import viser
 
 from app.problems.slow import DOMAINS, FRONT, OTHERS, SlowStage, shape
 from solvers.anatomy import Anatomy
-from solvers.ring.layout import CORNERS
+from solvers.planar.layout import CORNERS
 from solvers.scene import Scene
 
 AROUND = 0.75  # of a cell, that is seen around the nodes

@@ -9,9 +9,10 @@ from app.problems.field import Place
 from app.problems.stage import Stage
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
+from solvers.planar.layout import half_edges
 from solvers.ring import exact
 from solvers.ring.exact import INNER, OUTER
-from solvers.ring.layout import half_edges, particle_layout
+from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
 MIDDLE = (0.5, 0.44)

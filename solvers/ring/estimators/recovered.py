@@ -26,10 +26,10 @@ from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, TAU, TURNS, H
 from solvers.kinds import quads, reals
+from solvers.planar.phases import gather
 from solvers.ring import exact, validity
 from solvers.ring.estimators import recovered_operators as op
 from solvers.ring.material import kirchhoff_stress
-from solvers.ring.phases import gather
 from solvers.ring.scene import polar_counts
 
 MOST_ROUGH = 7.0  # from 7.7 on x was .99 to 30 times the error in 45 random runs, below it .96 to 1.06

@@ -21,7 +21,7 @@ import taichi as ti
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.transport import doubt
 from solvers.kinds import pairs, quads, real
-from solvers.ring import cpdi, gimp
+from solvers.planar import cpdi, gimp
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
 from solvers.ring.phases import fold, mirror
