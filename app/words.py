@@ -26,6 +26,7 @@ class Method:
 
 
 METHODS = {"mpm": Method("MPM", "MPM (hat functions)"), "ugimp": Method("uGIMP"), "cpgimp": Method("cpGIMP"),
+           "cpgimp-v": Method("cpGIMP (V)", "cpGIMP with the spatial stretch V"),
            "bspline": Method("B-spline"), "cpdi": Method("CPDI")}
 
 

@@ -1,0 +1,90 @@
+"""What the vortex is made of and what pushes it: stress and body force of a particle."""
+
+import taichi as ti
+
+from solvers.planar.margin import squared_stretch
+
+SECOND_SIZE = 0.5  # of the second tone, in w^2 A R h
+SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
+FLATTEST = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
+
+
+@ti.func
+def determinant(F):
+    return F[0] * F[3] - F[1] * F[2]
+
+
+@ti.func
+def kirchhoff_stress(vortex: ti.template(), p):
+    """J sigma = lambda ln J I + mu (F F^T - I) as (xx, xy, yy): neo-Hookean."""
+    F = vortex.deformation_gradient[p]
+    mu, bulk = vortex.shear_modulus, vortex.lame_modulus * ti.log(ti.max(determinant(F), FLATTEST))
+    return ti.Vector([mu * (F[0] * F[0] + F[1] * F[1] - 1) + bulk, mu * (F[0] * F[2] + F[1] * F[3]),
+                      mu * (F[2] * F[2] + F[3] * F[3] - 1) + bulk])
+
+
+@ti.func
+def cauchy_stress(vortex: ti.template(), p):
+    """sigma as (xx, xy, yy)."""
+    return kirchhoff_stress(vortex, p) / determinant(vortex.deformation_gradient[p])
+
+
+@ti.func
+def stress(vortex: ti.template(), p, on: ti.template()):
+    """J sigma as (xx, xy, yx, yy), or P = mu F + (lambda ln J - mu) F^-T where the weights stay those of rest."""
+    tau = kirchhoff_stress(vortex, p)
+    full = ti.Vector([tau[0], tau[1], tau[1], tau[2]])
+    if ti.static(on.frozen):
+        F = vortex.deformation_gradient[p]
+        J = determinant(F)
+        back = (vortex.lame_modulus * ti.log(ti.max(J, FLATTEST)) - vortex.shear_modulus) / J
+        full = vortex.shear_modulus * F + back * ti.Vector([F[3], -F[2], -F[1], F[0]])
+    return full
+
+
+@ti.func
+def force_at(vortex: ti.template(), known, t, on: ti.template()):
+    """The body force per mass at time t, along e_R and e_Theta of the particle at rest, where ``known`` is
+    (R, h, h', h'') of its circle.
+
+    For "material" see ``solvers.vortex.exact.polar_force``, whose frame has turned by alpha. "two-tone" adds
+    w^2 A/2 R h sin(1.7 wt) around the ring, for which no exact solution is built in.
+    """
+    R, w, mu = known[0], vortex.angular_frequency, vortex.shear_modulus / vortex.density
+    g = vortex.amplitude * ti.sin(w * t)
+    rate = vortex.amplitude * w * ti.cos(w * t) * known[1]
+    alpha, slope, curvature = g * known[1], g * known[2], g * known[3]
+    along = R * (mu * slope * slope - rate * rate)
+    around = -w * w * R * alpha - mu * (3 * slope + R * curvature)
+    if ti.static(on.body_force == "two-tone"):
+        around += SECOND_SIZE * w * w * vortex.amplitude * R * known[1] * ti.sin(SECOND_FREQUENCY * w * t)
+    c, s = ti.cos(alpha), ti.sin(alpha)
+    return ti.Vector([c * along - s * around, s * along + c * around])
+
+
+@ti.func
+def forces(vortex: ti.template(), t, on: ti.template()):
+    """The body force per mass on every circle that has a particle."""
+    if ti.static(on.body_force != "none"):
+        for k in range(vortex.radius_count):
+            vortex.polar_force[k] = force_at(vortex, vortex.radii[k], t, on)
+
+
+@ti.func
+def push(vortex: ti.template(), p):
+    """The body force on a particle, in N."""
+    f, e = vortex.polar_force[vortex.radius[p]], vortex.direction[p]
+    return vortex.mass[p] * ti.Vector([f[0] * e[0] - f[1] * e[1], f[0] * e[1] + f[1] * e[0]])
+
+
+@ti.func
+def tangent(vortex: ti.template(), p, on: ti.template()):
+    """k V: V0 (mu s + lambda + mu - lambda ln J), s the largest eigenvalue of F F^T; with frozen weights
+    V0 (mu + (lambda + mu - lambda ln J) s), s the largest of its inverse."""
+    mu, lam = vortex.shear_modulus, vortex.lame_modulus
+    J = determinant(vortex.deformation_gradient[p])
+    largest, volumetric = squared_stretch(vortex, p, on), lam + mu - lam * ti.log(ti.max(J, FLATTEST))
+    modulus = mu * largest + volumetric
+    if ti.static(on.frozen):
+        modulus = mu + volumetric * largest
+    return modulus * vortex.mass[p] / vortex.density
