@@ -93,6 +93,8 @@ def sample_estimates(body: ti.template(), row, step, measures: ti.template(), on
             squares += squared_parts(motion, sigma, a)
             if ti.static(on.truth):
                 true_motion, true_a = measures.vector_errors(body, p, moment, on)
+                if step == 0:  # none has been computed, and so none can be wrong
+                    true_a = ti.Vector([0.0, 0.0])
                 missed += squared_parts(motion - true_motion, sigma - measures.stress_error(body, p, moment),
                                         a - true_a)
         at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
