@@ -25,10 +25,11 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
                 node = cells[c] + (k // 2) * body.row + k % 2
                 record, a = body.node_bound[node], 2 * (c % 2)
                 body.node_bound[node] = record + N * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+            stiffness, metric = traits.tangent(body, p, on)
             for corner in range(16):
                 k = corner % 4
-                total += take_gradient(body, traits, cells[corner // 4] + (k // 2) * body.row + k % 2)
-            stiffness = traits.tangent(body, p, on) * total
+                total += take_gradient(body, traits, metric, cells[corner // 4] + (k // 2) * body.row + k % 2)
+            stiffness *= total
             for corner in range(16):
                 k = corner % 4
                 add_circle(body, traits, cells[corner // 4] + (k // 2) * body.row + k % 2, stiffness)
@@ -40,9 +41,10 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
                     node = first + j * body.row + i
                     circle = body.node_bound[node][3]
                     body.node_bound[node] = ti.Vector([dS[i] * R[j], S[i] * dR[j], 0.0, circle])
+            stiffness, metric = traits.tangent(body, p, on)
             for place in range(9):
-                total += take_gradient(body, traits, first + (place // 3) * body.row + place % 3)
-            stiffness = traits.tangent(body, p, on) * total
+                total += take_gradient(body, traits, metric, first + (place // 3) * body.row + place % 3)
+            stiffness *= total
             for place in range(9):
                 add_circle(body, traits, first + (place // 3) * body.row + place % 3, stiffness)
     largest = 0.0
@@ -52,23 +54,12 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
 
 
 @ti.func
-def squared_stretch(body: ti.template(), p, on: ti.template()):
-    """The largest eigenvalue of F F^T; with frozen weights, of its inverse."""
-    F = body.deformation_gradient[p]
-    xx, yy, xy = F[0] * F[0] + F[1] * F[1], F[2] * F[2] + F[3] * F[3], F[0] * F[2] + F[1] * F[3]
-    root = ti.sqrt((xx - yy) ** 2 + 4 * xy * xy)
-    largest = 0.5 * (xx + yy + root)
-    if ti.static(on.frozen):
-        J = F[0] * F[3] - F[1] * F[2]
-        largest = largest / (J * J)
-    return largest
-
-
-@ti.func
-def take_gradient(body: ti.template(), traits: ti.template(), node):
+def take_gradient(body: ti.template(), traits: ti.template(), metric, node):
     """|grad S|/sqrt(m) of the present particle at a node, kept there; the gradient goes, lest it be taken twice."""
     record = body.node_bound[node]
-    size, mass = ti.sqrt(record[0] * record[0] + record[1] * record[1]), body.node_mass[traits.image(body, node)]
+    along, across = record[0] * record[0], record[1] * record[1]
+    size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * record[0] * record[1]))
+    mass = body.node_mass[traits.image(body, node)]
     scaled = 0.0
     if size > 0 and mass > 0:
         scaled = size / ti.sqrt(mass)

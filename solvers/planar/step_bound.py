@@ -13,9 +13,10 @@ Links = tuple[np.ndarray, np.ndarray, np.ndarray]  # nodes, weights and sizes of
 Number = Callable[[np.ndarray], np.ndarray]  # from a node's place, in cells from x = 0, to its number, 0 or more
 
 
-def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number) -> Links:
+def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,
+          metric: np.ndarray | None = None) -> Links:
     """Nodes, weights and sizes of gradients (P, 9) of hat and GIMP functions of particles at ``x`` (P, 2), whose boxes
-    are ``stretch`` (P, 2) times as wide as at rest, or not where the method is uGIMP."""
+    are ``stretch`` (P, 2) times as wide as at rest, or not where the method is uGIMP. Sizes are those of ``metric``."""
     axes = []
     for axis in range(2):
         half_width = np.full(len(x), 0.5 / scene.ppc)
@@ -27,10 +28,11 @@ def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number) -> L
     pairs = [a[:, :, None] * b[:, None, :] for a, b in ((S, R), (dS, R), (S, dR))]
     nodes = i[:, :, None] + WIDEST * j[:, None, :]
     P = len(x)
-    return nodes.reshape(P, 9), pairs[0].reshape(P, 9), np.hypot(pairs[1], pairs[2]).reshape(P, 9)
+    return nodes.reshape(P, 9), pairs[0].reshape(P, 9), _sizes(pairs[1], pairs[2], metric).reshape(P, 9)
 
 
-def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, number: Number) -> Links:
+def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, number: Number,
+            metric: np.ndarray | None = None) -> Links:
     """Nodes, weights and sizes of gradients (P, M) of CPDI: corners of a domain may share nodes, where gradients add
     up. ``F`` (P, 4) are the deformation gradients, ``edges`` (P, 4) those of the domains at rest."""
     first = np.stack([F[:, 0] * edges[:, 0] + F[:, 1] * edges[:, 1], F[:, 2] * edges[:, 0] + F[:, 3] * edges[:, 1]], 1)
@@ -52,4 +54,12 @@ def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, numbe
                 gradients[at] += N[:, None] * normal
     lines = number(start[:, :, None] + np.arange(W))
     nodes = lines[:, 0, :, None] + WIDEST * lines[:, 1, None, :]
-    return nodes.reshape(P, -1), S.reshape(P, -1), np.hypot(*np.moveaxis(gradients, 3, 0)).reshape(P, -1)
+    return nodes.reshape(P, -1), S.reshape(P, -1), _sizes(*np.moveaxis(gradients, 3, 0), metric).reshape(P, -1)
+
+
+def _sizes(x: np.ndarray, y: np.ndarray, metric: np.ndarray | None) -> np.ndarray:
+    """Lengths of gradients (P, M, M), or with a ``metric`` (P, 3), as xx, xy, yy, the root of g . metric g."""
+    if metric is None:
+        return np.hypot(x, y)
+    xx, xy, yy = metric.T[:, :, None, None]
+    return np.sqrt(np.maximum(xx * x * x + 2 * xy * x * y + yy * y * y, 0.0))

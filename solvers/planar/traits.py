@@ -10,7 +10,9 @@ class Traits(NamedTuple):
     forces: Callable  # (body, t, on): find the body force per mass at time t, wherever a particle needs it
     push: Callable  # (body, p): the force on particle p that was found, in N
     stress: Callable  # (body, p, on): J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest
-    tangent: Callable  # (body, p, on): largest tangent modulus times volume, for the margin of the step
+    #: (body, p, on): for the margin of the step, a stiffness in N m and a metric (xx, xy, yy) for the gradients of
+    #: weights g and h at two nodes, which it binds with at most the stiffness times |g| |h|.
+    tangent: Callable
     first: int  # the first row and column of nodes that are no ghosts
     fold: Callable  # (body, fold_pair): add what fell on ghosts to their mirror images
     pin: Callable  # (i, j, record): the record without what would move node (i, j) across a plane

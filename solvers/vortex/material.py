@@ -2,8 +2,6 @@
 
 import taichi as ti
 
-from solvers.planar.margin import squared_stretch
-
 SECOND_SIZE = 0.5  # of the second tone, in w^2 A R h
 SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 FLATTEST = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
@@ -79,12 +77,15 @@ def push(vortex: ti.template(), p):
 
 @ti.func
 def tangent(vortex: ti.template(), p, on: ti.template()):
-    """k V: V0 (mu s + lambda + mu - lambda ln J), s the largest eigenvalue of F F^T; with frozen weights
-    V0 (mu + (lambda + mu - lambda ln J) s), s the largest of its inverse."""
-    mu, lam = vortex.shear_modulus, vortex.lame_modulus
-    J = determinant(vortex.deformation_gradient[p])
-    largest, volumetric = squared_stretch(vortex, p, on), lam + mu - lam * ti.log(ti.max(J, FLATTEST))
-    modulus = mu * largest + volumetric
+    """V0, and the metric mu b + (lambda + mu - lambda ln J) I with b = F F^T; with frozen weights
+    mu I + (lambda + mu - lambda ln J) C^-1. See ``solvers.vortex.step_bound``."""
+    mu, lam, F = vortex.shear_modulus, vortex.lame_modulus, vortex.deformation_gradient[p]
+    J = determinant(F)
+    rest = lam + mu - lam * ti.log(ti.max(J, FLATTEST))
+    metric = mu * ti.Vector([F[0] * F[0] + F[1] * F[1], F[0] * F[2] + F[1] * F[3], F[2] * F[2] + F[3] * F[3]]) \
+        + rest * ti.Vector([1.0, 0.0, 1.0])
     if ti.static(on.frozen):
-        modulus = mu + volumetric * largest
-    return modulus * vortex.mass[p] / vortex.density
+        per = rest / (J * J)
+        metric = mu * ti.Vector([1.0, 0.0, 1.0]) + per * ti.Vector([
+            F[1] * F[1] + F[3] * F[3], -F[0] * F[1] - F[2] * F[3], F[0] * F[0] + F[2] * F[2]])
+    return vortex.mass[p] / vortex.density, metric
