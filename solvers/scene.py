@@ -9,11 +9,10 @@ from which the flags of the command line are made.
 from __future__ import annotations
 
 import functools
-import importlib
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 from solvers.effects import ALL, EFFECTS
@@ -21,7 +20,7 @@ from solvers.estimators import registry
 from solvers.remedies import FROZEN
 from solvers.remembered import Remembered
 from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
-from solvers.step_bound import SAFE
+from solvers.step_bound import SAFE, of_scene
 
 MOST_PARTICLES = 1_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
@@ -180,7 +179,7 @@ class Scene(ABC, Remembered):
     @property
     def step_bound(self) -> float:
         """The longest step in seconds that the motion ahead bears by linear theory (``solvers.step_bound``)."""
-        return _step_bound(self)
+        return of_scene(self)
 
     @property
     def frozen(self) -> bool:
@@ -311,14 +310,3 @@ class Scene(ABC, Remembered):
             raise SceneError("sample_every", self.sample_interval,
                              f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
                              f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
-
-
-@functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
-def _step_bound(scene: Scene) -> float:
-    return _bound_of_motion(replace(scene, dt=None, cfl=None, t_end=None, periods=None, sample_every=None,
-                                    estimators=(), effects=()))
-
-
-@functools.lru_cache(maxsize=64)
-def _bound_of_motion(scene: Scene) -> float:
-    return importlib.import_module(f"solvers.{scene.problem}.step_bound").least(scene)
