@@ -52,7 +52,7 @@ EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
 #: Fields of a scene that say nothing of the run itself, or only together: the time step's.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Sizes of a scene, by their symbols.
-SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ"}
+SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "frequency": "B"}
 #: What a scene's fields may be, in words, in the order in which they are offered.
 CHOICES = {"method": {code: str(method) for code, method in METHODS.items()},
            "body_force": {"material": "at the particles", "node": "at the nodes", "none": "none",
@@ -66,6 +66,11 @@ def choices(kind: type[Scene], field: str) -> dict[str, str]:
     """What a field of a kind of scene may be, in words; what has none keeps its own."""
     allowed, words = kind.choices(field), CHOICES.get(field, {})
     return {code: words[code] for code in words if code in allowed} | {c: c for c in allowed if c not in words}
+
+
+def unit_of(kind: type[Scene], field: str) -> str:
+    """The unit of a field of a kind of scene, "" where it has none: an amplitude may be a length or an angle."""
+    return kind.__dataclass_fields__[field].metadata.get("unit", "")
 
 
 def method_name(method: str) -> str:

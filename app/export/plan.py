@@ -9,11 +9,10 @@ from app.export.lattice import Axis
 from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
-from app.words import METHODS, differing, per_cell, with_unit
+from app.words import METHODS, differing, per_cell, unit_of, with_unit
 from solvers.scene import Scene
 
 LABELS = {field: name for name, field in lattice.CONTROLS.items()}
-UNITS = {"amplitude": "m", "modulus": "Pa"}
 BUDGET = 8_000_000  # bytes of all recordings before they are compressed, about what they take in the file afterwards
 LEAST, STRIDE = 40, 40  # particles of a run that are kept, at least, and by how many it is tried
 MOST = {1: 200, 2: 1040}  # by dimensions: more along a bar cannot be told apart
@@ -94,7 +93,7 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
     """The plan as the player reads it; ``numbers`` are those of the recorded runs, by their texts."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": LABELS[axis.field], "start": axis.start, "values": axis.values,
-                      "says": [said(axis.field, value) for value in axis.values]} for axis in plan.axes],
+                      "says": [said(type(scene), axis.field, value) for value in axis.values]} for axis in plan.axes],
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
             "says": [_title(text) for text in plan.texts], "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
@@ -105,11 +104,12 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
                      "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
 
 
-def said(field: str, value: Any) -> str:
-    """A value of an axis in words."""
+def said(kind: type[Scene], field: str, value: Any) -> str:
+    """A value of an axis of a kind of scene in words."""
     if field == "method":
         return str(METHODS[value])
-    return with_unit(value, UNITS[field]) if field in UNITS else f"{value:g}"
+    unit = unit_of(kind, field)
+    return with_unit(value, unit) if unit else f"{value:g}"
 
 
 def _title(text: str) -> str:
@@ -119,7 +119,7 @@ def _title(text: str) -> str:
     scene = read(text).scene
     plain = type(scene)(method=scene.method, cells=scene.cells, ppc=scene.ppc, amplitude=scene.amplitude,
                         estimators=scene.estimators)
-    more = differing(scene, plain)
+    more, A = differing(scene, plain), with_unit(scene.amplitude, unit_of(type(scene), "amplitude"))
     return f"{scene.TITLE.capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
-           f"{per_cell(scene.problem, scene.ppc)} particles per cell, A = {with_unit(scene.amplitude, 'm')}" \
+           f"{per_cell(scene.problem, scene.ppc)} particles per cell, A = {A}" \
            + f", {more}" * bool(more)

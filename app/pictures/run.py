@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from app.pictures.series import DRAWN, draw_index, draw_norm
 from app.problems.views import VIEWS
-from app.words import method_name, per_cell
+from app.words import method_name, per_cell, unit_of
 from solvers.result import Result
 
 DOTS_PER_INCH = 110
@@ -55,7 +55,7 @@ def _title(result: Result) -> str:
     layout = f" ({scene.layout} layout)" if hasattr(scene, "layout") else ""
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {per_cell(scene.problem, scene.ppc)} particles per cell{layout}"
-             f" · A = {scene.amplitude:g} m")
+             f" · A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}")
     second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · "
               f"body force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to "
               f"t = {result.time:.4g} s")

@@ -91,6 +91,15 @@ class ProblemView:
         return self._module("stage").domains if self.domains_hint else None
 
     @property
+    def mirrors(self) -> tuple[tuple[int, int], ...]:
+        """Signs of x and y in each image of the body on the stage; of a problem in one dimension none."""
+        return getattr(self._module("stage").STAGE, "MIRRORS", ())
+
+    def outermost(self, scene: Any) -> float | None:
+        """How far from the middle a particle should come, in metres; of a problem in one dimension None."""
+        return self._module("stage").outermost(scene) if self.mirrors else None
+
+    @property
     def slow(self) -> Callable[[viser.ClientHandle], SlowStage]:
         """The ``STAGE`` of the folder's ``slow.py``: one step in slow motion."""
         return self._module("slow").STAGE

@@ -54,7 +54,7 @@ def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, numbe
                 gradients[at] += N[:, None] * normal
     lines = number(start[:, :, None] + np.arange(W))
     nodes = lines[:, 0, :, None] + WIDEST * lines[:, 1, None, :]
-    return nodes.reshape(P, -1), S.reshape(P, -1), _sizes(*np.moveaxis(gradients, 3, 0), metric).reshape(P, -1)
+    return nodes.reshape(P, -1), S.reshape(P, -1), _sizes(gradients[..., 0], gradients[..., 1], metric).reshape(P, -1)
 
 
 def _sizes(x: np.ndarray, y: np.ndarray, metric: np.ndarray | None) -> np.ndarray:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from app.page.cost.jobs import JobStatus
 from app.page.cost.runs import MOST_RUNS, NumberedRun
 from app.page.limits import too_many
-from app.words import NOTHING, command_line, method_name, number, per_cell
+from app.words import NOTHING, command_line, method_name, number, per_cell, unit_of
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES
 from solvers.scene import Scene
@@ -46,7 +46,8 @@ def setting(scene: Scene) -> str:
 def sentence(run: NumberedRun) -> str:
     """A run in a sentence."""
     scene = run.scene
-    text = f"run {run.number}: {setting(scene)}, A {scene.amplitude:.3g} m, E {scene.modulus:.3g} Pa; "
+    A = f"{scene.amplitude:.3g} {unit_of(type(scene), 'amplitude')}"
+    text = f"run {run.number}: {setting(scene)}, A {A}, E {scene.modulus:.3g} Pa; "
     if run.status in (*BROKEN, FAILED):
         return f"{text}{run.status}: {run.row['reason']}."
     return f"{text}error of x {relative(run.error)}, estimated {relative(run.estimate)} of A in {seconds(run.seconds)}."

@@ -16,7 +16,7 @@ from app.page.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from app.state import State
-from solvers.effects import EFFECTS
+from solvers.effects import ALL
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES
 from solvers.scene import AUTO, DEFAULT_CFL, Scene
@@ -122,7 +122,7 @@ class Controls:
                 self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"), \
                     self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
-                self._bound.boxes("effects", EFFECTS)
+                self._bound.boxes("effects", ALL)
 
     def _part(self, control: str) -> viser.GuiFolderHandle:
         """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
@@ -172,7 +172,8 @@ class Controls:
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))
         default = type(scene)()
         with self._part("amplitude"):
-            self._bound.size(Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
+            self._bound.size(Size("Amplitude A", words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
+                                  default.amplitude, view.amplitude_hint),
                        scene.amplitude, lambda value: session.set(amplitude=value))
         with self._part("modulus"):
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,

@@ -37,7 +37,7 @@ class RingStage(PlanarStage[RingScene]):
         return particle_layout(scene)
 
     def _reach(self, scene: RingScene) -> float:
-        return OUTER + scene.amplitude
+        return outermost(scene)
 
     def _note(self, scene: RingScene) -> str:
         return f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
@@ -46,6 +46,11 @@ class RingStage(PlanarStage[RingScene]):
         super()._size_dots(width)
         for half in self._halves:
             half.point_size = 0.58 * width
+
+
+def outermost(scene: RingScene) -> float:
+    """How far from the middle a particle should come, in metres."""
+    return OUTER + scene.amplitude
 
 
 def domains(scene: RingScene, F: np.ndarray) -> np.ndarray:

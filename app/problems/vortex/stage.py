@@ -37,7 +37,7 @@ class VortexStage(PlanarStage[VortexScene]):
         return particle_layout(scene)
 
     def _reach(self, scene: VortexScene) -> float:
-        return OUTER
+        return outermost(scene)
 
     def _note(self, scene: VortexScene) -> str:
         return f"outer radius {OUTER} m, h = {scene.spacing:.3g} m"
@@ -48,6 +48,11 @@ class VortexStage(PlanarStage[VortexScene]):
     def _size_dots(self, width: float) -> None:
         super()._size_dots(width)
         self._dots.point_size = 0.58 * width
+
+
+def outermost(scene: VortexScene) -> float:
+    """How far from the middle a particle should come, in metres: circles keep their radius."""
+    return OUTER
 
 
 def domains(scene: VortexScene, F: np.ndarray) -> np.ndarray:
