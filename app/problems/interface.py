@@ -67,6 +67,7 @@ class ProblemView:
     speed: float
     details: Mapping[str, str]
     domains_hint: str = ""
+    modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
 
     @property
     def about(self) -> str:

@@ -177,7 +177,7 @@ class Controls:
                        scene.amplitude, lambda value: session.set(amplitude=value))
         with self._part("modulus"):
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
-                            "Young's modulus: what is stiffer vibrates faster"),
+                            view.modulus_hint),
                        scene.modulus, lambda value: session.set(modulus=value))
         with self._part("step"):
             self._step()

@@ -85,7 +85,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
         rows.append(("energy", f"out of balance by {_percent(drift)}"))
     if scene.has("spin") and len(series.get("spin", ())):
         off, wrong = (spin_drift(series, series[against]) for against in ("torque", "exact_spin"))
-        rows.append(("turning", f"out of balance by {_percent(off)}, off by {_percent(wrong)}"))
+        rows.append(("turning", f"balance {_percent(off)}, error {_percent(wrong)}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
     return _table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 

@@ -26,5 +26,6 @@ VORTEX = ProblemView(
                    "is seven times as much",
     details={"layout": "where particles begin: Cartesian rims are staircases",
              "body_force": "which force acts", "velocity": "the velocity that moves the particles"},
+    modulus_hint="Young's modulus: the body force sees to it that the motion stays the same, the errors do not",
     domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
                  "particles")
