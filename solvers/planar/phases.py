@@ -36,6 +36,7 @@ def particles_to_nodes(body: ti.template(), slab, traits: ti.template(), on: ti.
             body.node_sums[node] = ti.Vector([0.0] * 8)
     if ti.static(not on.frozen):
         find_weights(body, start, end, on)
+    traits.prepare(body, start, end)
     if ti.static(on.method == "cpdi"):
         cpdi.particles_to_nodes(body, start, end, grid, traits, on)
     else:

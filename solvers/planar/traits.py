@@ -8,6 +8,7 @@ class Traits(NamedTuple):
     """A problem's own part of the phases. ``body`` is its state; a record of a node is (x, y, x, y) of two vectors."""
 
     forces: Callable  # (body, t, on): find the body force per mass at time t, wherever a particle needs it
+    prepare: Callable  # (body, start, end): find what the stress of these particles needs, before it is asked for
     push: Callable  # (body, p): the force on particle p that was found, in N
     stress: Callable  # (body, p, on): J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest
     #: (body, p, on): for the margin of the step, a stiffness in N m and a metric (xx, xy, yy) for the gradients of

@@ -58,5 +58,10 @@ def image(ring: ti.template(), node):
     return j * ring.row + i
 
 
-TRAITS = Traits(forces=radial_forces, push=push, stress=stress_of, tangent=tangent, first=GHOSTS, fold=fold, pin=pin,
-                mirror=mirror_records, image=image)
+@ti.func
+def nothing_to_prepare(ring: ti.template(), start, end):
+    """The stress needs no more than F."""
+
+
+TRAITS = Traits(forces=radial_forces, prepare=nothing_to_prepare, push=push, stress=stress_of, tangent=tangent,
+                first=GHOSTS, fold=fold, pin=pin, mirror=mirror_records, image=image)

@@ -6,7 +6,7 @@ Nodes lie at (-1.5, -1.5) m + (i, j) h. Nothing is fixed: both rims are free.
 from dataclasses import dataclass
 
 from solvers.arrays import zeros
-from solvers.kinds import Octets, Pairs, Real
+from solvers.kinds import Octets, Pairs, Real, Reals
 from solvers.planar.body import PlanarBody, common
 from solvers.switches import Switches
 from solvers.vortex import exact
@@ -19,6 +19,7 @@ class VortexBody(PlanarBody):
     """What the vortex has beside; K material radii."""
 
     lame_modulus: Real  # lambda
+    volumetric: Reals  # lambda ln J of each particle in this step (P,)
     polar_force: Pairs  # body force per mass in this step along e_R and e_Theta of the particle at rest (K, 2)
     turns: Octets  # of the exact solution at a sample, see ``solvers.vortex.samples`` (K,), with the truth
 
@@ -39,5 +40,5 @@ def body(scene: VortexScene, on: Switches, slabs: int) -> dict:
     known = on.truth or bool(on.estimators)
     return {**common(scene, on, layout, slabs, 0.5 * scene.cells, scene.cells + 1, shear_modulus,
                      exact.velocity(scene, layout.position, -0.5 * scene.time_step), exact.shape(layout.radii)),
-            "lame_modulus": lame_modulus, "polar_force": zeros(len(layout.radii), 2),
-            "turns": zeros(len(layout.radii), 8, when=known)}
+            "lame_modulus": lame_modulus, "volumetric": zeros(len(layout.volume)),
+            "polar_force": zeros(len(layout.radii), 2), "turns": zeros(len(layout.radii), 8, when=known)}

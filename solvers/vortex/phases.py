@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.planar.traits import Traits
-from solvers.vortex.material import forces, push, stress, tangent
+from solvers.vortex.material import forces, prepare, push, stress, tangent
 
 
 @ti.func
@@ -28,5 +28,5 @@ def itself(vortex: ti.template(), node):
     return node
 
 
-TRAITS = Traits(forces=forces, push=push, stress=stress, tangent=tangent, first=0, fold=nothing_to_fold, pin=free,
-                mirror=nothing_to_mirror, image=itself)
+TRAITS = Traits(forces=forces, prepare=prepare, push=push, stress=stress, tangent=tangent, first=0,
+                fold=nothing_to_fold, pin=free, mirror=nothing_to_mirror, image=itself)
