@@ -263,7 +263,7 @@ class Scene(ABC, Remembered):
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _check_choices(self) -> None:
-        registry.require_offered(self.estimators, self.problem)
+        registry.require_offered(self.estimators, type(self).problem)
         for name in self.__dataclass_fields__:
             if name in LISTS:  # as tuples, for a scene must be hashable
                 object.__setattr__(self, name, require_names(name, getattr(self, name), self.choices(name)))

@@ -9,12 +9,13 @@ from solvers.shapes import outer_weights, stencil
 
 @ti.func
 def half_widths(body: ti.template(), p, on: ti.template()):
-    """Half the particle's box in x and y, in cells: constant for uGIMP, stretched by F_xx and F_yy for cpGIMP, by
+    """Half the particle's box in x and y, in cells: constant for uGIMP, stretched by |F_xx| and |F_yy| for cpGIMP, by
     those of V = sqrt(F F^T) for its variant (b + J I)/sqrt(tr b + 2 J), b = F F^T, by Cayley and Hamilton."""
     widths = ti.Vector([body.half_width, body.half_width])
     if ti.static(on.method == "cpgimp" and not on.frozen):
         F = body.deformation_gradient[p]
-        widths = ti.min(ti.max(body.half_width * ti.Vector([F[0], F[3]]), 1e-6), MOST_HALF_WIDTH)
+        stretched = body.half_width * ti.Vector([F[0], F[3]])  # below 0 where the particle has turned by 90 degrees
+        widths = ti.min(ti.max(ti.max(stretched, -1.0 * stretched), 1e-6), MOST_HALF_WIDTH)
     if ti.static(on.method == "cpgimp-v" and not on.frozen):
         F = body.deformation_gradient[p]
         b = ti.Vector([F[0] * F[0] + F[1] * F[1], F[2] * F[2] + F[3] * F[3]])

@@ -42,9 +42,9 @@ def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
     """How many times as wide as at rest the boxes are in x and y (P, 2), the deformation gradients being F (P, 2, 2):
-    F_xx and F_yy, or V_xx and V_yy of the spatial stretch V = sqrt(F F^T), which no rotation changes."""
+    |F_xx| and |F_yy|, or V_xx and V_yy of the spatial stretch V = sqrt(F F^T), which no rotation changes."""
     if method != "cpgimp-v":
-        return F[:, [0, 1], [0, 1]]
+        return np.abs(F[:, [0, 1], [0, 1]])
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         b = F @ F.transpose(0, 2, 1)
         J = np.sqrt(np.linalg.det(b))  # sqrt(b) = (b + J I)/sqrt(tr b + 2 J), by Cayley and Hamilton

@@ -25,7 +25,7 @@ class VortexBody(PlanarBody):
 
 
 def farthest(scene: VortexScene) -> float:
-    """Distance from the centre beyond which a particle has left the vortex: half a cell from the grid's edge."""
+    """How far from the centre in x or y a particle may be, in metres: half a cell from the grid's edge."""
     return 0.5 * (SIDE - scene.spacing)
 
 

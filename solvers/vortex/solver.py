@@ -39,7 +39,7 @@ class VortexSolver(PlanarSolver):
         return anatomy(self.scene, self._arrays, particle, self.step, before)
 
     def _escape(self) -> str:
-        return f"was thrown off (it is {farthest(self.scene):.3g} m or more from the centre, at the edge of the grid)"
+        return f"was thrown off (it is {farthest(self.scene):.3g} m or more from the centre, at an edge of the grid)"
 
     def _other_advice(self) -> str:
         scene = self.scene

@@ -21,7 +21,7 @@ def check(vortex: ti.template(), step):
         if not J >= flattest:  # true for NaN too
             flattest, bad = -1e300 if ti.math.isnan(J) else J, p
             vortex.verdict[0] = CRUSHED if J > 0 else INVERTED
-        elif not q[0] * q[0] + q[1] * q[1] < vortex.farthest * vortex.farthest and bad < 0:
+        elif not ti.max(ti.abs(q[0]), ti.abs(q[1])) < vortex.farthest and bad < 0:
             bad = p
             vortex.verdict[0] = ESCAPED
     if bad >= 0:
