@@ -47,7 +47,7 @@ SETS: tuple[Inputs, ...] = (
     {"problem": "ring", "method": "cpgimp", "remedies": (FROZEN,), "estimators": (), "effects": ("truth",),
      "plan": "parallel", "threads": 2},
     {"problem": "vortex"},
-    {"problem": "vortex", "method": "cpgimp-v", "velocity": "particle", "remedies": (FILTER, COUPLED),
+    {"problem": "vortex", "method": "cpgimp-v", "velocity": "particle", "remedies": (FILTER,),
      "body_force": "two-tone", "estimators": ("companion",)},
     {"problem": "vortex", "method": "ugimp", "body_force": "none", "estimators": (), "effects": ("spin", "soundness"),
      "plan": "parallel", "threads": 2},

@@ -5,6 +5,7 @@ import numpy as np
 from solvers.anatomy import Anatomy, Carried
 from solvers.planar.errors import Fields
 from solvers.planar.solver import PlanarSolver
+from solvers.remedies import FILTER
 from solvers.vortex.anatomy import anatomy, carried
 from solvers.vortex.body import farthest
 from solvers.vortex.errors import true_fields
@@ -46,6 +47,8 @@ class VortexSolver(PlanarSolver):
         if scene.method == "mpm":
             return "hat functions do not hold such a shear: choose CPDI"
         if scene.method != "cpdi":
-            more = f"give {ENOUGH} or more particles per cell and direction, or " * (scene.ppc < ENOUGH)
-            return f"{more}choose CPDI" + ", or the polar layout" * (scene.layout == "cartesian")
+            more = f"give {ENOUGH} or more particles per cell and direction, " * (scene.ppc < ENOUGH)
+            filtered = f"call for the remedy {FILTER}, " * (not scene.remedies)
+            return f"{more}{filtered}{'or ' * bool(more or filtered)}choose CPDI" \
+                + ", or the polar layout" * (scene.layout == "cartesian")
         return "choose more cells, more particles per cell or a smaller amplitude"
