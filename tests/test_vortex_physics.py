@@ -68,7 +68,7 @@ def test_cpdi_is_second_order(simulate):
     assert math.log2(coarse["x"]["max"] / fine["x"]["max"]) >= 1.8
 
 
-@pytest.mark.parametrize("method, cells, ppc", [("mpm", 48, 3), ("mpm", 24, 2), ("ugimp", 48, 2), ("cpgimp", 48, 2)])
+@pytest.mark.parametrize("method, cells, ppc", [("mpm", 24, 2), ("ugimp", 48, 2), ("cpgimp", 48, 2)])
 def test_what_breaks_has_a_verdict(method, cells, ppc, simulate):
     """Runs that broke in the other program break here, with a sentence; where it has begun with v(0) not at the same
     moment, for what breaks them is a particle at the rim."""
@@ -91,11 +91,10 @@ def test_the_null_space_filter_keeps_gimps_rim(simulate):
     assert filtered["x"]["max"] < 1.125 * plain["x"]["max"] and filtered["v"]["max"] < plain["v"]["max"]
 
 
-@pytest.mark.parametrize("method", ["cpdi"])
 @pytest.mark.parametrize("amplitude", [0.25, 1.0])
-def test_bound_on_the_step(method, amplitude):
+def test_bound_on_the_step(amplitude):
     """Below the exact limit of the linearised grid, and above a half of it (measured .58 to .66)."""
-    scene = VortexScene(method=method, cells=24, amplitude=amplitude)
+    scene = VortexScene(method="cpdi", cells=16, amplitude=amplitude)
     limit = min(exact_limit(scene, t) for t in np.linspace(0, 0.5, 5))
     assert 0.5 * limit < step_bound.least(scene) < limit
 
@@ -123,9 +122,10 @@ def exact_limit(scene: VortexScene, t: float) -> float:
     kept = mass > 1e-12 * mass.max()
     G = G[:, kept] / np.sqrt(mass[kept])[:, None]
     n = kept.sum()
-    K = lam * np.einsum("p,pna,pmc->namc", V, G, G, optimize=True) \
-        + mu * np.einsum("p,pnc,pma->namc", V, G, G, optimize=True) \
-        + mu * np.einsum("p,pni,pij,pmj,ac->namc", V, G, F @ F.transpose(0, 2, 1), G, np.eye(2), optimize=True)
+    products = ((V[:, None, None] * G).reshape(P, -1).T @ G.reshape(P, -1)).reshape(n, 2, n, 2)
+    stretched = np.einsum("p,pij,pnj->pni", V, F @ F.transpose(0, 2, 1), G, optimize=True)
+    same = sum(stretched[:, :, i].T @ G[:, :, i] for i in range(2))
+    K = lam * products + mu * products.transpose(0, 3, 2, 1) + mu * same[:, None, :, None] * np.eye(2)[None, :, None, :]
     return 2 / math.sqrt(np.linalg.eigvalsh(K.reshape(2 * n, 2 * n))[-1])
 
 
@@ -159,7 +159,7 @@ def test_wave_speed_and_counts():
     for layout, off in (("polar", 1e-12), ("cartesian", 0.01)):
         found = particle_layout(replace(scene, layout=layout))
         assert found.volume.sum() == pytest.approx(math.pi * (1.25**2 - 0.75**2), rel=off)
-    assert len(particle_layout(scene).volume) == scene.particles == 7248
+    assert len(particle_layout(scene).volume) == scene.particles == 7200
     X = particle_layout(scene).position
     t = np.linspace(0, 1, 41)
     largest_move = max(np.linalg.norm(exact.displacement(scene, X, each), axis=1).max() for each in t)
