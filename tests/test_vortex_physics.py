@@ -95,7 +95,7 @@ def test_the_null_space_filter_keeps_gimps_rim(simulate):
 def test_bound_on_the_step(amplitude):
     """Below the exact limit of the linearised grid, and above a half of it (measured .58 to .66)."""
     scene = VortexScene(method="cpdi", cells=16, amplitude=amplitude)
-    limit = min(exact_limit(scene, t) for t in np.linspace(0, 0.5, 5))
+    limit = min(exact_limit(scene, t) for t in (0.25, 0.5))
     assert 0.5 * limit < step_bound.least(scene) < limit
 
 
