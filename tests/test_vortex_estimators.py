@@ -48,7 +48,8 @@ def test_recovered_meets_the_error(change, simulate):
 
 def test_recovered_meets_companion_where_no_solution_is_built_in():
     """Two tones, which send circles in and out: the two know nothing of each other."""
-    scene = replace(VORTEX, cells=48, cfl=0.1, body_force="two-tone", estimators=("recovered", "companion"))
+    scene = replace(VORTEX, cells=48, cfl=0.1, body_force="two-tone", estimators=("recovered", "companion"),
+                    effects=("estimate",))
     solver = build(scene)
     solver.advance(scene.steps // 2)
     estimate = solver.snapshot().estimate
@@ -58,7 +59,8 @@ def test_recovered_meets_companion_where_no_solution_is_built_in():
 
 
 @pytest.mark.parametrize(("change", "word"), [
-    ({"layout": "cartesian"}, "polar"), ({"cells": 12, "ppc": 1}, "cubic"), ({"amplitude": 1.0, "cfl": 0.3}, "cfl of")])
+    ({"layout": "cartesian"}, "polar"), ({"cells": 16, "ppc": 1}, "cubic"), ({"cells": 20}, "24 cells"),
+    ({"amplitude": 1.0, "cfl": 0.3}, "cfl of")])
 def test_where_recovered_is_refused(change, word):
     scene = replace(VORTEX, **{"estimators": ("recovered",), **change})
     assert word in scene.not_valid["recovered"] and not scene.active_estimators

@@ -11,6 +11,7 @@ from typing import Any
 from solvers.estimators.validity import FROZEN_REASON
 
 FEWEST_ACROSS = 4  # particles, for a cubic
+FEWEST_CELLS = 24  # on which a fit over four cells is as wide as the ring; with 12 the index of x is .7, that of a .5
 LONGEST_STEP = 0.9  # of recovered, as the way of a wave over a cell: its explicit method is stable so far
 
 
@@ -32,6 +33,9 @@ def recovered(scene: Any) -> str | None:
     if round(scene.cells * scene.ppc / 6) < FEWEST_ACROSS:
         return ("recovered fits a cubic across the ring, which needs four particles there; take more cells or more "
                 "particles per cell")
+    if scene.cells < FEWEST_CELLS:
+        return (f"recovered fits the particles over four cells, which is more than the whole width of the ring; give "
+                f"{FEWEST_CELLS} cells or more")
     bearable = LONGEST_STEP / stretched_speed(scene)
     if scene.courant_number > bearable:
         return (f"recovered has an equation of motion of its own, which such steps would make unstable in a material "
