@@ -58,10 +58,12 @@ def planned(state: State, axes: Sequence[Axis], quantities: Sequence[str]) -> Pl
 
 
 def ending(scene: Scene, like: Scene | None = None) -> Scene:
-    """A scene that ends after one period where it says nothing else, or as another does."""
+    """A scene that ends after one period, or sooner if its problem does, where it says nothing else, or as another."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
-    return replace(scene, periods=1.0) if like is None else replace(scene, periods=like.periods, t_end=like.t_end)
+    if like is not None:
+        return replace(scene, periods=like.periods, t_end=like.t_end)
+    return replace(scene, periods=min(1.0, scene.DEFAULT_PERIODS))
 
 
 def wanted(plans: Sequence[Plan]) -> dict[tuple[int, str], Wanted]:
