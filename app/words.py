@@ -26,6 +26,7 @@ class Method:
 
 
 METHODS = {"mpm": Method("MPM", "MPM (hat functions)"), "ugimp": Method("uGIMP"), "cpgimp": Method("cpGIMP"),
+           "cpgimp-v": Method("cpGIMP (V)", "cpGIMP with the spatial stretch V"),
            "bspline": Method("B-spline"), "cpdi": Method("CPDI")}
 
 
@@ -51,7 +52,7 @@ EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
 #: Fields of a scene that say nothing of the run itself, or only together: the time step's.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Sizes of a scene, by their symbols.
-SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "initial_velocity": "v"}
+SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "initial_velocity": "v", "frequency": "B"}
 #: Fields that some problems have, beside what moves them all.
 OF_SOME = ("motion", "stretch", "initial_velocity")
 #: What a scene's fields may be, in words, in the order in which they are offered.
@@ -70,6 +71,11 @@ def choices(kind: type[Scene], field: str) -> dict[str, str]:
     return {code: words[code] for code in words if code in allowed} | {c: c for c in allowed if c not in words}
 
 
+def unit_of(kind: type[Scene], field: str) -> str:
+    """The unit of a field of a kind of scene, "" where it has none: an amplitude may be a length or an angle."""
+    return kind.__dataclass_fields__[field].metadata.get("unit", "")
+
+
 def method_name(method: str) -> str:
     """A method in short; one that nobody has named keeps its own word."""
     return METHODS[method].name if method in METHODS else method
@@ -78,7 +84,7 @@ def method_name(method: str) -> str:
 def moving(scene: Scene) -> str:
     """What moves the material, in few words: "A = 25 mm"; of a patch test its stretch and velocity."""
     if scene.swings:
-        return f"A = {with_unit(scene.amplitude, 'm')}"
+        return f"A = {with_unit(scene.amplitude, unit_of(type(scene), 'amplitude'))}"
     values = scene.to_dict()
     return f"patch test, F = {values['stretch']:g}, v = {with_unit(values['initial_velocity'], 'm/s')}"
 

@@ -30,3 +30,8 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("soundness", "contradictions", "look for contradictions in the motion itself that show a run to be lost"),
     Effect("margin", "step margin", "compare the time step with the bound of what the present configuration bears"),
 )}
+#: Effects that only some problems have: a scene's ``OWN_EFFECTS`` names them.
+OWN: dict[str, Effect] = {effect.name: effect for effect in (
+    Effect("spin", "angular momentum", "follow the angular momentum and the torque of the body force"),
+)}
+ALL = {**EFFECTS, **OWN}

@@ -49,6 +49,14 @@ def energy_drift(series: Mapping[str, np.ndarray]) -> float | None:
     return finite(float(total[-1] - series["work"][-1] - total[0]) / float(total[0])) if total[0] > 0 else None
 
 
+@UNBOUNDED
+def spin_drift(series: Mapping[str, np.ndarray], against: np.ndarray) -> float | None:
+    """What the angular momentum has gained at the end beyond what ``against`` has, over what it was at the start."""
+    spin = series["spin"]
+    gained = float(spin[-1] - spin[0]) - float(against[-1] - against[0])
+    return finite(gained / float(spin[0])) if spin[0] else None
+
+
 def finite(value: float) -> float | None:
     """JSON has no NaN: what is not a finite number is None."""
     return float(value) if math.isfinite(value) else None

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from solvers.bar.scene import BarScene
 from solvers.ring.scene import RingScene
 from solvers.scene import Scene
+from solvers.vortex.scene import VortexScene
 
 if TYPE_CHECKING:
     from solvers.solver import Solver
@@ -42,4 +43,5 @@ class Problem:
 PROBLEMS: dict[str, Problem] = {
     "bar": Problem(BarScene, "solvers.bar.solver:BarSolver"),
     "ring": Problem(RingScene, "solvers.ring.solver:RingSolver"),
+    "vortex": Problem(VortexScene, "solvers.vortex.solver:VortexSolver"),
 }

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.effects import EFFECTS
-from solvers.norms import UNBOUNDED, distance, energy_drift, error_index, finite, largest, summary
+from solvers.effects import ALL
+from solvers.norms import UNBOUNDED, distance, energy_drift, error_index, finite, largest, spin_drift, summary
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 from solvers.soundness import evidence
@@ -94,7 +94,7 @@ class Result:
         """What was really computed beyond the bare method."""
         scene = self.scene
         extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
-        return [effect for effect in EFFECTS if scene.has(effect)] + [name for name, on in extra.items() if on]
+        return [effect for effect in ALL if scene.has(effect)] + [name for name, on in extra.items() if on]
 
     def errors(self) -> dict:
         """``{"x": {"final", "max", "mean"}, ...}`` of the true errors, nulls where the truth was off."""
@@ -120,6 +120,15 @@ class Result:
         total = self.series["kinetic"] + self.series["strain"]
         return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
 
+    def spin(self) -> dict | None:
+        """The angular momentum; what it has gained beyond the torque of the body force ("drift"), and beyond the exact
+        solution ("error"), over what it was at the start."""
+        if not self.scene.has("spin"):
+            return None
+        series = self.series
+        return {"initial": finite(series["spin"][0]), "final": finite(series["spin"][-1]),
+                "drift": spin_drift(series, series["torque"]), "error": spin_drift(series, series["exact_spin"])}
+
     @UNBOUNDED
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
@@ -144,6 +153,7 @@ class Result:
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": int(crossings) if math.isfinite(crossings) else None, "energy": self.energy(),
+            "angular_momentum": self.spin(),
             "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,

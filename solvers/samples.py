@@ -9,10 +9,13 @@ import numpy as np
 QUANTITIES = ("x", "v", "sigma", "a")
 
 #: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own
-#: norm (bar: stress as E ln F); ``apart`` to ``torn`` are contradictions (``solvers.soundness``) in metres, ``place``
-#: is the particle where they are worst, ``margin`` is dt over its bound; what is switched off stays NaN.
+#: norm (bar: stress as E ln F); ``spin`` is the angular momentum, ``torque`` the impulse of the body force's, and
+#: ``exact_spin`` what the exact solution has; ``apart`` to ``torn`` are contradictions (``solvers.soundness``) in
+#: metres, ``place`` is the particle where they are worst, ``margin`` is dt over its bound; what is switched off stays
+#: NaN.
 BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
-        "kinetic", "strain", "work", "crossings", "apart", "adrift", "out_of_shape", "torn", "place", "margin")
+        "kinetic", "strain", "work", "spin", "torque", "exact_spin", "crossings",
+        "apart", "adrift", "out_of_shape", "torn", "place", "margin")
 MARGIN = BASE.index("margin")  # which the host fills in, once for every stretch of steps
 LOOKS = slice(BASE.index("apart"), MARGIN + 1)  # the columns that only some samples have
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.

@@ -9,19 +9,18 @@ from which the flags of the command line are made.
 from __future__ import annotations
 
 import functools
-import importlib
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
-from solvers.effects import EFFECTS
+from solvers.effects import ALL, EFFECTS
 from solvers.estimators import registry
 from solvers.remedies import FROZEN
 from solvers.remembered import Remembered
 from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
-from solvers.step_bound import SAFE
+from solvers.step_bound import SAFE, of_scene
 from solvers.usual import Usual
 
 MOST_PARTICLES = 1_000_000
@@ -91,6 +90,7 @@ class Scene(Usual, ABC, Remembered):
     HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map
     FEWEST_CELLS: ClassVar[int] = 4
     REMEDIES: ClassVar[tuple[str, ...]] = ()
+    OWN_EFFECTS: ClassVar[tuple[str, ...]] = ()  # that not every problem has
     DEFAULT_PERIODS: ClassVar[float] = 5.0
     SAMPLES_A_PERIOD: ClassVar[int] = 200
 
@@ -101,7 +101,9 @@ class Scene(Usual, ABC, Remembered):
             return registry.names(cls.problem)
         if name == "remedies":
             return cls.REMEDIES
-        return tuple(EFFECTS) if name == "effects" else cls.__dataclass_fields__[name].metadata.get("choices", ())
+        if name == "effects":
+            return *EFFECTS, *cls.OWN_EFFECTS
+        return cls.__dataclass_fields__[name].metadata.get("choices", ())
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
@@ -175,7 +177,7 @@ class Scene(Usual, ABC, Remembered):
     @property
     def step_bound(self) -> float:
         """The longest step in seconds that the motion ahead bears by linear theory (``solvers.step_bound``)."""
-        return _step_bound(self)
+        return of_scene(self)
 
     @property
     def frozen(self) -> bool:
@@ -248,7 +250,7 @@ class Scene(Usual, ABC, Remembered):
             return False
         if effect == "estimate":
             return bool(self.active_estimators)
-        kind = EFFECTS[effect]
+        kind = ALL[effect]
         return (self.solution_known or not kind.needs_solution) and (not kind.needs or any(map(self.has, kind.needs)))
 
     def to_dict(self) -> dict:
@@ -259,6 +261,7 @@ class Scene(Usual, ABC, Remembered):
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _check_choices(self) -> None:
+        registry.require_offered(self.estimators, type(self).problem)
         for name in self.__dataclass_fields__:
             if name in LISTS:  # as tuples, for a scene must be hashable
                 object.__setattr__(self, name, require_names(name, getattr(self, name), self.choices(name)))
@@ -305,14 +308,3 @@ class Scene(Usual, ABC, Remembered):
             raise SceneError("sample_every", self.sample_interval,
                              f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
                              f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
-
-
-@functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
-def _step_bound(scene: Scene) -> float:
-    return _bound_of_motion(replace(scene, dt=None, cfl=None, t_end=None, periods=None, sample_every=None,
-                                    estimators=(), effects=()))
-
-
-@functools.lru_cache(maxsize=64)
-def _bound_of_motion(scene: Scene) -> float:
-    return importlib.import_module(f"solvers.{scene.problem}.step_bound").least(scene)

@@ -55,12 +55,12 @@ def bspline(position):
 
 @ti.func
 def outer_weights(method: ti.template(), position, half_width):
-    """First node, outer weights and outer slopes of ``method``: "mpm", "ugimp", "cpgimp" or "bspline".
+    """First node, outer weights and outer slopes of ``method``: "mpm", "ugimp", "cpgimp", "cpgimp-v" or "bspline".
 
     ``position`` and ``half_width`` may be vectors, of one entry a direction: a processor does them at once.
     """
     first, left, right, slope_left, slope_right = hat(position)
-    if ti.static(method in ("ugimp", "cpgimp")):
+    if ti.static(method in ("ugimp", "cpgimp", "cpgimp-v")):
         first, left, right, slope_left, slope_right = gimp(position, half_width)
     elif ti.static(method == "bspline"):
         first, left, right, slope_left, slope_right = bspline(position)

@@ -11,6 +11,11 @@ has run; a run's own margin comes from its kernels. Source: Gershgorin (1931); f
 Berzins, "Nonlinear stability and time step selection for the MPM method", Comp. Part. Mech. 5 (2018).
 """
 
+import functools
+import importlib
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 SAFE = 0.7  # of the bound: what a nonlinear run stands; measured limits are about 0.75 of linear theory
@@ -52,3 +57,15 @@ def _hat_integral(s: np.ndarray) -> np.ndarray:
     """The integral of the hat from minus infinity to s."""
     s = np.clip(s, -1.0, 1.0)
     return np.where(s < 0, 0.5 * (1 + s) ** 2, 1 - 0.5 * (1 - s) ** 2)
+
+
+@functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
+def of_scene(scene: Any) -> float:
+    """The bound in seconds for the motion that a scene has ahead, whatever its own step, end and watchers are."""
+    return _of_motion(replace(scene, dt=None, cfl=None, t_end=None, periods=None, sample_every=None,
+                              estimators=(), effects=()))
+
+
+@functools.lru_cache(maxsize=64)
+def _of_motion(scene: Any) -> float:
+    return importlib.import_module(f"solvers.{scene.problem}.step_bound").least(scene)

@@ -3,7 +3,7 @@
 from functools import lru_cache
 from typing import NamedTuple
 
-from solvers.effects import EFFECTS
+from solvers.effects import ALL
 from solvers.remedies import SWITCHES
 from solvers.scene import Scene
 
@@ -25,7 +25,7 @@ class Switches(NamedTuple):
     def __getattr__(self, name: str) -> bool:
         if name in SWITCHES:
             return SWITCHES[name] in self.remedies
-        if name not in EFFECTS:
+        if name not in ALL:
             raise AttributeError(f"no effect or remedy is called {name}")
         return name in self.effects
 
@@ -33,7 +33,7 @@ class Switches(NamedTuple):
 def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
-                    tuple(effect for effect in EFFECTS if scene.has(effect)), scene.active_estimators, scene.remedies,
+                    tuple(effect for effect in ALL if scene.has(effect)), scene.active_estimators, scene.remedies,
                     getattr(scene, "motion", ""))
 
 

@@ -47,7 +47,14 @@ SETS: tuple[Inputs, ...] = (
      "effects": ("soundness", "energy", "crossings")},
     {"problem": "ring", "method": "cpgimp", "remedies": (FROZEN,), "estimators": (), "effects": ("truth",),
      "plan": "parallel", "threads": 2},
+    {"problem": "vortex"},
+    {"problem": "vortex", "method": "cpgimp-v", "velocity": "particle", "remedies": (FILTER,),
+     "body_force": "two-tone", "estimators": ("companion",)},
+    {"problem": "vortex", "method": "ugimp", "body_force": "none", "estimators": (), "effects": ("spin", "soundness"),
+     "plan": "parallel", "threads": 2},
+    {"problem": "vortex", "method": "mpm", "estimators": (), "remedies": (FROZEN,), "effects": ("truth", "spin")},
 )
+LARGEST = {"bar": 0.159, "ring": 0.385, "vortex": 1.57}  # amplitudes
 #: What no input may be, or none of most kinds.
 ODD = (math.nan, math.inf, -math.inf, -1, 0, -0.0, 5e-324, 1e308, 10**400, 2**31, True, None, "", "auto", "10", "\n",
        "Ω", (), ("",), ("auto", "auto"), [1], {}, b"x", 1j)
@@ -94,7 +101,7 @@ def inputs(draw: st.DrawFn, switches: Mapping[str, Any]) -> Inputs:
     bar = switches["problem"] == "bar"
     drawn = {**switches, "cells": draw(whole_logarithmic(kind.FEWEST_CELLS, 300 if bar else 48)),
              "ppc": draw(whole_logarithmic(1, 16 if bar else 5)),
-             "amplitude": draw(logarithmic(1e-11, 0.159 if bar else 0.385)),
+             "amplitude": draw(logarithmic(1e-11, LARGEST[switches["problem"]])),
              "modulus": draw(logarithmic(2e-6, 0.9e12)), "density": draw(logarithmic(2e-6, 0.9e12))}
     if switches.get("motion") == "patch":
         drawn |= draw(_patch(drawn["cells"]))

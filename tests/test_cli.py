@@ -25,8 +25,8 @@ RunBar = commands()["run", "bar"]
 ROOT = Path(__file__).resolve().parent.parent
 QUICK = ["--cells", "8", "--ppc", "2", "--periods", "0.2"]
 KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate", "index", "distance",
-        "soundness", "step", "life", "grid_crossings", "energy", "effects", "bytes", "seconds", "rate", "arch",
-        "threads", "plan", "not_valid"}
+        "soundness", "step", "life", "grid_crossings", "energy", "angular_momentum", "effects", "bytes",
+        "seconds", "rate", "arch", "threads", "plan", "not_valid"}
 
 
 def command(*arguments: str, **options) -> subprocess.CompletedProcess:
@@ -141,7 +141,7 @@ def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys,
 @pytest.mark.parametrize(("words", "says"), [
     (["frobnicate"], "mpm-lab: frobnicate: is not a command; give mpm-lab serve or mpm-lab run"),
     (["serv"], "did you mean serve?"),
-    (["run"], "give mpm-lab run bar or mpm-lab run ring"),
+    (["run"], "give mpm-lab run bar or mpm-lab run ring or mpm-lab run vortex"),
     (["run", "rod"], "rod: is not a command"),
     (["--cells", "4"], "--cells: is not a flag of mpm-lab serve"),
     (["--port", "0"], "--port 0: give a whole number from 1 to 65535"),

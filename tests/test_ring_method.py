@@ -8,9 +8,11 @@ import taichi as ti
 
 from solvers.arrays import aligned
 from solvers.kinds import quads
-from solvers.ring import exact, phases
+from solvers.planar import phases
+from solvers.ring import exact
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_forces
+from solvers.ring.phases import TRAITS
 from solvers.ring.scene import RingScene
 from solvers.ring.solver import RingSolver
 from solvers.ring.state import RingState
@@ -25,7 +27,7 @@ def map_to_nodes(time: ti.f64, ring: RingState, on: ti.template()):
     ti.loop_config(serialize=True)
     for _ in range(1):
         radial_forces(ring, time, on)
-        phases.particles_to_nodes(ring, 0, on)
+        phases.particles_to_nodes(ring, 0, TRAITS, on)
 
 
 @ti.kernel

@@ -14,7 +14,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.problems.ring.stage import MIDDLE, RingStage
+from app.problems.planar_stage import MIDDLE
+from app.problems.ring.stage import RingStage
 from app.scale import ColourScale
 from solvers.engine import frames as memory
 from solvers.ring.scene import RingScene

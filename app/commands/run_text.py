@@ -1,6 +1,7 @@
 """The summary that ``mpm-lab run`` prints for people, made from the JSON object and nothing else."""
 
-from app.words import QUANTITIES, per_cell
+from app.words import QUANTITIES, per_cell, unit_of
+from solvers.problems import PROBLEMS
 
 NOTHING = "-"
 SUMMARY = ("final", "max", "mean")
@@ -29,7 +30,8 @@ def _heading(result: dict) -> str:
 def _moving(scene: dict) -> str:
     if scene["amplitude"] is None:
         return f"patch test with stretch {scene['stretch']:g} at {scene['initial_velocity']:g} m/s"
-    return f"amplitude {scene['amplitude']:g} m"
+    unit = unit_of(PROBLEMS[scene["problem"]].scene, "amplitude")
+    return f"amplitude {scene['amplitude']:g} {unit}"
 
 
 def _norm(key: str, summary: dict) -> tuple[str, ...]:
@@ -41,6 +43,10 @@ def _norm(key: str, summary: dict) -> tuple[str, ...]:
 def _estimates(name: str, estimate: dict, index: dict, distance: dict) -> str:
     rows = [(*_norm(q, estimate[q]), formatted(index[q], ".3f"), formatted(distance[q], ".3f")) for q in QUANTITIES]
     return _columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows])
+
+
+def _share(part: float | None) -> str:
+    return NOTHING if part is None else f"{100 * part:.3g} %"
 
 
 def _by_estimator(result: dict) -> dict:
@@ -55,9 +61,11 @@ def _by_estimator(result: dict) -> dict:
 def _cost(result: dict) -> str:
     energy, seconds, crossings = result["energy"], result["seconds"], result["grid_crossings"]
     estimators = "" if seconds["estimate"] is None else f"; estimators {seconds['estimate']:.3g} s of it"
-    drift = energy and energy["drift"]
+    drift, spin = energy and energy["drift"], result["angular_momentum"]
     rows = [("grid crossings", formatted(crossings, ",")),
-            ("energy drift", NOTHING if drift is None else f"{100 * drift:.3g} %"),
+            *([("angular momentum", f" off its balance by {_share(spin['drift'])}, off the exact one by "
+                f"{_share(spin['error'])}, of what it was at first")] if spin else []),
+            ("energy drift", _share(drift)),
             ("time", f"{seconds['run']:.3g} s{estimators}; and {seconds['compile']:.3g} s to compile"),
             ("rate", f"{result['rate']:.3g} million particle-steps/s on {result['arch']}, "
              f"{result['threads']} thread{'s' * (result['threads'] != 1)}, {result['plan']} plan"

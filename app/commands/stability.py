@@ -10,6 +10,7 @@ from app import __version__
 from app.commands.flags import RealFlag, default_hint, number, several_of, several_to_choose
 from app.commands.output import json_text
 from app.commands.study import INCOMPLETE, Study
+from app.words import unit_of
 from solvers.rules import require_choice
 from solvers.scene import Scene
 from solvers.study.grid import combinations
@@ -81,7 +82,8 @@ class Stability(Study):
 def map_flags(scene: type[Scene]) -> dict[str, Any]:
     """Flags that hold several values, where a run has one."""
     return {"method": several_to_choose(scene.choices("method"), "all", "Methods to map."),
-            "amplitude": several_to_choose(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES), "Amplitudes, m."),
+            "amplitude": several_to_choose(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES),
+                                              f"Amplitudes, {unit_of(scene, 'amplitude')}."),
             "cfl": several_to_choose(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
             "periods": RealFlag}
 

@@ -19,7 +19,7 @@ from solvers.estimators.registry import ESTIMATORS
 
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
-SCRIPTS = ("words", "tracks", "colours", "field", "bar", "ring", "stage", "readout", "controls", "sha256", "progress",
+SCRIPTS = ("words", "tracks", "colours", "field", "bar", "plane", "stage", "readout", "controls", "sha256", "progress",
            "answers", "lesson", "main")
 USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only where they are asked for
 
@@ -83,4 +83,5 @@ def _constants() -> dict[str, Any]:
             "quantities": {key: vars(quantity) for key, quantity in QUANTITIES.items()},
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
             "problems": {name: {"plot": {"start": plot.start, "end": plot.end, "ends": plot.ends,
-                                         "component": plot.component}} for name, plot in plots.items()}}
+                                         "component": plot.component}, "mirrors": VIEWS[name].mirrors}
+                         for name, plot in plots.items()}}

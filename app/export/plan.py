@@ -9,11 +9,10 @@ from app.export.lattice import Axis
 from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
-from app.words import METHODS, OF_SOME, differing, moving, per_cell, with_unit
+from app.words import METHODS, OF_SOME, differing, moving, per_cell, unit_of, with_unit
 from solvers.scene import Scene
 
 LABELS = {field: name for name, field in lattice.CONTROLS.items()}
-UNITS = {"amplitude": "m", "modulus": "Pa"}
 BUDGET = 8_000_000  # bytes of all recordings before they are compressed, about what they take in the file afterwards
 LEAST, STRIDE = 40, 40  # particles of a run that are kept, at least, and by how many it is tried
 MOST = {1: 200, 2: 1040}  # by dimensions: more along a bar cannot be told apart
@@ -59,10 +58,12 @@ def planned(state: State, axes: Sequence[Axis], quantities: Sequence[str]) -> Pl
 
 
 def ending(scene: Scene, like: Scene | None = None) -> Scene:
-    """A scene that ends after one period where it says nothing else, or as another does."""
+    """A scene that ends after one period, or sooner if its problem does, where it says nothing else, or as another."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
-    return replace(scene, periods=1.0) if like is None else replace(scene, periods=like.periods, t_end=like.t_end)
+    if like is not None:
+        return replace(scene, periods=like.periods, t_end=like.t_end)
+    return replace(scene, periods=min(1.0, scene.DEFAULT_PERIODS))
 
 
 def wanted(plans: Sequence[Plan]) -> dict[tuple[int, str], Wanted]:
@@ -94,7 +95,7 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
     """The plan as the player reads it; ``numbers`` are those of the recorded runs, by their texts."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": LABELS[axis.field], "start": axis.start, "values": axis.values,
-                      "says": [said(axis.field, value) for value in axis.values]} for axis in plan.axes],
+                      "says": [said(type(scene), axis.field, value) for value in axis.values]} for axis in plan.axes],
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
             "says": [_title(text) for text in plan.texts], "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
@@ -105,11 +106,12 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
                      "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
 
 
-def said(field: str, value: Any) -> str:
-    """A value of an axis in words."""
+def said(kind: type[Scene], field: str, value: Any) -> str:
+    """A value of an axis of a kind of scene in words."""
     if field == "method":
         return str(METHODS[value])
-    return with_unit(value, UNITS[field]) if field in UNITS else f"{value:g}"
+    unit = unit_of(kind, field)
+    return with_unit(value, unit) if unit else f"{value:g}"
 
 
 def _title(text: str) -> str:

@@ -182,7 +182,8 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Sn
     shown = len(_shown(scene.DIMENSIONS, count, wanted.particles))
     return {"problem": scene.problem, "particles": count, "shown": shown,
             "spacing": scene.spacing, "step": scene.time_step, "steps": solver.step, "period": scene.period,
-            "end": scene.end_time, "reach": scene.amplitude, "ppc": scene.ppc, "known": scene.solution_known,
+            "end": scene.end_time, "outermost": VIEWS[scene.problem].outermost(scene), "ppc": scene.ppc,
+            "known": scene.solution_known,
             "moves_on": not scene.swings, "least": {} if scene.swings else {
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,

@@ -31,7 +31,8 @@ CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told o
 
 def first_scene(problem: str) -> Scene:
     """What the page shows of a problem at first."""
-    return FIRST_SCENE if problem == FIRST_SCENE.problem else PROBLEMS[problem].scene(periods=1)
+    return FIRST_SCENE if problem == FIRST_SCENE.problem else PROBLEMS[problem].scene(
+        periods=min(1, PROBLEMS[problem].scene.DEFAULT_PERIODS))
 
 
 class PageLinks(ExitStack):

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 
 from app.pictures.series import DRAWN, draw_index, draw_norm
 from app.problems.views import VIEWS
-from app.words import method_name, moving, per_cell
+from app.words import method_name, moving, per_cell, unit_of
 from solvers.result import Result
+from solvers.scene import Scene
 
 DOTS_PER_INCH = 110
 
@@ -49,13 +50,17 @@ def save_png(result: Result, path: str) -> None:
     Path(path).write_bytes(png_bytes(run_figure(result)))
 
 
+def _moving(scene: Scene) -> str:
+    return f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if scene.swings else moving(scene)
+
+
 def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
     layout = f" ({scene.layout} layout)" if hasattr(scene, "layout") else ""
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {per_cell(scene.problem, scene.ppc)} particles per cell{layout}"
-             f" · {f'A = {scene.amplitude:g} m' if scene.swings else moving(scene)}")
+             f" · {_moving(scene)}")
     second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · "
               f"body force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to "
               f"t = {result.time:.4g} s")

@@ -83,6 +83,7 @@ class ProblemView:
     details: Mapping[str, str]
     domains_hint: str = ""
     motion: Motion | None = None
+    modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
 
     @property
     def about(self) -> str:
@@ -105,6 +106,15 @@ class ProblemView:
         """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients (P, 2, 2), of a
         problem whose stage outlines them: ``domains(scene, F)`` of the folder's ``stage.py``."""
         return self._module("stage").domains if self.domains_hint else None
+
+    @property
+    def mirrors(self) -> tuple[tuple[int, int], ...]:
+        """Signs of x and y in each image of the body on the stage; of a problem in one dimension none."""
+        return getattr(self._module("stage").STAGE, "MIRRORS", ())
+
+    def outermost(self, scene: Any) -> float | None:
+        """How far from the middle a particle should come, in metres; of a problem in one dimension None."""
+        return self._module("stage").outermost(scene) if self.mirrors else None
 
     @property
     def slow(self) -> Callable[[viser.ClientHandle], SlowStage]:

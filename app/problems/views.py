@@ -3,8 +3,10 @@
 from app.problems.bar.view import BAR
 from app.problems.interface import ProblemView
 from app.problems.ring.view import RING
+from app.problems.vortex.view import VORTEX
 
 VIEWS: dict[str, ProblemView] = {
     "bar": BAR,
     "ring": RING,
+    "vortex": VORTEX,
 }

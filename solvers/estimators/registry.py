@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from solvers.estimators.interface import EstimatorHooks
+from solvers.rules import SceneError
 
 EXTENSIONS = "MPM_LAB_EXTENSIONS"
 EXPLANATIONS = Path(__file__).parent / "explanations"
@@ -32,6 +33,7 @@ class Estimator:
     pixels drawn and left out (none: unbroken), ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``,
     ``P``, ``X``, ``*``). ``summary`` is a line, ``page`` is html that explains it in full, by default that of the file
     ``explanations/NAME.html``. ``hooks`` are given here only where they are not in a file of the problem's folder.
+    ``refusals`` tells of problems that it has no file for why not, as the end of a sentence: "is not ...".
     """
 
     name: str
@@ -42,6 +44,7 @@ class Estimator:
     label: str = ""
     page: str = ""
     hooks: Mapping[str, EstimatorHooks] = field(default_factory=dict)
+    refusals: Mapping[str, str] = field(default_factory=dict)
     judges: bool = True  # whether a run counts as lost where it says that the error of x is half the motion
 
     @property
@@ -87,6 +90,15 @@ def names(problem: str) -> tuple[str, ...]:
     return tuple(name for name, estimator in ESTIMATORS.items() if estimator.exists_for(problem))
 
 
+def require_offered(chosen: object, problem: str) -> None:
+    """Refuse, with a :class:`SceneError` in its own words, an estimator that other problems have and this has not."""
+    for name in chosen if isinstance(chosen, (tuple, list)) else ():
+        estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
+        if estimator and not estimator.exists_for(problem) and problem in estimator.refusals:
+            raise SceneError("estimators", name, f"{estimator.refusals[problem]}; give one of "
+                             f"{', '.join((*names(problem), 'none'))}")
+
+
 def hooks_of(problem: str) -> dict[str, EstimatorHooks]:
     """The hooks of all estimators that a problem has, by name."""
     found = names(problem)  # loads the extensions
@@ -113,6 +125,8 @@ for _estimator in (
     Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
               "against", colour="#EC9A1E", dashes=(3, 3), symbol="^"),
     Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
-              colour="#B0156B", dashes=(9, 3, 2, 3), symbol="D"),
+              colour="#B0156B", dashes=(9, 3, 2, 3), symbol="D",
+              refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
+                        "radius, two-grid runs a second ring"}),
 ):
     register(_estimator)

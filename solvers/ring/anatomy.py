@@ -3,7 +3,9 @@
 import numpy as np
 
 from solvers.anatomy import Anatomy, Carried, Image, flipped, link
-from solvers.ring.layout import CORNERS, GHOSTS, half_edges
+from solvers.planar.anatomy import nodes_of, weights_of
+from solvers.planar.layout import half_edges
+from solvers.ring.layout import GHOSTS
 from solvers.ring.scene import RingScene
 from solvers.ring.state import WatchedRing
 
@@ -22,12 +24,8 @@ def carried(a: WatchedRing) -> Carried:
 def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: Carried) -> Anatomy:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
-    if scene.method == "cpdi":
-        nodes = (a.corner_nodes[:, :, None] + np.array([0, 1, row, row + 1])).reshape(len(edges), 16)
-    else:
-        nodes = a.first_node[:, None] + (row * np.arange(3)[:, None] + np.arange(3)).ravel()
-    weights = _corner_weights if scene.method == "cpdi" else _stencil_weights
-    links = link(particle, nodes, lambda some: weights(a, edges, some), lambda node: _images(node, row))
+    links = link(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
+                 lambda node: _images(node, row))
     seen, k, ij = before.seen(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
     signs = np.where(ij < GHOSTS, -1.0, 1.0)  # a node beyond a plane has what its mirror image has
     home = np.abs(ij - GHOSTS) + GHOSTS
@@ -46,28 +44,6 @@ def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: 
         a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
         (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - GHOSTS) * scene.spacing, sums[:, 4].copy(),
         signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
-
-
-def _stencil_weights(a: WatchedRing, _: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    w = a.weights[some].reshape(-1, 4, 2)  # left, right and their slopes, each in x and y
-    S = np.stack([w[:, 0], 1 - w[:, 0] - w[:, 1], w[:, 1]], axis=1)
-    dS = np.stack([w[:, 2], -w[:, 2] - w[:, 3], w[:, 3]], axis=1)
-    (x, y), (by_x, by_y) = np.moveaxis(S, 2, 0), np.moveaxis(dS, 2, 0)
-
-    def product(along_y: np.ndarray, along_x: np.ndarray) -> np.ndarray:
-        return np.einsum("pj,pi->pji", along_y, along_x).reshape(-1, 9)
-
-    return product(y, x), np.stack([product(y, by_x), product(by_y, x)], axis=2)
-
-
-def _corner_weights(a: WatchedRing, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """S = 1/4 sum N(corner); the gradient takes N at opposite corners with opposite signs."""
-    x, y = a.weights[some, :4], a.weights[some, 4:]
-    N = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=2)  # (c, corner, node)
-    # A linear f has f(corner) = f(x) + c_1 f'r_1 + c_2 f'r_2, and so grad f = inverse of the edges, times sum c f.
-    along = np.einsum("ce,pcn->pecn", np.array(CORNERS), N)
-    slope = np.einsum("pde,pecn->pcnd", np.linalg.inv(2 * edges[some]), along)
-    return 0.25 * N.reshape(-1, 16), slope.reshape(-1, 16, 2)
 
 
 def _images(node: int, row: int) -> list[Image]:

@@ -60,17 +60,27 @@ def radial_forces(ring: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def force_moment(ring: ti.template(), p, on: ti.template()):
-    """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yx, yy) by gradient of the weight."""
-    q, mass = ring.motion[p], ring.mass[p]
-    push = ti.Vector([0.0, 0.0])
-    if ti.static(on.body_force != "none"):
-        push = mass * ring.radial_force[ring.radius[p]] * ring.direction[p]
-    tau = (mass / ring.density) * stress_of(ring, p, on)  # V sigma = V0 J sigma
-    return ti.Vector([mass * q[2], mass * q[3], push[0], push[1], mass, 0.0, 0.0, 0.0]), tau
+def push(ring: ti.template(), p):
+    """The body force on a particle, in N."""
+    return ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
 
 
 @ti.func
-def force_record(x, y):
-    """The record of a node on which nothing but a force acts."""
-    return ti.Vector([0.0, 0.0, x, y, 0.0, 0.0, 0.0, 0.0])
+def squared_stretch(ring: ti.template(), p, on: ti.template()):
+    """The largest eigenvalue of F F^T; with frozen weights, of its inverse."""
+    F = ring.deformation_gradient[p]
+    xx, yy, xy = F[0] * F[0] + F[1] * F[1], F[2] * F[2] + F[3] * F[3], F[0] * F[2] + F[1] * F[3]
+    root = ti.sqrt((xx - yy) ** 2 + 4 * xy * xy)
+    largest = 0.5 * (xx + yy + root)
+    if ti.static(on.frozen):
+        J = F[0] * F[3] - F[1] * F[2]
+        largest = largest / (J * J)
+    return largest
+
+
+@ti.func
+def tangent(ring: ti.template(), p, on: ti.template()):
+    """k V, the same along all directions: mu V0 (1 + the largest eigenvalue of F F^T); for frozen weights that of its
+    inverse."""
+    largest = squared_stretch(ring, p, on)
+    return ring.shear_modulus * ring.mass[p] / ring.density * (1 + largest), ti.Vector([1.0, 0.0, 1.0])

@@ -1,32 +1,29 @@
-"""The ring's samples: sums over particles for the norms of the true and the estimated error, and the energy.
-
-Errors are vectors (x, v, a) or tensors (sigma) at a fixed material point, computed minus exact; their sizes are
-Euclidean and Frobenius norms. The acceleration is the one that the last step used, so it is compared at that step's
-time. ``error_extra`` is the paper's "Err A": the error of the acceleration at the nodes that carry mass.
-"""
+"""What the ring knows of itself, for the samples: its exact solution at particles and nodes, and its strain energy."""
 
 import taichi as ti
 
-from solvers.ring import soundness
+from solvers.planar.samples import Measures
 from solvers.ring.exact import C1, C2, C3, INNER
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import kirchhoff_stress
-from solvers.samples import BASE, EACH, column
+from solvers.ring.soundness import look
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
 
 
 @ti.func
-def phase(ring: ti.template(), step):
+def moment(ring: ti.template(), step):
     """T and T' of the exact solution at the step, and T at the step before, whose acceleration was used."""
     angle = ring.angular_frequency * ring.dt * step
-    return (ring.amplitude * ti.sin(angle), ring.amplitude * ring.angular_frequency * ti.cos(angle),
-            ring.amplitude * ti.sin(ti.max(0.0, angle - ring.angular_frequency * ring.dt)))  # at the start both a are 0
+    before = ti.max(0.0, angle - ring.angular_frequency * ring.dt)  # at the start both a are 0
+    return ti.Vector([ring.amplitude * ti.sin(angle), ring.amplitude * ring.angular_frequency * ti.cos(angle),
+                      ring.amplitude * ti.sin(before)])
 
 
 @ti.func
-def vector_errors(ring: ti.template(), p, expansion, speed, before, on: ti.template()):
-    """Errors of x and v as one vector of four, and of a, at particle p. ``expansion`` is T, ``speed`` T'."""
+def vector_errors(ring: ti.template(), p, now, on: ti.template()):
+    """Errors of x and v as one vector of four, and of a, at particle p; ``now`` is the :func:`moment`."""
+    expansion, speed, before = now[0], now[1], now[2]
     w = ring.radii[ring.radius[p]][1]
     X, e, q = ring.material_position[p], ring.direction[p], ring.motion[p]
     motion = ti.Vector([q[0] - X[0] - expansion * w * e[0], q[1] - X[1] - expansion * w * e[1],
@@ -39,9 +36,9 @@ def vector_errors(ring: ti.template(), p, expansion, speed, before, on: ti.templ
 
 
 @ti.func
-def stress_error(ring: ti.template(), p, expansion):
+def stress_error(ring: ti.template(), p, now):
     """Error of the Cauchy stress, as xx, xy, yy."""
-    known = ring.radii[ring.radius[p]]  # R, w, w', w''
+    known, expansion = ring.radii[ring.radius[p]], now[0]  # R, w, w', w''
     radial = 1 + expansion * known[2]
     hoop = 1 + expansion * known[1] / known[0]
     scale = ring.shear_modulus / (radial * hoop)
@@ -53,16 +50,10 @@ def stress_error(ring: ti.template(), p, expansion):
 
 
 @ti.func
-def squared(tensor):
-    """Squared Frobenius norm of a symmetric tensor given as xx, xy, yy."""
-    return tensor[0] * tensor[0] + 2 * tensor[1] * tensor[1] + tensor[2] * tensor[2]
-
-
-@ti.func
-def node_acceleration_error(ring: ti.template(), before, on: ti.template()):
+def node_acceleration_error(ring: ti.template(), now, on: ti.template()):
     """Mean squared error of the nodes' acceleration against the exact one at the place of the node."""
     total, count = 0.0, 0
-    omega = ring.angular_frequency
+    omega, before = ring.angular_frequency, now[2]
     for j in range(GHOSTS, ring.active):
         for i in range(GHOSTS, ring.active):
             node = j * ring.row + i
@@ -84,82 +75,17 @@ def node_acceleration_error(ring: ti.template(), before, on: ti.template()):
 
 
 @ti.func
-def sample(ring: ti.template(), row, step, looks, on: ti.template()):
-    """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
-    crossings, work = 0.0, 0.0
-    for slab in range(ring.slabs):
-        crossings += ring.totals[2 * slab]
-        work += ring.totals[2 * slab + 1]
-    ring.samples[row, ti.static(column("step"))] = step
-    ring.samples[row, ti.static(column("work"))] = work
-    ring.samples[row, ti.static(column("crossings"))] = crossings
-    if ti.static(on.truth):
-        sample_truth(ring, row, step, on)
-    if ti.static(len(on.estimators) > 0):
-        sample_estimates(ring, row, step, on)
-    for q in ti.static(range(column("apart"), column("margin") + 1)):
-        ring.samples[row, q] = ti.math.nan
-    if ti.static(on.soundness):
-        if looks:
-            soundness.look(ring, row)
-    if ti.static(on.energy):
-        sample_energy(ring, row)
+def strain_energy(ring: ti.template(), p):
+    """mu/2 (F:F - 2 - 2 ln J) per reference volume."""
+    F, mass = ring.deformation_gradient[p], ring.mass[p]
+    J = ti.max(F[0] * F[3] - F[1] * F[2], 1e-300)
+    return 0.5 * ring.shear_modulus * mass / ring.density \
+        * (F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * ti.log(J))
 
 
 @ti.func
-def sample_truth(ring: ti.template(), row, step, on: ti.template()):
-    """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
-    expansion, speed, before = phase(ring, step)
-    squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    for p in range(ring.particles):
-        motion, a = vector_errors(ring, p, expansion, speed, before, on)
-        squares += squared_parts(motion, stress_error(ring, p, expansion), a)
-    for q in ti.static(range(3)):
-        ring.samples[row, ti.static(column("error_x")) + q] = squares[q]
-    if ti.static(on.acceleration):
-        # Before the first step no acceleration has been computed, and so none can be wrong.
-        nodes = node_acceleration_error(ring, before, on)
-        ring.samples[row, ti.static(column("error_a"))] = squares[3] if step > 0 else 0.0
-        ring.samples[row, ti.static(column("error_extra"))] = nodes * ring.particles if step > 0 else 0.0
+def nothing_more(ring: ti.template(), row, step, on: ti.template()):
+    """The ring has no samples of its own."""
 
 
-@ti.func
-def sample_estimates(ring: ti.template(), row, step, on: ti.template()):
-    """Sums of squares of each estimate and of its distance from the truth."""
-    expansion, speed, before = phase(ring, step)
-    for e in range(ti.static(len(on.estimators))):
-        squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-        for p in range(ring.particles):
-            motion, stress = ring.estimate[e * ring.particles + p], ring.estimate_stress[e * ring.particles + p]
-            sigma = ti.Vector([stress[0], stress[1], stress[2]])
-            a = ring.estimate_acceleration[e * ring.particles + p]
-            squares += squared_parts(motion, sigma, a)
-            if ti.static(on.truth):
-                true_motion, true_a = vector_errors(ring, p, expansion, speed, before, on)
-                missed += squared_parts(motion - true_motion, sigma - stress_error(ring, p, expansion), a - true_a)
-        at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
-        for q in ti.static(range(4)):
-            ring.samples[row, at + q] = squares[q]
-            if ti.static(on.truth and (q < 3 or on.acceleration)):
-                ring.samples[row, at + 4 + q] = missed[q]
-
-
-@ti.func
-def squared_parts(motion, sigma, a):
-    """Squared sizes of x, v, sigma and a."""
-    return ti.Vector([motion[0] * motion[0] + motion[1] * motion[1], motion[2] * motion[2] + motion[3] * motion[3],
-                      squared(sigma), a[0] * a[0] + a[1] * a[1]])
-
-
-@ti.func
-def sample_energy(ring: ti.template(), row):
-    """Kinetic energy, and strain energy mu/2 (F:F - 2 - 2 ln J) per reference volume."""
-    kinetic, strain = 0.0, 0.0
-    for p in range(ring.particles):
-        q, F, mass = ring.motion[p], ring.deformation_gradient[p], ring.mass[p]
-        kinetic += 0.5 * mass * (q[2] * q[2] + q[3] * q[3])
-        J = ti.max(F[0] * F[3] - F[1] * F[2], 1e-300)
-        strain += 0.5 * ring.shear_modulus * mass / ring.density \
-            * (F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * ti.log(J))
-    ring.samples[row, ti.static(column("kinetic"))] = kinetic
-    ring.samples[row, ti.static(column("strain"))] = strain
+MEASURES = Measures(moment, vector_errors, stress_error, node_acceleration_error, strain_energy, look, nothing_more)

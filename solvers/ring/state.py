@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from solvers.arrays import Watch, watch, zeros
 from solvers.estimators import registry
 from solvers.estimators.memory import packing
-from solvers.kinds import Pairs, Quads
+from solvers.planar.state import WatchedBody, watched
 from solvers.ring.body import RingBody, body, farthest
 from solvers.ring.scene import RingScene
 from solvers.switches import switches
@@ -16,11 +15,8 @@ HOOKS = registry.hooks_of("ring")
 
 
 @dataclass
-class WatchedRing(Watch, RingBody):
-    """A ring and those who watch it, with the estimates that are vectors and tensors."""
-
-    estimate_acceleration: Pairs  # estimated error of a (E*P, 2)
-    estimate_stress: Quads  # estimated error of sigma, as xx, xy, yy and nothing (E*P, 4)
+class WatchedRing(WatchedBody, RingBody):
+    """A ring and those who watch it."""
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
@@ -31,7 +27,4 @@ def allocate(scene: RingScene, slabs: int) -> WatchedRing:
     """The initial state."""
     on = switches(scene)
     own = body(scene, on, slabs)
-    P, estimated = own["particles"], bool(on.estimators)
-    return WatchedRing(**own, **watch(scene, on, P, farthest(scene), HOOKS),
-                       estimate_acceleration=zeros(len(on.estimators) * P, 2, when=estimated),
-                       estimate_stress=zeros(len(on.estimators) * P, 4, when=estimated))
+    return WatchedRing(**own, **watched(scene, on, own["particles"], farthest(scene), HOOKS))

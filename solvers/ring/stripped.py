@@ -8,10 +8,11 @@ from typing import NamedTuple
 import taichi as ti
 
 from solvers.arrays import part_of, part_types
-from solvers.ring import cpdi
+from solvers.planar import cpdi
+from solvers.planar.phases import EMPTY, fold_sums
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_force_at
-from solvers.ring.phases import EMPTY, fold, fold_sums, mirror_motion
+from solvers.ring.phases import TRAITS, fold, mirror_records
 from solvers.ring.solver import RingSolver
 from solvers.ring.state import WatchedRing
 from solvers.ring.step import check
@@ -27,8 +28,8 @@ class Bare(NamedTuple):
 
 
 StrippedRingState = part_types(WatchedRing, (
-    "particles", "row", "active", "radius_count", "spacing", "cells_per_length", "dt", "shear_modulus", "density",
-    "material_position", "farthest_move",
+    "particles", "row", "active", "radius_count", "spacing", "origin", "cells_per_length", "dt", "shear_modulus",
+    "density", "material_position", "farthest_move",
     "farthest", "amplitude", "angular_frequency", "motion", "deformation_gradient", "mass", "direction", "radius",
     "edges", "weights", "corner_nodes", "radii", "radial_force", "node_sums", "node_motion", "verdict"))
 
@@ -42,7 +43,7 @@ def particles_to_nodes(ring: ti.template(), t, on: ti.template()):
             ring.node_sums[node] = ti.Vector([0.0] * 8)
     for p in range(ring.particles):
         cpdi.find_weights(ring, p, on)
-    cpdi.particles_to_nodes(ring, 0, ring.particles, 0, on)
+    cpdi.particles_to_nodes(ring, 0, ring.particles, 0, TRAITS, on)
     fold(ring, fold_sums)
 
 
@@ -62,7 +63,7 @@ def update_nodes(ring: ti.template()):
                 if j == GHOSTS:
                     motion[1], motion[3] = 0.0, 0.0
             ring.node_motion[node] = motion
-    mirror_motion(ring)
+    mirror_records(ring, ring.node_motion)
 
 
 @ti.func

@@ -112,7 +112,7 @@ function draw() {
   const quantity = DATA.quantities[view.quantity], silences = silencesOf(run, view);
   const estimated = silences[0] ? null : estimatedSizes(run, view.quantity, view.estimator, view.difference, at);
   const pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
-  (run.problem === "bar" ? drawBar : drawRing)(pen, run, pinned, view, {
+  (run.problem === "bar" ? drawBar : drawPlane)(pen, run, pinned, view, {
     width: box.width, height: box.height, at, silences,
     sizes: [estimated, trueSizes(run, view.quantity, at)],
     scale: {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic},

@@ -17,7 +17,7 @@ from app.page.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from app.state import State
-from solvers.effects import EFFECTS
+from solvers.effects import ALL
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES
 from solvers.scene import AUTO, DEFAULT_CFL, Scene
@@ -125,7 +125,7 @@ class Controls:
                 self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"), \
                     self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
-                self._bound.boxes("effects", EFFECTS)
+                self._bound.boxes("effects", ALL)
 
     def _part(self, control: str) -> viser.GuiFolderHandle:
         """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
@@ -178,15 +178,15 @@ class Controls:
         default = type(scene)()
         if scene.swings:
             with self._part("amplitude"):
-                self._bound.size(
-                    Size("Amplitude A", "m", view.reach.amplitude, default.amplitude, view.amplitude_hint),
-                    scene.amplitude, lambda value: session.set(amplitude=value))
+                self._bound.size(Size("Amplitude A", words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
+                                      default.amplitude, view.amplitude_hint),
+                                 scene.amplitude, lambda value: session.set(amplitude=value))
         else:
             with self._part("stretch"):
                 self._motion.build_sliders()
         with self._part("modulus"):
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
-                            "Young's modulus: what is stiffer vibrates faster"),
+                            view.modulus_hint),
                        scene.modulus, lambda value: session.set(modulus=value))
         with self._part("step"):
             self._step()

@@ -15,7 +15,7 @@ from app.page.worst import WorstRegion, WorstRegions
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.estimators.registry import ESTIMATORS
-from solvers.norms import energy_drift
+from solvers.norms import energy_drift, spin_drift
 from solvers.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
@@ -32,6 +32,7 @@ HINTS = {
     "speed": "periods of the vibration in a second of yours: reached, of those asked for",
     "shown": "an earlier frame, of those that the slider Look back goes through",
     "energy": "kinetic and strain energy less the work of the body force, over the largest energy",
+    "turning": "angular momentum: beyond the torque of the body force, and beyond the exact, over that at the start",
     "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
     "norm": "root of the mean square over the particles, now",
     "index": "error index: estimated over true, summed over the run so far; 1 is perfect",
@@ -55,7 +56,8 @@ def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: st
     scene, silences = report.scene, _silences(report, series, quantity)
     wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
                   for silence in silences.values() if len(silence) > SHORT)
-    return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known) + scene.has("margin")
+    said = scene.has("margin") + scene.has("spin")
+    return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known) + said
 
 
 def pinned_lines(run: PinnedRun, report: FrameReport) -> int:
@@ -80,10 +82,18 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
             ("speed", moves if report.playing else f"<b>{rests}</b>, {session.speed:.3g} periods/s asked")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
-        size = f"{drift:+.2%}" if abs(drift) < 10 else f"{100 * drift:+.2g}%"
-        rows.append(("energy", f"out of balance by {size}"))
+        rows.append(("energy", f"out of balance by {_percent(drift)}"))
+    if scene.has("spin") and len(series.get("spin", ())):
+        off, wrong = (spin_drift(series, series[against]) for against in ("torque", "exact_spin"))
+        rows.append(("turning", f"balance {_percent(off)}, error {_percent(wrong)}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
     return _table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+
+
+def _percent(share: float | None) -> str:
+    if share is None:
+        return NOTHING
+    return f"{share:+.2%}" if abs(share) < 10 else f"{100 * share:+.2g}%"
 
 
 def _last(values: np.ndarray) -> float:

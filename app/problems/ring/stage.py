@@ -6,155 +6,56 @@ import viser
 
 from app import drawing
 from app.problems.field import Place
+from app.problems.planar_stage import PlanarStage
 from app.problems.stage import Stage
 from app.scale import ColourScale
-from solvers.engine.frames import FrameArrays
+from solvers.planar.layout import Layout, half_edges
 from solvers.ring import exact
 from solvers.ring.exact import INNER, OUTER
-from solvers.ring.layout import half_edges, particle_layout
+from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
-MIDDLE = (0.5, 0.44)
-RADIUS = 0.44  # of the outermost the ring should come, on the stage
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
-BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
-FARTHEST = 2.0  # metres from a plane, out of view: where particles of a run gone bad are drawn at most
 FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
-PAIR_MIDDLES, SMALLER = ((0.185, 0.52), (0.765, 0.52)), 0.58  # of two rings, each so much smaller than one alone
-RAISED = 0.24  # is the field plot below two rings
-MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 
 
-class RingStage(Stage[RingScene]):
+class RingStage(PlanarStage[RingScene]):
     """Draws frames of the ring in one client's scene."""
 
-    PROBLEM = "ring"
-    SILENCE_WIDTH, NAME_WIDTH = 22, 40  # it stands in the ring's hole
-    RECTANGLE = (*drawing.RECTANGLE[:2], -0.41, drawing.RECTANGLE[3])
-    PAIR_RECTANGLE = (*drawing.RECTANGLE[:2], -0.41 + RAISED, drawing.RECTANGLE[3])
-    PLOT, PLOT_DOT = FIELD, 0.005
-    MOST_MARKED, MARKED = 320, "magenta: crossing a cell boundary"
+    PROBLEM, PLOT = "ring", FIELD
+    MIRRORS, OUTLINED = MIRRORS, MIRRORS[::2]
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: Stage | None = None):
         super().__init__(client, scale, beside)
-        s, at = client.scene, self.at
-        self._halves = [drawing.points(s, f"{at}/{name}", 0.01) for name in ("truth", "estimate")]
-        self._cells = drawing.lines(s, f"{at}/cells", (225, 229, 234), 1.0)
-        self._planes = drawing.lines(s, f"{at}/planes", drawing.CELL, 1.5)
-        self._outlines = drawing.lines(s, f"{at}/domains", (120, 125, 132), 0.8)
-        self._flashes = drawing.points(s, f"{at}/crossings", 0.01)
-        self._flashes.colors = np.array(drawing.FLASH, np.uint8)  # of all: one each would cost a fifth of the bytes
-        self._titles = [drawing.label(s, f"{at}/l1", " ", 0.0, 0.0, "top-left"),
-                        drawing.label(s, f"{at}/l2", " ", 0.0, 0.0, "top-right")]
-        self._silences = [drawing.label(s, f"{at}/silence1", " ", 0.0, 0.0, "center-right", 0.85),
-                          drawing.label(s, f"{at}/silence2", " ", 0.0, 0.0, "center-left", 0.85)]
-        self._size_note = drawing.label(s, f"{at}/l3", "", 0.0, 0.0, "bottom-left", 0.85)
-        self._name = drawing.label(s, f"{at}/name", " ", 0.0, 0.0, "bottom-center")
-        if not beside:
-            self._flash_note = drawing.label(s, f"{at}/l4", " ", 0.0, 0.0, "bottom-right", 0.85)
-        self._arrange()
+        self._halves = [drawing.points(client.scene, f"{self.at}/{name}", 0.01) for name in ("truth", "estimate")]
 
-    def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
-        """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""
-        inside = np.zeros(len(arrays.position), bool)
-        for m in MIRRORS:
-            place = self._place(arrays.position * m)[:, :2]
-            inside |= ((place >= low) & (place <= high)).all(axis=1)
-        return inside
-
-    def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
-        x = _in_view(arrays.position[particles])
-        return np.concatenate([self._images(x, MIRRORS).reshape(len(MIRRORS), -1, 3),
-                               self._plot.places(particles, len(x))[None]])
-
-    def _draw_frame(self, scene: RingScene, arrays: FrameArrays, estimated: np.ndarray | None,
-                    true: np.ndarray | None, t: float, speed: float) -> None:
-        x = _in_view(arrays.position)
+    def _draw_halves(self, x: np.ndarray, estimated: np.ndarray | None, true: np.ndarray | None) -> None:
         for half, mirrors, sizes in zip(self._halves, (MIRRORS[:2], MIRRORS[2:]), (true, estimated), strict=True):
             drawing.put(half, self._images(x, mirrors), np.tile(drawing.shades(self._scale, sizes, len(x)), (2, 1)))
-        steps = arrays.steps_since_crossing
-        just_crossed = (steps >= 0) & (steps < BRIEF * speed / scene.time_step) & self._marked
-        drawing.put_few(self._flashes, self._images(x[just_crossed], MIRRORS, 0.02))
-        self._draw_domains(scene, arrays, x)
-        if self.plotted:
-            self._field.draw(scene, self.plotted, self.magnified, self._radii, arrays.plotted, t, just_crossed)
 
-    def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
-        """Positions in metres (n, 2) as points of the stage (n, 3)."""
-        return drawing.in_plane(self._middle[0] + self._per_metre * x[:, 0],
-                                self._middle[1] + self._per_metre * x[:, 1], depth)
+    def _layout(self, scene: RingScene) -> Layout:
+        return particle_layout(scene)
 
-    def _images(self, x: np.ndarray, mirrors: tuple[tuple[int, int], ...], depth: float = 0.0) -> np.ndarray:
-        """The mirror images of positions (n, 2) one after the other, as points of the stage (len(mirrors) n, 3).
+    def _reach(self, scene: RingScene) -> float:
+        return outermost(scene)
 
-        Made with every frame, so written in place: a coordinate is placed once for each side, not for each image.
-        """
-        out = np.empty((len(mirrors), len(x), 3), np.float32)
-        out[:, :, 2] = depth
-        for axis in range(2):
-            from_middle = np.float32(self._per_metre) * x[:, axis]
-            sides = {1: self._middle[axis] + from_middle, -1: self._middle[axis] - from_middle}
-            for image, mirror in zip(out, mirrors, strict=True):
-                image[:, axis] = sides[mirror[axis]]
-        return out.reshape(-1, 3)
+    def _note(self, scene: RingScene) -> str:
+        return f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
-    def _arrange(self) -> None:
-        self._middle, self._size = (PAIR_MIDDLES[bool(self._beside)], SMALLER) if self._paired else (MIDDLE, 1.0)
-        high, side = 0.515, 0.47 if self._paired else 0.5  # of the titles: the ring, at its largest, stays below
-        for label, x, y in ((self._titles[0], -side, high), (self._titles[1], side, high), (self._name, 0.0, 0.55),
-                            (self._size_note, -0.5, -0.5)):
-            self._put(label, self._size * x, self._size * y)
-        for label, x in zip(self._silences, (-0.015, 0.015), strict=True):
-            self._put(label, x, 0.0)
-        if not self._beside:
-            self._put(self._flash_note, 0.5, -0.5 + 0.15 * self._paired)
-            self._plot.root.position = (0.0, RAISED * self._paired, 0.0)
-
-    def _put(self, label: viser.LabelHandle, x: float, y: float) -> None:
-        """Move a label to a place counted from the ring's middle."""
-        label.position = (self._middle[0] + x, self._middle[1] + y, 0.0)
-
-    def _draw_grid(self, scene: RingScene) -> None:
-        reach = OUTER + scene.amplitude
-        self._per_metre = self._size * RADIUS / reach
-        end = 1.05 * reach
-        count = int(end / scene.spacing)
-        at = np.arange(-count, count + 1) * scene.spacing
-        upright = np.stack([np.repeat(at, 2), np.tile([-end, end], len(at))], axis=1)
-        self._cells.points = self._place(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3)
-        axes = np.array([[-end, 0], [end, 0], [0, -end], [0, end]])
-        self._planes.points = self._place(axes, -0.01).reshape(2, 2, 3)
-        width = scene.spacing / scene.ppc * self._per_metre
+    def _size_dots(self, width: float) -> None:
+        super()._size_dots(width)
         for half in self._halves:
             half.point_size = 0.58 * width
-        self._flashes.point_size = max(0.22 * width, 0.0025)
-        layout = particle_layout(scene)
-        self._radii = layout.radii[layout.radius]
-        self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
-        self._mark(len(layout.radius))
-        self._size_note.text = f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
-    def _draw_domains(self, scene: RingScene, arrays: FrameArrays, x: np.ndarray) -> None:
-        """Outline what each particle stands for: a box for GIMP, a parallelogram for CPDI."""
-        if not self.domains or self._edges is None or len(x) != len(self._edges):
-            self._outlines.visible = False
-            return
-        self._outlines.visible = True
-        F = arrays.deformation_gradient.reshape(-1, 2, 2)
-        first, second = np.moveaxis(half_edges(scene, F, self._edges), 1, 0)
-        corners = [x - first - second, x + first - second, x + first + second, x - first + second]
-        placed = [self._images(corner, MIRRORS[::2], 0.01) for corner in corners]
-        drawing.put(self._outlines, np.concatenate([drawing.joined(placed[k - 1], placed[k]) for k in range(4)]))
+
+def outermost(scene: RingScene) -> float:
+    """How far from the middle a particle should come, in metres."""
+    return OUTER + scene.amplitude
 
 
 def domains(scene: RingScene, F: np.ndarray) -> np.ndarray:
     """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients F (P, 2, 2)."""
     return half_edges(scene, F, particle_layout(scene).edges)
-
-
-def _in_view(x: np.ndarray) -> np.ndarray:
-    """Positions (n, 2) in metres; what is not a number becomes FARTHEST."""
-    return np.fmax(np.fmin(x, FARTHEST), -FARTHEST)
 
 
 STAGE = RingStage

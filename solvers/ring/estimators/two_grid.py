@@ -18,9 +18,10 @@ from solvers.estimators import lattice, two_grid
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.packing import part
 from solvers.kinds import octets, pairs, quads, real, reals
+from solvers.planar.phases import nodes_to_particles, update_grid
 from solvers.ring.body import RingBody, body
 from solvers.ring.material import kirchhoff_stress
-from solvers.ring.phases import nodes_to_particles, update_grid
+from solvers.ring.phases import TRAITS
 from solvers.ring.scene import RingScene, polar_counts
 from solvers.switches import switches
 
@@ -48,8 +49,8 @@ def after_step(ring: ti.template(), base, step, on: ti.template()):
     for q in range(coarse.particles):
         ring.two_grid_before[q] = coarse.deformation_gradient[q]
         ring.two_grid_before_a[q] = coarse.acceleration[q]
-    update_grid(coarse, step * ring.dt - coarse.dt, bare)
-    nodes_to_particles(coarse, 0, 0, bare)
+    update_grid(coarse, step * ring.dt - coarse.dt, TRAITS, bare)
+    nodes_to_particles(coarse, 0, 0, TRAITS, bare)
 
 
 @ti.func

@@ -1,4 +1,4 @@
-"""The ring's mappings with CPDI: the particle is a parallelogram whose corners carry hat functions.
+"""The mappings with CPDI: the particle is a parallelogram whose corners carry hat functions.
 
 S = 1/4 sum N(corner); the gradient is that of the corner values, exact over the parallelogram (Sadeghirad, Brannon &
 Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convected by F; corners 3 and 4 are opposite to
@@ -7,48 +7,48 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 
 import taichi as ti
 
-from solvers.ring.layout import CORNERS, GHOSTS
-from solvers.ring.material import force_moment, force_record
+from solvers.planar.layout import CORNERS
+from solvers.planar.records import force_moment, force_record
 
 
 @ti.func
-def convected_edges(ring: ti.template(), p, on: ti.template()):
+def convected_edges(body: ti.template(), p, on: ti.template()):
     """F r1 and F r2, in cells, as (r1x, r1y, r2x, r2y)."""
-    r = ring.edges[p] * ring.cells_per_length
+    r = body.edges[p] * body.cells_per_length
     if ti.static(not on.frozen):
-        F = ring.deformation_gradient[p]
+        F = body.deformation_gradient[p]
         r = ti.Vector([F[0] * r[0] + F[1] * r[1], F[2] * r[0] + F[3] * r[1],
                        F[0] * r[2] + F[1] * r[3], F[2] * r[2] + F[3] * r[3]])
     return r
 
 
 @ti.func
-def find_weights(ring: ti.template(), p, on: ti.template()):
+def find_weights(body: ti.template(), p, on: ti.template()):
     """Keep the cell of each corner and its place in it. Vectors of four are of the corners."""
-    x = ring.motion[p] * ring.cells_per_length + GHOSTS
+    x = body.motion[p] * body.cells_per_length + body.origin
     if ti.static(on.frozen):
-        X = ring.material_position[p]
-        x = ti.Vector([X[0], X[1], 0.0, 0.0]) * ring.cells_per_length + GHOSTS
-    r = convected_edges(ring, p, on)
+        X = body.material_position[p]
+        x = ti.Vector([X[0], X[1], 0.0, 0.0]) * body.cells_per_length + body.origin
+    r = convected_edges(body, p, on)
     along_first, along_second = ti.Vector([c[0] for c in CORNERS]), ti.Vector([c[1] for c in CORNERS])
     corner_x = x[0] + along_first * r[0] + along_second * r[2]
     corner_y = x[1] + along_first * r[1] + along_second * r[3]
     # Clamped: a run that goes bad has positions anywhere until the check stops it.
-    last = float(ring.active - 2)
+    last = float(body.active - 2)
     i = ti.min(ti.max(ti.floor(corner_x), 0.0), last)
     j = ti.min(ti.max(ti.floor(corner_y), 0.0), last)
     place_x, place_y = corner_x - i, corner_y - j
-    ring.weights[p] = ti.Vector([place_x[0], place_x[1], place_x[2], place_x[3],
+    body.weights[p] = ti.Vector([place_x[0], place_x[1], place_x[2], place_x[3],
                                  place_y[0], place_y[1], place_y[2], place_y[3]])
-    node = j * ring.row + i  # whole numbers, exact
-    ring.corner_nodes[p] = ti.Vector([ti.cast(node[c], ti.i32) for c in ti.static(range(4))])
+    node = j * body.row + i  # whole numbers, exact
+    body.corner_nodes[p] = ti.Vector([ti.cast(node[c], ti.i32) for c in ti.static(range(4))])
 
 
 @ti.func
-def corner_gradients(ring: ti.template(), p, on: ti.template()):
+def corner_gradients(body: ti.template(), p, on: ti.template()):
     """Weights of the values at corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
-    r = convected_edges(ring, p, on)
-    per = 0.5 * ring.cells_per_length / (r[0] * r[3] - r[1] * r[2])
+    r = convected_edges(body, p, on)
+    per = 0.5 * body.cells_per_length / (r[0] * r[3] - r[1] * r[2])
     return per * ti.Vector([r[1] - r[3], r[2] - r[0], r[1] + r[3], -r[0] - r[2]])
 
 
@@ -61,12 +61,12 @@ def hats(places, c: ti.template()):
 
 
 @ti.func
-def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template()):
+def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
     """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
-        places, cells = ring.weights[p], ring.corner_nodes[p]
-        g = corner_gradients(ring, p, on)
-        carried, tau = force_moment(ring, p, on)
+        places, cells = body.weights[p], body.corner_nodes[p]
+        g = corner_gradients(body, p, on)
+        carried, tau = force_moment(body, p, traits, on)
         carried = 0.25 * carried
         for c in ti.static(range(4)):
             a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
@@ -75,21 +75,21 @@ def particles_to_nodes(ring: ti.template(), start, end, grid, on: ti.template())
             N = hats(places, c)
             first = grid + cells[c]
             for k in ti.static(range(4)):
-                node = first + (k // 2) * ring.row + k % 2
-                ring.node_sums[node] = ring.node_sums[node] + N[k] * sums
+                node = first + (k // 2) * body.row + k % 2
+                body.node_sums[node] = body.node_sums[node] + N[k] * sums
 
 
 @ti.func
-def gather(ring: ti.template(), p, values: ti.template(), on: ti.template()):
+def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
     """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
-    places, cells = ring.weights[p], ring.corner_nodes[p]
-    g = corner_gradients(ring, p, on)
+    places, cells = body.weights[p], body.corner_nodes[p]
+    g = corner_gradients(body, p, on)
     total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     for c in ti.static(range(4)):
         N = hats(places, c)
         node = cells[c]
         value = N[0] * values[node] + N[1] * values[node + 1] \
-            + N[2] * values[node + ring.row] + N[3] * values[node + ring.row + 1]
+            + N[2] * values[node + body.row] + N[3] * values[node + body.row + 1]
         total += value
         sign = ti.static(1.0 if c < 2 else -1.0)
         if ti.static(c % 2 == 0):
@@ -100,11 +100,11 @@ def gather(ring: ti.template(), p, values: ti.template(), on: ti.template()):
 
 
 @ti.func
-def scatter(ring: ti.template(), p, carried, values: ti.template()):
+def scatter(body: ti.template(), p, carried, values: ti.template()):
     """Add four numbers of the particle to the nodes' values, with its weights."""
-    places, cells = ring.weights[p], ring.corner_nodes[p]
+    places, cells = body.weights[p], body.corner_nodes[p]
     for c in ti.static(range(4)):
         N = hats(places, c)
         for k in ti.static(range(4)):
-            node = cells[c] + (k // 2) * ring.row + k % 2
+            node = cells[c] + (k // 2) * body.row + k % 2
             values[node] = values[node] + 0.25 * N[k] * carried

@@ -1,36 +1,37 @@
-// The ring: a quarter and its mirror images, estimate on the left half, truth on the right, and the field plot below.
+// A plane problem: a ring, or a quarter of one and its mirror images, estimate on the left half, truth on the right, and
+// the field plot below.
 
-const OUTER = 0.6, BRIEF = 0.08;  // metres at rest; seconds that a crossing is marked
+const BRIEF = 0.08;  // seconds that a crossing is marked
 
-function drawRing(pen, run, pinned, view, scene) {
-  const {width, height, at, sizes, scale} = scene;
+function drawPlane(pen, run, pinned, view, scene) {
+  const {width, height, at, sizes, scale} = scene, {plot: {end: outer}, mirrors} = DATA.problems[run.problem];
   const room = width - 88, narrow = room < NARROW || height < 640, plot = Math.max(80, 0.15 * height);
   const top = 84, start = height - plot - (narrow ? 58 : 30), size = Math.max(60, Math.min(room, start - 34 - top));
   const across = Math.min(room, Math.max(1.35 * size, 480)), left = 66 + (room - across) / 2, right = left + across;
   const middle = [(left + right) / 2, top + size / 2];
-  const reach = 1.05 * (OUTER + run.reach), metre = size / 2 / reach;
+  const reach = 1.05 * run.outermost, metre = size / 2 / reach;
   drawColourBar(pen, scale, scene.measures, scene.unit, left, right, 24);
   words(pen, scene.titles[0], left, 60, "left", "top");
   words(pen, scene.titles[1], right, 60, "right", "top");
   drawSquares(pen, run, middle, metre, reach);
   const places = row(run.tracks.position, at), n = run.shown;
   const dot = Math.max(1.2, 0.56 * run.spacing / run.ppc * metre * Math.sqrt(run.particles / n));
-  drawHalf(pen, places, n, sizes[1], scale, middle, metre, 1, dot);
-  drawHalf(pen, places, n, sizes[0], scale, middle, metre, -1, dot);
-  if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre);
+  drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, dot);
+  const outlined = mirrors.length > 1 ? [[1, 1], [-1, 1]] : mirrors;
+  if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
   pen.fillStyle = `rgb(${FLASH})`;
   for (const [p, ago] of scene.flashed) {
     if (ago > BRIEF) continue;
-    for (const sx of [1, -1]) for (const sy of [1, -1]) {
+    for (const [sx, sy] of mirrors) {
       pen.beginPath();
-      pen.arc(middle[0] + sx * metre * places[p], middle[1] + sy * metre * places[n + p], Math.max(1.3, 0.45 * dot), 0, 7);
+      pen.arc(middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], Math.max(1.3, 0.45 * dot), 0, 7);
       pen.fill();
     }
   }
-  if (scene.silences[0]) words(pen, scene.silences[0], middle[0] - 6, middle[1], "right", "middle", 0.6 * OUTER * metre);
-  if (scene.silences[1]) words(pen, scene.silences[1], middle[0] + 6, middle[1], "left", "middle", 0.6 * OUTER * metre);
+  if (scene.silences[0]) words(pen, scene.silences[0], middle[0] - 6, middle[1], "right", "middle", 0.6 * outer * metre);
+  if (scene.silences[1]) words(pen, scene.silences[1], middle[0] + 6, middle[1], "left", "middle", 0.6 * outer * metre);
   const low = top + size + 6;
-  words(pen, `outer radius ${OUTER} m at rest, h = ${number(run.spacing)} m`, left, low, "left", "top");
+  words(pen, `outer radius ${outer} m at rest, h = ${number(run.spacing)} m`, left, low, "left", "top");
   words(pen, scene.note, right, low + (narrow ? 15 : 0), "right", "top", 0, "#8a0052");
   drawField(pen, run, pinned, view, at, {x: left, y: start, width: right - left, height: plot},
     scene.flashed.filter(([, ago]) => ago <= BRIEF).map(([p]) => p));
@@ -47,28 +48,29 @@ function drawSquares(pen, run, middle, metre, reach) {
   }
 }
 
-function drawHalf(pen, places, n, sizes, scale, middle, metre, side, dot) {
+function drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, dot) {
   for (let p = 0; p < n; p++) {
-    pen.fillStyle = sizes ? shade(sizes[p], scale) : UNKNOWN;
-    for (const sign of [1, -1]) {
+    for (const [sx, sy] of mirrors) {
+      const x = sx * places[p], half = sizes[x < 0 ? 0 : 1];
+      pen.fillStyle = half ? shade(half[p], scale) : UNKNOWN;
       pen.beginPath();
-      pen.arc(middle[0] + side * metre * places[p], middle[1] - sign * metre * places[n + p], dot, 0, 7);
+      pen.arc(middle[0] + metre * x, middle[1] - sy * metre * places[n + p], dot, 0, 7);
       pen.fill();
     }
   }
 }
 
-// What each particle of the upper half stands for: a box for GIMP, a parallelogram for CPDI.
-function drawDomains(pen, places, edges, n, middle, metre) {
+// What each particle stands for: a box for GIMP, a parallelogram for CPDI.
+function drawDomains(pen, places, edges, n, middle, metre, images) {
   pen.strokeStyle = "rgb(120,125,132)";
   pen.lineWidth = 0.8;
   pen.beginPath();
   for (let p = 0; p < n; p++) {
     const first = [edges[p], edges[n + p]], second = [edges[2 * n + p], edges[3 * n + p]];
-    for (const side of [1, -1]) {
+    for (const [side, up] of images) {
       [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]].forEach(([a, b], k) => {
         const x = middle[0] + side * metre * (places[p] + a * first[0] + b * second[0]);
-        const y = middle[1] - metre * (places[n + p] + a * first[1] + b * second[1]);
+        const y = middle[1] - up * metre * (places[n + p] + a * first[1] + b * second[1]);
         if (k) pen.lineTo(x, y); else pen.moveTo(x, y);
       });
     }

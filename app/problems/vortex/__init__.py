@@ -1,0 +1,1 @@
+"""How the vortex is shown: on the stage, in pictures, in regions."""

@@ -1,0 +1,31 @@
+"""How the vortex is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
+
+import numpy as np
+
+from app.problems.interface import ProblemView, Reach, Regions
+from solvers.vortex.scene import INNER, MOST_AMPLITUDE, OUTER
+
+ANGLES, FIFTHS = 8, ("innermost", "inner", "middle", "outer", "outermost")  # regions: 45 degrees each
+
+
+def regions(X: np.ndarray) -> Regions:
+    share = (np.hypot(X[:, 0], X[:, 1]) - INNER) / (OUTER - INNER)
+    fifth = np.clip((share * len(FIFTHS)).astype(int), 0, len(FIFTHS) - 1)
+    turns = np.arctan2(X[:, 1], X[:, 0]) / (2 * np.pi) % 1
+    angle = np.clip((turns * ANGLES).astype(int), 0, ANGLES - 1)
+    step = 360 // ANGLES
+    names = tuple(f"{fifth} fifth, {k * step}–{(k + 1) * step}°" for fifth in FIFTHS for k in range(ANGLES))
+    return Regions(names, fifth * ANGLES + angle)
+
+
+VORTEX = ProblemView(
+    "vortex", regions, f"the ring into {ANGLES} angles from the x axis on and {len(FIFTHS)} fifths of the wall",
+    picture=(15.0, 1.3), speed=0.1,
+    reach=Reach((12, 96, 2), (1, 6), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
+    amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
+                   "is seven times as much",
+    details={"layout": "where particles begin: Cartesian rims are staircases",
+             "body_force": "which force acts", "velocity": "the velocity that moves the particles"},
+    modulus_hint="Young's modulus: the body force sees to it that the motion stays the same, the errors do not",
+    domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
+                 "particles")

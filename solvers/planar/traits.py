@@ -1,0 +1,21 @@
+"""What a plane problem adds to the method: material, force and symmetry planes, as functions for kernels."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+
+class Traits(NamedTuple):
+    """A problem's own part of the phases. ``body`` is its state; a record of a node is (x, y, x, y) of two vectors."""
+
+    forces: Callable  # (body, t, on): find the body force per mass at time t, wherever a particle needs it
+    prepare: Callable  # (body, start, end): find what the stress of these particles needs, before it is asked for
+    push: Callable  # (body, p): the force on particle p that was found, in N
+    stress: Callable  # (body, p, on): J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest
+    #: (body, p, on): for the margin of the step, a stiffness in N m and a metric (xx, xy, yy) for the gradients of
+    #: weights g and h at two nodes, which it binds with at most the stiffness times |g| |h|.
+    tangent: Callable
+    first: int  # the first row and column of nodes that are no ghosts
+    fold: Callable  # (body, fold_pair): add what fell on ghosts to their mirror images
+    pin: Callable  # (i, j, record): the record without what would move node (i, j) across a plane
+    mirror: Callable  # (body, values): copy the records of nodes to their ghosts
+    image: Callable  # (body, node): the node that a ghost is the mirror image of; any other is its own

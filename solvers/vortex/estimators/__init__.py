@@ -1,0 +1,1 @@
+"""The vortex's estimators: one file each."""

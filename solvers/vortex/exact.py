@@ -1,0 +1,158 @@
+"""The generalized vortex, as functions of the material position X and the time t.
+
+Every circle of a ring between the radii a = 0.75 and b = 1.25 turns as a whole: x = Q(alpha) X, alpha = g(t) h(R), with
+g = A sin(w t), w = pi B, and h = 1 - 32 (R-1)^2 + 256 (R-1)^4. Both h and h' vanish at the rims, which therefore rest
+and carry no traction. In the turned polar frame (e_r, e_theta at the present angle Theta + alpha)
+
+    F = [[1, 0], [R alpha_R, 1]], J = 1, sigma_rr = 0, sigma_rt = mu R alpha_R, sigma_tt = mu (R alpha_R)^2
+
+for the neo-Hookean material sigma = lambda ln J/J I + mu/J (F F^T - I): lambda drops out of the solution, but not out
+of the errors. Source: Brannon, Kamojjala & Sadeghirad, Establishing credibility of particle methods through
+verification testing, Particles 2011; Kamojjala, Brannon, Sadeghirad & Guilkey, Eng. Comput. 31 (2015) 199-213.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+INNER, OUTER = 0.75, 1.25
+MIDDLE = 0.5 * (INNER + OUTER)
+BEND, RISE = -32.0, 256.0  # of h, in (R-1)^2 and (R-1)^4: so that h = h' = 0 at both rims
+
+
+class Vortex(Protocol):
+    """What these functions ask of a scene: A in radians, w in 1/s, E in Pa, nu and rho in kg/m^3."""
+
+    @property
+    def amplitude(self) -> float: ...
+    @property
+    def angular_frequency(self) -> float: ...
+    @property
+    def modulus(self) -> float: ...
+    @property
+    def poisson_ratio(self) -> float: ...
+    @property
+    def density(self) -> float: ...
+
+
+class Turn(NamedTuple):
+    """alpha at some radii and its derivatives in time and radius, each (K,)."""
+
+    angle: np.ndarray  # alpha
+    rate: np.ndarray  # alpha_t, 1/s
+    acceleration: np.ndarray  # alpha_tt, 1/s^2
+    slope: np.ndarray  # alpha_R, 1/m
+    curvature: np.ndarray  # alpha_RR, 1/m^2
+
+
+def lame(scene: Vortex) -> tuple[float, float]:
+    """lambda and mu in Pa, from E and nu (plane strain)."""
+    mu = 0.5 * scene.modulus / (1 + scene.poisson_ratio)
+    return 2 * mu * scene.poisson_ratio / (1 - 2 * scene.poisson_ratio), mu
+
+
+def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """h, h' and h'' at the radii R."""
+    s = R - MIDDLE
+    square = s * s
+    return (1 + (BEND + RISE * square) * square, (2 * BEND + 4 * RISE * square) * s, 2 * BEND + 12 * RISE * square)
+
+
+def time_factors(scene: Vortex, t: float) -> tuple[float, float, float]:
+    """g, g' and g'' at the time t: with h(R) the angle, its rate and its acceleration."""
+    w, A = scene.angular_frequency, scene.amplitude
+    return A * np.sin(w * t), A * w * np.cos(w * t), -A * w * w * np.sin(w * t)
+
+
+def turn(scene: Vortex, R: np.ndarray, t: float) -> Turn:
+    """By how much the circles of radius R are turned, and how that changes."""
+    (h, slope, curvature), (g, rate, acceleration) = shape(R), time_factors(scene, t)
+    return Turn(g * h, rate * h, acceleration * h, g * slope, g * curvature)
+
+
+def _polar(X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Radii (P,) and directions e_R (P, 2) of material positions."""
+    R = np.linalg.norm(X, axis=1)
+    return R, X / R[:, None]
+
+
+def _across(e: np.ndarray) -> np.ndarray:
+    """Vectors (P, 2) turned by 90 degrees: e_theta of e_r."""
+    return np.stack([-e[:, 1], e[:, 0]], axis=1)
+
+
+def _turned(e: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Vectors (P, 2) turned by the angles (P,)."""
+    return np.cos(angle)[:, None] * e + np.sin(angle)[:, None] * _across(e)
+
+
+def _vectors(direction: np.ndarray, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """along e + across e_theta (P, 2), e the directions (P, 2)."""
+    return along[:, None] * direction + across[:, None] * _across(direction)
+
+
+def position(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+    """x (P, 2) in metres at the material positions X (P, 2)."""
+    return _turned(X, turn(scene, np.linalg.norm(X, axis=1), t).angle)
+
+
+def displacement(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+    """u = x - X (P, 2) in metres; where the angle is small, without the cancellation of that difference."""
+    angle = turn(scene, np.linalg.norm(X, axis=1), t).angle
+    return -2 * (np.sin(0.5 * angle) ** 2)[:, None] * X + np.sin(angle)[:, None] * _across(X)
+
+
+def velocity(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+    """v = x_t = R alpha_t e_theta (P, 2) in m/s."""
+    R, e = _polar(X)
+    now = turn(scene, R, t)
+    return _vectors(_turned(e, now.angle), np.zeros_like(R), R * now.rate)
+
+
+def acceleration(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+    """a = x_tt = -R alpha_t^2 e_r + R alpha_tt e_theta (P, 2) in m/s^2: not zero at the start."""
+    R, e = _polar(X)
+    now = turn(scene, R, t)
+    return _vectors(_turned(e, now.angle), -R * now.rate**2, R * now.acceleration)
+
+
+def deformation_gradient(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+    """F = Q (I + R alpha_R e_Theta e_R^T) (P, 2, 2)."""
+    R, E = _polar(X)
+    now = turn(scene, R, t)
+    e = _turned(E, now.angle)
+    image = e + (R * now.slope)[:, None] * _across(e)  # F e_R
+    return image[:, :, None] * E[:, None, :] + _across(e)[:, :, None] * _across(E)[:, None, :]
+
+
+def polar_stress(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cauchy stress rr, rt, tt in the turned polar frame at the radii R, in pascals."""
+    mu, shear = lame(scene)[1], R * turn(scene, R, t).slope
+    return np.zeros_like(R), mu * shear, mu * shear**2
+
+
+def stress(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+    """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3) in pascals."""
+    R, E = _polar(X)
+    _, shear, hoop = polar_stress(scene, R, t)
+    c, s = _turned(E, turn(scene, R, t).angle).T
+    return np.stack([hoop * s * s - 2 * shear * c * s, shear * (c * c - s * s) - hoop * c * s,
+                     hoop * c * c + 2 * shear * c * s], axis=1)
+
+
+def polar_force(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Body force per mass along e_r and e_theta at the present angle, in m/s^2, at the radii R.
+
+    rho b = rho a - div sigma, and in the turned frame div sigma = -sigma_tt/R e_r + (sigma_rt' + 2 sigma_rt/R) e_theta.
+    """
+    now, per_mass = turn(scene, R, t), lame(scene)[1] / scene.density
+    return (-R * now.rate**2 + per_mass * R * now.slope**2,
+            R * now.acceleration - per_mass * (3 * now.slope + R * now.curvature))
+
+
+def body_force(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+    """Body force per mass (P, 2), in m/s^2, on the material points X that makes x = Q X the solution."""
+    R, E = _polar(X)
+    return _vectors(_turned(E, turn(scene, R, t).angle), *polar_force(scene, R, t))

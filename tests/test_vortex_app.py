@@ -1,0 +1,101 @@
+"""The vortex in everything that shows problems: command line, picture, state, page, recording, slow motion."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from app import state
+from app.cli import main
+from app.export.record import Wanted, recording
+from app.page.session import first_scene
+from app.problems.vortex.view import ANGLES, FIFTHS, VORTEX
+from app.words import choices, unit_of
+from solvers.effects import EFFECTS
+from solvers.problems import PROBLEMS
+from solvers.run import build
+from solvers.study.stability import offered
+from solvers.vortex.layout import particle_layout
+from solvers.vortex.scene import VortexScene
+
+QUICK = ["--cells", "12", "--ppc", "2", "--amplitude", "0.25", "--t-end", "0.2", "--quiet"]
+
+
+def test_a_run_prints_its_angular_momentum_and_draws_a_picture(capsys, tmp_path):
+    assert main(["run", "vortex", *QUICK, "--plot", str(tmp_path / "a.png")]) == 0
+    printed = capsys.readouterr().out
+    assert "amplitude 0.25 rad" in printed and "angular momentum off its balance by" in printed
+    assert (tmp_path / "a.png").stat().st_size > 50_000
+
+
+def test_json_says_what_the_vortex_is(capsys):
+    assert main(["run", "vortex", *QUICK, "--method", "cpgimp-v", "--json", "-"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["scene"]["poisson_ratio"] == 0.3 and printed["scene"]["frequency"] == 1.0
+    assert set(printed["angular_momentum"]) == {"initial", "final", "drift", "error"}
+    assert abs(printed["angular_momentum"]["drift"]) < 0.01 and "spin" in printed["effects"]
+    assert printed["step"]["margin"] < 1
+
+
+@pytest.mark.parametrize("words, says", [
+    (["--amplitude", "2"], "--amplitude 2: give an angle in radians"),
+    (["--poisson-ratio", "0.5"], "--poisson-ratio 0.5: give a number above -0.9 and up to 0.49"),
+    (["--method", "bspline"], "--method bspline: is not known; give one of ugimp"),
+    (["--remedies", "coupled-deformation"], "give one of null-space-filter, frozen-weights")])
+def test_what_cannot_be_is_one_sentence(words, says, capsys):
+    assert main(["run", "vortex", *words]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_a_state_and_words():
+    text = "vortex;method=cpgimp-v;cells=24;effects=truth,spin;poisson-ratio=0.4;frequency=2"
+    assert state.write(state.read(text)) == text
+    assert choices(VortexScene, "method")["cpgimp-v"] == "cpGIMP with the spatial stretch V"
+    assert [unit_of(PROBLEMS[name].scene, "amplitude") for name in ("bar", "ring", "vortex")] == ["m", "m", "rad"]
+
+
+def test_spin_is_an_effect_of_the_vortex_alone():
+    assert VortexScene.choices("effects") == (*EFFECTS, "spin")
+    for problem in ("bar", "ring"):
+        assert PROBLEMS[problem].scene.choices("effects") == tuple(EFFECTS)
+
+
+def test_the_page_begins_with_half_a_period():
+    assert first_scene("vortex").end_time == 1 and not first_scene("vortex").warnings()
+
+
+def test_regions_divide_the_whole_ring():
+    scene = VortexScene(cells=24)
+    found = VORTEX.regions(particle_layout(scene).position)
+    counts = np.bincount(found.number, minlength=len(found.names))
+    assert len(counts) == ANGLES * len(FIFTHS) and counts.min() > 0 and counts.sum() == scene.particles
+
+
+def test_treatments_of_the_map():
+    assert offered(VortexScene) == ("plain", "filter", "frozen")
+
+
+def test_a_recording():
+    head = recording(Wanted("vortex cells=12 ppc=2 t-end=0.1", 3, 1000, ("x",), domains=True))["head"]
+    assert head["outermost"] == 1.25 and head["shown"] == VortexScene(cells=12, ppc=2).particles
+    assert VORTEX.mirrors == ((1, 1),) and VORTEX.plot.component == "angular"
+
+
+@pytest.mark.parametrize("changes", [{"method": "cpdi"}, {"method": "cpgimp-v"},
+                                     {"method": "ugimp", "remedies": ("frozen-weights",)}], ids=str)
+def test_a_step_taken_apart_adds_up(changes):
+    """What the particles give is what the solver's nodes have, to rounding: mass, momentum, forces; and a = f/m."""
+    solver = build(VortexScene(cells=12, ppc=2, **changes))
+    solver.advance(20)
+    _, a = solver.dissect(40)
+    k, W, dW = a.links.members, a.links.weight, a.links.slope
+    np.testing.assert_allclose(W.T @ a.mass, a.node_mass, rtol=1e-11)
+    np.testing.assert_allclose(W.T @ (a.mass[:, None] * a.before.velocity), a.momentum, rtol=0,
+                               atol=1e-11 * np.abs(a.momentum).max())
+    force = -np.einsum("knd,ked->ne", dW, a.tension)
+    np.testing.assert_allclose(force, a.internal_force, rtol=0, atol=1e-9 * np.abs(a.internal_force).max())
+    np.testing.assert_allclose((a.internal_force + a.body_force) / a.node_mass[:, None], a.acceleration, rtol=1e-9,
+                               atol=1e-9 * np.abs(a.acceleration).max())
+    assert len(k) > 4 and a.particle == 40
