@@ -8,7 +8,6 @@ from solvers.planar.layout import CORNERS, MOST_HALF_WIDTH
 from solvers.scene import Scene
 from solvers.step_bound import stencil
 
-WIDEST = 1 << 20  # nodes in a row, more than any grid has
 Links = tuple[np.ndarray, np.ndarray, np.ndarray]  # nodes, weights and sizes of gradients (P, M)
 Number = Callable[[np.ndarray], np.ndarray]  # from a node's place, in cells from x = 0, to its number, 0 or more
 
@@ -26,7 +25,7 @@ def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,
         axes.append((number(first[:, None] + np.arange(3)), S, dS / scene.spacing))
     (i, S, dS), (j, R, dR) = axes
     pairs = [a[:, :, None] * b[:, None, :] for a, b in ((S, R), (dS, R), (S, dR))]
-    nodes = i[:, :, None] + WIDEST * j[:, None, :]
+    nodes = i[:, :, None] + (i.max() + 1) * j[:, None, :]
     P = len(x)
     return nodes.reshape(P, 9), pairs[0].reshape(P, 9), _sizes(pairs[1], pairs[2], metric).reshape(P, 9)
 
@@ -53,7 +52,7 @@ def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, numbe
                 S[at] += 0.25 * N
                 gradients[at] += N[:, None] * normal
     lines = number(start[:, :, None] + np.arange(W))
-    nodes = lines[:, 0, :, None] + WIDEST * lines[:, 1, None, :]
+    nodes = lines[:, 0, :, None] + (lines[:, 0].max() + 1) * lines[:, 1, None, :]
     return nodes.reshape(P, -1), S.reshape(P, -1), _sizes(gradients[..., 0], gradients[..., 1], metric).reshape(P, -1)
 
 
