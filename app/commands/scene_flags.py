@@ -23,7 +23,11 @@ class SceneFlags:
 
     def scene(self) -> Scene:
         """The scene that the flags describe; the scene itself checks it."""
-        return self.SCENE(**{FIELDS.get(key, key): value for key, value in self.inputs().items()})
+        return self.scene_with()
+
+    def scene_with(self, **instead: Any) -> Scene:
+        """The same with some inputs replaced."""
+        return self.SCENE(**{FIELDS.get(key, key): value for key, value in {**self.inputs(), **instead}.items()})
 
     def inputs(self) -> dict[str, Any]:
         """What was given for each input of a scene, by the name of its flag."""

@@ -20,6 +20,8 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
             continue
         key, component = known
         values = np.asarray(array, float)
+        if name in VECTORS and values.ndim > 1:
+            component = None  # a whole vector, called as its first component is
         if component is None and not (values.ndim == 1 and key in VECTORS + TENSORS):
             if key in columns:
                 raise FileError(path, f"has {key} twice, the second time as {name}; give it once")

@@ -22,7 +22,7 @@ from solvers.scene import Scene
 QUANTITIES = ("x", "v", "sigma")
 Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
 APART = 20.0  # times the usual distance from its neighbours' error, from where on a particle is by itself
-LEAST_APART = 1e-3  # of a cell; less is no matter
+LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave up to .01 on evenly laid particles
 NEIGHBOURS = 8  # particles of a group that share their error, at least about
 
 
