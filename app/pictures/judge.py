@@ -13,7 +13,7 @@ from app.colours import COLOUR_MAP, ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUT
 from app.figures import positive, say, thinned
 from app.words import QUANTITIES, method_name
 from solvers.judge.measure import QUANTITIES as JUDGED
-from solvers.judge.measure import sizes
+from solvers.judge.measure import series, sizes
 from solvers.judge.verdict import GridJudgement, Judgement
 from solvers.norms import largest
 
@@ -43,17 +43,16 @@ def norms_figure(judged: Judgement) -> Figure:
 
 def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> bool:
     """Whether there was anything to draw."""
-    from solvers.judge.measure import series
-
     shade = 1.0 if count == 1 else 0.35 + 0.65 * (k + 1) / count
     mark = MARKS[k % len(MARKS)] if len(g.grid.times) <= 12 else None
     lines = [("truth", series(g.true)[q], TRUTH, "-")] if g.true else []
     lines.append(("companion", series(g.estimated)[q], ESTIMATE, "--"))
     shown = False
     for label, values, colour, style in lines:
-        values = positive(values)
+        moved = g.grid.times > 0  # the error of the start is rounding, far below all others
+        values, times = positive(values[moved]), g.grid.times[moved]
         if np.isfinite(values).any():
-            axes.plot(g.grid.times, values, color=colour, linestyle=style, marker=mark, markersize=5, alpha=shade,
+            axes.plot(times, values, color=colour, linestyle=style, marker=mark, markersize=5, alpha=shade,
                       linewidth=1.4, label=f"{label}, {g.grid.cells} cells")
             shown = True
     return shown

@@ -50,7 +50,10 @@ class BarOutside(Outside):
                      r"difference is $E (F-1)^2/2$ and is judged as an error.",
             force=FORCES[force] + size + "." * (force != "none") + (f" {WHERE}" if force != "none" else ""),
             boundary="The bar is one period of an infinite one. Since the motion is odd about both ends, "
-                     "walls that hold $u = 0$ at $X = 0$ and $X = 1$ m do the same.",
+                     "walls that hold $u = 0$ at $X = 0$ and $X = 1$ m do the same; and since $u_X = 0$ at "
+                     "$X = -1/4$ and $X = 3/4$ m, so do free ends there, where particles with $X < 0$ are to be "
+                     "judged a "
+                     "metre further on (the force of two tones has no such ends).",
             start=rf"At rest in shape ($F = 1$), moving with $v = {scene.amplitude * scene.angular_frequency:.15g}\,"
                   r"\sin(2\pi X)$ m/s." if force != "none" else
                   rf"At rest in shape ($F = 1$), moving with $v = "
