@@ -39,11 +39,11 @@ def main(problem: Path, out: Path) -> None:
     model = builder.finalize(device="cpu")
     model.set_gravity((0.0, 0.0, 0.0))
     for name, value in (("young_modulus", numbers["modulus"]), ("poisson_ratio", 0.0), ("damping", 0.0),
-                        ("tensile_yield_ratio", 1.0), ("yield_pressure", 1e15), ("yield_stress", 1e15)):
+                        ("tensile_yield_ratio", 1.0)):
         getattr(model.mpm, name).fill_(value)
     config = SolverImplicitMPM.Config()
     config.voxel_size, config.tolerance, config.transfer_scheme, config.air_drag = h, TOLERANCE, "apic", 0.0
-    config.warmstart_mode, config.integration_scheme = "particles", "gimp"
+    config.warmstart_mode = "particles"
     solver, state, other = SolverImplicitMPM(model, config=config), model.state(), model.state()
     dt = CFL * h / numbers["wave_speed"]
     steps = round(numbers["periods"] * period / dt)
