@@ -7,7 +7,6 @@ file has it as an array or as one column for each component.
 import itertools
 import re
 
-FORMAT = "mpm-lab/particles/1"
 #: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.
 NAMES = {"t": ("t", "time", "timevalue"),
          "id": ("id", "ids", "particle_id", "particle", "pid", "global_id"),
