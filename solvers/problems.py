@@ -13,6 +13,7 @@ from solvers.scene import Scene
 from solvers.vortex.scene import VortexScene
 
 if TYPE_CHECKING:
+    from solvers.outside import Outside
     from solvers.solver import Solver
 
 
@@ -33,6 +34,11 @@ class Problem:
         """A solver whose step has nothing optional in it, written out by hand, where the problem has one."""
         module = f"{self.solver_path.rpartition('.')[0]}.stripped"
         return importlib.import_module(module).SOLVER if importlib.util.find_spec(module) else None
+
+    @property
+    def outside(self) -> Outside:
+        """The problem as another code sees it: the ``OUTSIDE`` of its folder's ``outside.py``."""
+        return importlib.import_module(f"{self.solver_path.rpartition('.')[0]}.outside").OUTSIDE
 
     @property
     def estimators(self) -> tuple[str, ...]:

@@ -25,18 +25,21 @@ def build(scene: Scene) -> Solver:
 
 
 def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = True,
-        moment: bool = True) -> Result:
+        moment: bool = True, on_sample: Callable[[Snapshot], None] | None = None) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
     ``on_progress`` is called several times a second with the part done, 0 to 1. With ``prices`` the estimators' shares
     of the time are measured half way, which takes a few tenths of a second beside the run. With ``moment`` the
-    particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`).
+    particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`). ``on_sample`` is
+    given the particles whenever their norms are sampled, from the start to the end; the run stops there each time.
     """
     solver = build(scene)
     begun = time.perf_counter()
     solver.compile()
     compiled = time.perf_counter() - begun
     rows = [solver.measure()]
+    if on_sample:
+        on_sample(solver.snapshot())
     shares: dict[str, float] = {}
     ran, slice_steps = 0.0, 64
     shown_at = shown_step(scene) if moment else scene.steps
@@ -44,10 +47,14 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     while solver.step < scene.steps and solver.sound:
         stop = shown_at if solver.step < shown_at else scene.steps
         steps = min(slice_steps, stop - solver.step, solver.longest_advance)
+        if on_sample:
+            steps = min(steps, scene.sample_interval - solver.step % scene.sample_interval)
         begun = time.perf_counter()
         rows.append(solver.advance(steps))
         took = time.perf_counter() - begun
         ran += took
+        if on_sample and solver.sound and (solver.step % scene.sample_interval == 0 or solver.step == scene.steps):
+            on_sample(solver.snapshot())
         if solver.step == shown_at < scene.steps and solver.sound:
             kept = solver.snapshot()
         slice_steps = max(1, int(min(2.0, SLICE_SECONDS / took) * steps)) if took > 0 else 2 * slice_steps

@@ -10,14 +10,14 @@ from numpy.polynomial import legendre
 
 from solvers.bar import exact as bar_exact
 from solvers.bar.estimators import companion as companion_bar
-from solvers.bar.forces import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.bar.scene import BarScene
 from solvers.estimators import companion
 from solvers.estimators.spectral import Elements, unresolved
 from solvers.ring import exact as ring_exact
 from solvers.ring.estimators import companion_mesh as companion_ring_mesh
-from solvers.ring.material import SECOND_FREQUENCY as RING_FREQUENCY
-from solvers.ring.material import SECOND_SIZE as RING_SIZE
+from solvers.ring.exact import SECOND_FREQUENCY as RING_FREQUENCY
+from solvers.ring.exact import SECOND_SIZE as RING_SIZE
 from solvers.ring.scene import RingScene
 from solvers.run import build
 from solvers.samples import QUANTITIES
@@ -215,7 +215,8 @@ def radial_solution(scene: RingScene, steps: int, t: float, order: int = 16) -> 
             return 0 * R
         omega = scene.angular_frequency
         across = np.cos(np.pi * (R - 0.4) / 0.2) * np.sin(RING_FREQUENCY * omega * t)
-        return ring_exact.body_force(scene, R, t) + RING_SIZE * omega**2 * scene.amplitude * across
+        one = ring_exact.body_force(replace(scene, body_force="material"), R, t)
+        return one + RING_SIZE * omega**2 * scene.amplitude * across
 
     def rate(t, y):
         F_r, F_t = 1 + D @ y[0], 1 + y[0] / R

@@ -10,6 +10,7 @@ import tyro
 from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, report, say, working
+from app.commands.run_particles import Keeper
 from app.commands.run_text import run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.scene import Scene
@@ -28,6 +29,8 @@ class Output:
     """File for the result as a JSON object; - is standard output."""
     plot: Annotated[PathFlag, default_hint("no picture")] = None
     """File for a picture of the result, .png."""
+    particles: Annotated[PathFlag, default_hint("none")] = None
+    """File for the particles at every sample, .npz or .csv, as mpm-lab judge reads them."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar, no warnings and no remarks on standard error."""
 
@@ -38,12 +41,15 @@ class Output:
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
+        keeper = None if self.particles is None else Keeper(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
             say(f"warning: {sentence}")
-        result = _run(scene, self.quiet)
+        result = _run(scene, self.quiet, keeper)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             say(f"no GPU was found: this ran on the processor ({result.arch})")
         report(result.to_dict(), target, run_table)
+        if keeper:
+            keeper.write()
         drawn = picture is None or _draw(result, picture)
         if result.status != "ok":
             say(result.reason)
@@ -60,7 +66,7 @@ class Run(Output, SceneFlags):
     {setting} Without --json a table goes to standard output.
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
     """
-    OUTPUT: ClassVar[frozenset[str]] = frozenset({"json", "plot", "quiet"})
+    OUTPUT: ClassVar[frozenset[str]] = frozenset({"json", "plot", "particles", "quiet"})
 
     def execute(self) -> int:
         """Run, then write what was asked for."""
@@ -87,10 +93,10 @@ class RunText(Output):
         return self.run_and_write(scene)
 
 
-def _run(scene: Scene, quiet: bool) -> Result:
+def _run(scene: Scene, quiet: bool, keeper: Keeper | None) -> Result:
     with working(quiet) as show:
         from solvers.run import run  # here: bad input and --help must not wait for Taichi
-        return run(scene, on_progress=show)
+        return run(scene, on_progress=show, on_sample=keeper.keep if keeper else None)
 
 
 def _draw(result: Result, target: Target) -> bool:

@@ -19,26 +19,33 @@ class SceneFlags:
 
     SCENE: ClassVar[type[Scene]]
     OUTPUT: ClassVar[frozenset[str]] = frozenset()
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset()  # fields of a scene that are no flags here
 
     def scene(self) -> Scene:
         """The scene that the flags describe; the scene itself checks it."""
-        return self.SCENE(**{FIELDS.get(key, key): value for key, value in self.inputs().items()})
+        return self.scene_with()
+
+    def scene_with(self, **instead: Any) -> Scene:
+        """The same with some inputs replaced."""
+        return self.SCENE(**{FIELDS.get(key, key): value for key, value in {**self.inputs(), **instead}.items()})
 
     def inputs(self) -> dict[str, Any]:
         """What was given for each input of a scene, by the name of its flag."""
         values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in self.OUTPUT}
         for name, words in SPECIAL.items():
+            if field_key(name) not in values:
+                continue
             meanings = {"none": (), "all": self.SCENE.choices(name)}
             key = field_key(name)
             values[key] = _expand(key, values[key], {word: meanings[word] for word in words})
         return values
 
 
-def of_problem(command: type, scene: type[Scene], **kinds: Any) -> type:
+def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> type:
     """A command for one problem: the flags of its scene, then the command's own; ``kinds`` replace types of flags."""
     flags = [(field_key(f.name), described(scene, f, kinds.get(f.name)),
               field(default=("none",) if f.default == () else f.default))
-             for f in fields(scene) if f.name != "problem"]
+             for f in fields(scene) if f.name != "problem" and f.name not in command.LEFT_OUT]
     bases = (command, make_dataclass("Flags", flags, bases=(SceneFlags,), frozen=True, kw_only=True))
     return _made(command, scene, bases)
 

@@ -12,6 +12,8 @@ import numpy as np
 from solvers.bar.scene import BarScene
 
 WAVENUMBER = 2 * np.pi
+SECOND_SIZE = 0.5  # of the force's second tone, of the first
+SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 
 
 def displacement(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
@@ -60,7 +62,13 @@ def field(scene: BarScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray
 
 
 def body_force(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
-    """b = 3 w^2 u per unit mass, in m/s^2 (eq 34, corrected); zero for the free bar."""
+    """b per unit mass, in m/s^2: 3 w^2 u (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside
+    it; zero for the free bar."""
     if scene.body_force == "none":
         return np.zeros_like(X)
-    return 3 * scene.angular_frequency**2 * displacement(scene, X, t)
+    w = scene.angular_frequency
+    force = 3 * w**2 * displacement(scene, X, t)
+    if scene.body_force == "two-tone":
+        size = SECOND_SIZE * 3 * w**2 * scene.amplitude * np.sin(SECOND_FREQUENCY * w * t)
+        force += size * np.sin(2 * WAVENUMBER * X)
+    return force

@@ -6,8 +6,7 @@
 
 import taichi as ti
 
-SECOND_SIZE = 0.5  # of the second tone, of the first
-SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
+from solvers.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
 
 
 @ti.func

@@ -10,6 +10,8 @@ import numpy as np
 from solvers.ring.scene import RingScene
 
 INNER, OUTER = 0.4, 0.6
+SECOND_SIZE = 0.5  # of the force's second tone, in w^2 A
+SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 _SCALE = OUTER * (OUTER - 3 * INNER)
 C1, C2, C3 = -6 * INNER / _SCALE, 3 * (INNER + OUTER) / (OUTER * _SCALE), -2 / (OUTER * _SCALE)
 
@@ -58,6 +60,14 @@ def stretches(scene: RingScene, R: np.ndarray, t: float) -> tuple[np.ndarray, np
     return 1 + T * slope, 1 + T * w / R
 
 
+def deformation_gradient(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+    """F (P, 2, 2) at the material positions X (P, 2)."""
+    R = np.linalg.norm(X, axis=1)
+    radial, hoop = stretches(scene, R, t)
+    outward = np.einsum("pi,pj->pij", X, X) / (R * R)[:, None, None]
+    return hoop[:, None, None] * np.eye(2) + (radial - hoop)[:, None, None] * outward
+
+
 def principal_stresses(scene: RingScene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
     """Cauchy stress along and across e_R at the radii R, in pascals: mu/J (F F^T - I), the paper's eq 37 corrected."""
     radial, hoop = stretches(scene, R, t)
@@ -83,10 +93,16 @@ def field(scene: RingScene, quantity: str, R: np.ndarray, t: float) -> np.ndarra
 
 
 def body_force(scene: RingScene, R: np.ndarray, t: float) -> np.ndarray:
-    """Radial body force per mass, in m/s^2, that makes u the solution: rho b = rho u_tt - P_r' - (P_r - P_theta)/R."""
+    """Radial body force per mass, in m/s^2, that makes u the solution: rho b = rho u_tt - P_r' - (P_r - P_theta)/R.
+    With two tones w^2 A/2 cos(pi (R - a)/(b - a)) sin(1.7 wt) beside it; zero for the free ring."""
+    if scene.body_force == "none":
+        return np.zeros_like(R)
     w, _, curvature = shape(R)
-    T, mu = _expansion(scene, t), 0.5 * scene.modulus
+    T, mu, frequency = _expansion(scene, t), 0.5 * scene.modulus, scene.angular_frequency
     radial, hoop = stretches(scene, R, t)
     difference = mu * (radial - 1 / radial - hoop + 1 / hoop)
-    return (-scene.angular_frequency**2 * T * w
-            - (mu * (1 + 1 / radial**2) * T * curvature + difference / R) / scene.density)
+    force = -frequency**2 * T * w - (mu * (1 + 1 / radial**2) * T * curvature + difference / R) / scene.density
+    if scene.body_force == "two-tone":
+        across = np.cos(np.pi * (R - INNER) / (OUTER - INNER))
+        force += SECOND_SIZE * frequency**2 * scene.amplitude * across * np.sin(SECOND_FREQUENCY * frequency * t)
+    return force

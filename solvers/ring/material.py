@@ -2,10 +2,7 @@
 
 import taichi as ti
 
-from solvers.ring.exact import INNER, OUTER
-
-SECOND_SIZE = 0.5  # of the second tone, in w^2 A
-SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
+from solvers.ring.exact import INNER, OUTER, SECOND_FREQUENCY, SECOND_SIZE
 
 
 @ti.func

@@ -1,0 +1,128 @@
+"""The pictures of a judgement: norms over time, the error in space, and largest errors over the cell size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from app.colours import COLOUR_MAP, ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
+from app.figures import positive, say, thinned
+from app.words import QUANTITIES, method_name
+from solvers.judge.measure import QUANTITIES as JUDGED
+from solvers.judge.measure import series, sizes
+from solvers.judge.verdict import GridJudgement, Judgement
+from solvers.norms import largest
+
+THEIRS = "#222222"
+MARKS = "os^Dv"
+
+
+def norms_figure(judged: Judgement) -> Figure:
+    """Each quantity's norm over time, a line for each grid; the companion's estimate is dashed."""
+    figure = Figure(figsize=(10, 7.5), layout="constrained")
+    for axes, q in zip(figure.subplots(len(JUDGED), 1, sharex=True), JUDGED, strict=True):
+        drawn = [_draw_norms(axes, g, q, k, len(judged.grids)) for k, g in enumerate(judged.grids)]
+        axes.set_ylabel(f"{QUANTITIES[q]} ({QUANTITIES[q].unit})")
+        if not any(drawn):
+            axes.set_yticks([])
+            say(axes, "not in the files, or zero")
+            continue
+        axes.set_yscale("log")
+        axes.grid(alpha=0.3)
+    first = figure.axes[0]
+    if first.get_legend_handles_labels()[0]:
+        first.legend(loc="lower right", fontsize=8, ncols=2)
+    first.set_title("error norms (RMS over particles)", fontsize=10)
+    figure.axes[-1].set_xlabel("time t (s)")
+    return figure
+
+
+def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> bool:
+    """Whether there was anything to draw."""
+    shade = 1.0 if count == 1 else 0.35 + 0.65 * (k + 1) / count
+    mark = MARKS[k % len(MARKS)] if len(g.grid.times) <= 12 else None
+    lines = [("truth", series(g.true)[q], TRUTH, "-")] if g.true else []
+    lines.append(("companion", series(g.estimated)[q], ESTIMATE, "--"))
+    shown = False
+    for label, values, colour, style in lines:
+        moved = g.grid.times > 0  # the error of the start is rounding, far below all others
+        values, times = positive(values[moved]), g.grid.times[moved]
+        if np.isfinite(values).any():
+            axes.plot(times, values, color=colour, linestyle=style, marker=mark, markersize=5, alpha=shade,
+                      linewidth=1.4, label=f"{label}, {g.grid.cells} cells")
+            shown = True
+    return shown
+
+
+def space_figure(judged: Judgement) -> Figure | None:
+    """The finest grid's particles at the time of their largest error of x: along the bar, or in the plane."""
+    g = judged.grids[-1]
+    worst = g.worst("x")
+    if worst is None:
+        return None
+    frame, errors = next((f, e) for f, e in zip(g.grid.frames, g.best, strict=True) if f.time == worst.time)
+    size = sizes(errors["x"])
+    few = np.union1d(thinned(len(size)), [int(np.argmax(size))])
+    X, x, shown = frame.material_position[few], frame.position[few], size[few]
+    alone = np.isin(few, g.apart.which) if g.apart and g.apart.frame.time == frame.time else np.zeros(len(few), bool)
+    figure = Figure(figsize=(10, 4) if X.shape[1] == 1 else (10, 8.5), layout="constrained")
+    axes = figure.subplots()
+    axes.set_title(f"error of x at t = {frame.time:.4g} s, {g.grid.cells} cells", fontsize=10)
+    if X.shape[1] == 1:
+        axes.scatter(X[:, 0], shown, s=10, color=THEIRS, linewidths=0)
+        axes.set(xlabel="material position X (m)", ylabel="|error of x| (m)", ylim=(0, 1.1 * float(shown.max()) or 1))
+        axes.grid(alpha=0.3)
+        ring = axes.scatter(X[alone, 0], shown[alone], s=60, facecolors="none", edgecolors=ESTIMATE)
+    else:
+        top = Normalize(0.0, float(shown.max()) or 1.0)
+        points = axes.scatter(x[:, 0], x[:, 1], c=shown, cmap=COLOUR_MAP, norm=top, linewidths=0,
+                              s=float(np.clip(40_000 / len(few), 2, 40)))
+        axes.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+        figure.colorbar(points, ax=axes, label="|error of x| (m)", shrink=0.8)
+        ring = axes.scatter(x[alone, 0], x[alone, 1], s=60, facecolors="none", edgecolors=ESTIMATE)
+    if alone.any():
+        ring.set_label("not where the neighbours are")
+        axes.legend(loc="upper right", fontsize=8)
+    return figure
+
+
+def order_figure(judged: Judgement) -> Figure | None:
+    """Largest errors of the particles and of our methods over h; None where there is nothing to compare."""
+    ours = any(g.ours for g in judged.grids)
+    if len(judged.grids) < 2 and not ours:
+        return None
+    figure = Figure(figsize=(11, 4.2), layout="constrained")
+    for axes, q in zip(figure.subplots(1, len(JUDGED)), JUDGED, strict=True):
+        h = [g.scene.spacing for g in judged.grids]
+        here = [_largest(g, q) for g in judged.grids]
+        axes.plot(h, positive(np.array(here)), "o-", color=THEIRS, linewidth=2, markersize=7, label="these particles")
+        lines: dict[tuple[str, bool], list[tuple[float, float]]] = {}
+        for g in judged.grids:
+            for run in g.ours:
+                if run.status == "ok" and (value := largest(run.norms[q])):
+                    name = run.scene.method, run.scene.linearity_preserving
+                    lines.setdefault(name, []).append((g.scene.spacing, value))
+        for (method, lp), at in lines.items():
+            axes.plot(*zip(*at, strict=True), marker=METHOD_MARKS[method], color=METHOD_COLOURS[method], linewidth=1,
+                      markersize=5, linestyle="--" if lp else "-", alpha=0.8,
+                      label=f"our {method_name(method)}{', linearity preserving' * lp}")
+        axes.set(xscale="log", yscale="log", xlabel="cell size h (m)", title=f"largest error of {QUANTITIES[q].symbol}")
+        axes.set_ylabel(f"({QUANTITIES[q].unit})")
+        axes.grid(alpha=0.3, which="both")
+        if len(set(h)) == 1:
+            axes.set_xlim(h[0] / 1.5, h[0] * 1.5)
+    figure.axes[0].legend(fontsize=8)
+    return figure
+
+
+def _largest(g: GridJudgement, q: str) -> float:
+    value = largest(g.norms[q])
+    return np.nan if value is None else value
+
+
+FIGURES: dict[str, Callable[[Judgement], Figure | None]] = {
+    "norms": norms_figure, "space": space_figure, "order": order_figure}

@@ -1,0 +1,53 @@
+"""Particles as they were at an instant, whoever computed them, and the grids that they belong to."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+class FileError(ValueError):
+    """A file that cannot be judged: ``file`` is its name, ``sentence`` says what is wrong and what is allowed."""
+
+    def __init__(self, file: str, sentence: str):
+        self.file, self.sentence = file, sentence
+        super().__init__(f"{file}: {sentence}")
+
+
+@dataclass(frozen=True)
+class Raw:
+    """A file as it was read: one table of n rows. ``columns`` maps the keys of ``columns`` to (n, ...), vectors (n, d)
+    and tensors (n, d, d) of as many dimensions as the file has; ``cells`` is what it says of its grid."""
+
+    file: str
+    columns: dict[str, np.ndarray]
+    names: tuple[str, ...]  # of everything in the file, for messages
+    time: float | None = None
+    cells: int | None = None
+
+
+@dataclass(frozen=True)
+class Frame:
+    """P particles at a ``time``: material position and position (P, D), what there is of velocity (P, D), F and Cauchy
+    stress (P, D, D), and the ``number`` (P,) of each in the file, its id where it has one."""
+
+    file: str
+    time: float
+    number: np.ndarray
+    material_position: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray | None = None
+    deformation_gradient: np.ndarray | None = None
+    stress: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The frames of one run, by their times; ``notes`` are sentences about what was found in the files."""
+
+    cells: int
+    frames: tuple[Frame, ...]
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def times(self) -> np.ndarray:
+        return np.array([frame.time for frame in self.frames])

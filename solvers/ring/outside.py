@@ -1,0 +1,127 @@
+"""The ring as another code sees it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers.estimators.alone import Body, Polar
+from solvers.estimators.spectral import Elements
+from solvers.outside import Outside, Start, Texts
+from solvers.ring import exact
+from solvers.ring.layout import particle_layout
+from solvers.ring.scene import RingScene
+
+SLACK = 1e-6  # m, by which a material point may lie beyond a surface: single precision rounds
+FINE, COARSE = (2, 4, 5), (2, 3, 4)  # of the companion: elements across the ring and around it, their order
+
+SHAPE = r"$$w(R) = C_1 R + C_2 R^2 + C_3 R^3$$"
+FORCE = (r"$$b_R = -\omega^2 T w - \frac{1}{\rho}\left[\mu\left(1 + \frac{1}{F_r^2}\right) T w'' + \frac{\mu}{R}"
+         r"\left(F_r - \frac{1}{F_r} - F_\theta + \frac{1}{F_\theta}\right)\right]$$ "
+         r"with $T = A \sin \omega t$, $F_r = 1 + T w'$, $F_\theta = 1 + T w/R$, $\mu = E/2$")
+SECOND = r"$$\frac{1}{2}\omega^2 A \cos\left(\pi\frac{R - 0.4}{0.2}\right)\sin(1.7\,\omega t)$$"
+WHERE = ("The force belongs to material points: a particle that began at $X$ feels $b(X,t)$, along its first direction "
+         "$e_R = X/R$, wherever it is now. A code that has the force only in space may invert $x = X + u(X,t)$.")
+
+
+class RingOutside(Outside):
+    """The expanding ring."""
+
+    axes = ("x", "y")
+
+    def start(self, scene: RingScene) -> Start:
+        layout = particle_layout(scene)
+        names = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
+        return Start(layout.position, layout.volume, dict(zip(names, layout.edges.T, strict=True)))
+
+    def texts(self, scene: RingScene) -> Texts:
+        w, A = f"{scene.angular_frequency:.15g}", f"{scene.amplitude:.15g}"
+        cubic = (f"{SHAPE} with $C_1 = {exact.C1:.15g}$ 1/m, $C_2 = {exact.C2:.15g}$ 1/m², $C_3 = {exact.C3:.15g}$ "
+                 f"1/m³: "
+                 "$w(0.6) = 1$ and $w'(0.4) = w'(0.6) = 0$")
+        numbers = rf"$A = {A}$ m, $\omega = {w}$ 1/s"
+        force = {"material": f"Radial: {FORCE}; {numbers}, $w$ as in the exact solution, in m/s². {WHERE}",
+                 "two-tone": f"Radial, the sum of {FORCE} and of {SECOND} {numbers}, $w$ as below, in m/s². {WHERE}",
+                 "none": "There is none: $b = 0$."}[scene.body_force]
+        return Texts(
+            body="A ring with the inner radius 0.4 m and the outer radius 0.6 m, its centre at the origin, of "
+                 "thickness 1 m, "
+                 "in plane strain (without Poisson's ratio plane stress is the same). A quarter of it, $x, y \\ge 0$, "
+                 "is "
+                 "enough, and that is what the particles fill.",
+            material=rf"Neo-Hookean with $\lambda = 0$: $\sigma = \frac{{\mu}}{{J}}(F F^T - I)$, $P = \mu(F - "
+                     rf"F^{{-T}})$, "
+                     rf"$\mu = E/2$, $E = {scene.modulus:.15g}$ Pa (Poisson's ratio 0); density {scene.density:.15g} "
+                     rf"kg/m³.",
+            force=force,
+            boundary="Both surfaces are free. On the planes of symmetry nothing moves across: $u_y = 0$ on $y = 0$ and "
+                     "$u_x = 0$ on $x = 0$.",
+            start=rf"At rest in shape ($F = I$), moving outwards with $v = "
+                  rf"{scene.amplitude * scene.angular_frequency:.15g}"
+                  rf"\,w(R)\,e_R$ m/s, {cubic}.",
+            exact=rf"$$u(X,t) = A \sin(\omega t)\,w(R)\,e_R$$ with {numbers}, {cubic}. Along $e_R$ and across it "
+                  r"$F_r = 1 + A \sin(\omega t)\,w'$ and $F_\theta = 1 + A \sin(\omega t)\,w/R$."
+            if scene.solution_known else "None is built in for this body force.",
+            table="The points of the table lie on the $x$ axis from $R = 0.4$ m to $R = 0.6$ m; elsewhere the force is "
+                  "that of the same radius, along $e_R$.")
+
+    def table_points(self, scene: RingScene, count: int) -> np.ndarray:
+        R = np.linspace(exact.INNER, exact.OUTER, count)
+        return np.stack([R, np.zeros_like(R)], axis=1)
+
+    def displacement(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+        return exact.displacement(scene, X, t)
+
+    def velocity(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+        return exact.velocity(scene, X, t)
+
+    def deformation_gradient(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+        return exact.deformation_gradient(scene, X, t)
+
+    def exact_stress(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+        xx, xy, yy = exact.stress(scene, X, t).T
+        return np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2)
+
+    def stress(self, scene: RingScene, F: np.ndarray) -> np.ndarray:
+        per_J = 0.5 * scene.modulus / np.linalg.det(F)
+        return per_J[:, None, None] * (np.einsum("pij,pkj->pik", F, F) - np.eye(2))
+
+    def body_force(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+        R = np.linalg.norm(X, axis=1)
+        return X * (exact.body_force(scene, R, t) / R)[:, None]
+
+    def misplaced(self, scene: RingScene, X: np.ndarray) -> np.ndarray:
+        R = np.linalg.norm(X, axis=1)
+        return (R < exact.INNER - SLACK) | (R > exact.OUTER + SLACK) | (X < -SLACK).any(axis=1)
+
+    def companion(self, scene: RingScene, fine: bool) -> Body:
+        return RingBody(scene, *(FINE if fine else COARSE))
+
+
+class RingBody(Polar):
+    """The quarter ring, its surfaces free, held across the planes of symmetry."""
+
+    def __init__(self, scene: RingScene, across: int, around: int, order: int):
+        # here: the page of text and the table of a problem must not wait for Taichi
+        from solvers.ring.estimators.companion_mesh import directions, free, unit_frequency
+
+        radial = Elements(exact.INNER, exact.OUTER, across, order)
+        angular = Elements(0.0, 0.5 * np.pi, around, order)
+        # strain stiffens: the tangent of the exact motion is at most mu (1 + 1/s^2), s the least stretch
+        stretches = [np.min(exact.stretches(scene, radial.nodes, s * scene.period / 4)) for s in (1, 3)]
+        stiffest = 0.5 * (1 + 1 / max(0.1, min(stretches)) ** 2)
+        super().__init__(radial, angular, directions(angular), free(radial, angular), scene.density,
+                         scene.wave_speed * unit_frequency(radial, angular) * float(np.sqrt(stiffest)))
+        self._scene = scene
+        self.velocity = exact.velocity(scene, self.places, 0.0) * free(radial, angular).reshape(-1, 2)
+        self._directions = np.broadcast_to(directions(angular), (self.rows, self.row, 2)).reshape(-1, 2)
+
+    def piola(self, F: np.ndarray) -> np.ndarray:
+        J = F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0]
+        turned = np.stack([F[..., 1, 1], -F[..., 1, 0], -F[..., 0, 1], F[..., 0, 0]], axis=-1).reshape(F.shape)
+        return 0.5 * self._scene.modulus * (F - turned / J[..., None, None])
+
+    def force(self, t: float) -> np.ndarray:
+        return np.repeat(exact.body_force(self._scene, self.radial.nodes, t), self.row)[:, None] * self._directions
+
+
+OUTSIDE = RingOutside()

@@ -1,0 +1,343 @@
+"""The referee: our own runs get our own errors, moved particles are found, every file that cannot be judged is told."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from app.cli import main
+from solvers.judge import handout, writing
+from solvers.judge.frames import FileError, Frame
+from solvers.judge.placing import grids
+from solvers.judge.reading import read
+from solvers.judge.verdict import judge
+from solvers.judge.vtk import write_vtu
+from solvers.problems import PROBLEMS
+from solvers.run import run
+
+QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "--periods", "0.5"]}
+TIME = 0.3  # of a period, at which exact particles are written
+
+
+def scene_of(problem: str, **fields):
+    return PROBLEMS[problem].scene(cells=12, **fields)
+
+
+@pytest.fixture(scope="module", params=QUICK)
+def own_run(request, tmp_path_factory):
+    """A run of ours: the errors that it reports and the file of its particles, in both forms."""
+    folder, problem = tmp_path_factory.mktemp("run"), request.param
+    for kind in ("npz", "csv"):
+        assert main(["run", problem, *QUICK[problem], "--particles", str(folder / f"run.{kind}"), "--json",
+                     str(folder / "run.json"), "--quiet"]) == 0
+    return problem, folder, json.loads((folder / "run.json").read_text())["error"]
+
+
+@pytest.mark.parametrize("kind", ["npz", "csv"])
+def test_a_run_of_ours_is_judged_to_have_our_own_errors(own_run, kind, tmp_path):
+    problem, folder, errors = own_run
+    out = tmp_path / "verdict"
+    assert main(["judge", problem, str(folder / f"run.{kind}"), *QUICK[problem], "--no-compare", "--quiet", "--out",
+                 str(out)]) == 0
+    [grid] = json.loads((out / "report.json").read_text())["grids"]
+    for q in ("x", "v", "sigma"):  # rounding only: the sums are taken in another order
+        assert grid["error"][q] == pytest.approx(errors[q], rel=1e-12)
+        assert grid["estimate"]["index"][q] == pytest.approx(1, abs=1e-3)
+        assert grid["estimate"]["own_error"][q] < 1e-2 * errors[q]["max"]
+    assert grid["apart"] is None and grid["notes"] == []
+    assert {entry.name for entry in out.iterdir()} == {"report.json", "report.md", "report.html", "norms.png",
+                                                       "space.png"}
+
+
+def test_keeping_particles_changes_nothing_of_a_run():
+    scene = scene_of("bar", periods=0.3)
+    shots = []
+    kept, plain = run(scene, prices=False, on_sample=shots.append), run(scene, prices=False)
+    assert all((kept.series[name] == plain.series[name]).all() for name in ("time", "error_x", "error_sigma"))
+    assert [shot.time for shot in shots] == kept.series["time"].tolist()
+
+
+@pytest.mark.parametrize("problem", QUICK)
+def test_moved_particles_are_found_with_their_place(problem, tmp_path):
+    """3 % of the particles, by a tenth of a cell, of a run that is otherwise ours."""
+    scene = PROBLEMS[problem].scene(cells=24, periods=0.5, estimators=(), effects=())
+    shots = []
+    run(scene, prices=False, on_sample=shots.append)
+    shot = shots[-1]
+    D = scene.DIMENSIONS
+    x, X = shot.position.reshape(-1, D).copy(), shot.material_position.reshape(-1, D)
+    moved = np.random.default_rng(7).choice(len(x), round(0.03 * len(x)), replace=False)
+    turn = np.random.default_rng(8).normal(size=(len(moved), D))
+    x[moved] += 0.1 * scene.spacing * turn / np.linalg.norm(turn, axis=1)[:, None]
+    file = tmp_path / "moved.npz"
+    np.savez(file, t=shot.time, x=x, X=X, cells=24)
+    judged = judge([read(str(file))], scene, [24], [], compare=False)
+    [grid] = judged.to_dict()["grids"]
+    assert sorted(judged.grids[0].apart.which) == sorted(moved)
+    assert grid["apart"]["farthest_over_h"] == pytest.approx(0.1, rel=0.2)
+    assert grid["apart"]["particle"] in moved and grid["worst"]["x"]["particle"] in moved
+    assert grid["worst"]["x"]["X"] in X[moved].tolist()
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_the_exact_particles_have_no_error_in_any_form(problem, tmp_path):
+    scene = scene_of(problem)
+    times = [TIME * scene.period, 0.4 * scene.period]
+    frames = [handout.exact(scene, t) for t in times]
+    (tmp_path / "a.csv").write_bytes(writing.csv(writing.table(frames)))
+    (tmp_path / "b.npz").write_bytes(writing.npz(frames, scene))
+    for name in ("a.csv", "b.npz"):
+        [grid] = grids([read(str(tmp_path / name))], scene, [12], [])
+        assert grid.times.tolist() == times
+        _no_error(scene, tmp_path / name)
+    one = frames[0]
+    data = {"id": one.number, "velocity": _in_space(one.velocity), "stress": _in_space(one.stress).reshape(-1, 9)}
+    (tmp_path / "c.vtu").write_bytes(write_vtu(one.position, data, one.time))
+    _no_error(scene, tmp_path / "c.vtu")
+    points = _in_space(one.position)
+    meshio.vtk.write(str(tmp_path / "d.vtk"), meshio.Mesh(points, [("vertex", np.arange(len(points))[:, None])],
+                                                          point_data=data))
+    _no_error(scene, tmp_path / "d.vtk", [one.time])
+    text = write_vtu(one.position, data, one.time).decode()
+    head, cells, tail = text[:text.index("<Cells>")], "<Cells>", text[text.index("</Cells>") + len("</Cells>"):]
+    assert cells in text
+    (tmp_path / "e.vtp").write_text((head + tail).replace("UnstructuredGrid", "PolyData"))
+    _no_error(scene, tmp_path / "e.vtp")
+
+
+def _no_error(scene, file: Path, times=()) -> None:
+    judged = judge([read(str(file))], scene, [scene.cells], list(times), compare=False)
+    for q, values in judged.grids[0].norms.items():
+        assert values.max() < 1e-12 * scene.size_of(q), (file.name, q)
+
+
+def _in_space(values):
+    """Vectors and tensors of fewer dimensions as those of three."""
+    D = values.shape[-1]
+    return np.pad(values, [(0, 0)] + [(0, 3 - D)] * (values.ndim - 1))
+
+
+def test_a_periodic_code_may_wrap_its_positions(tmp_path):
+    scene = scene_of("bar")
+    frame = handout.exact(scene, TIME * scene.period)
+    x = np.mod(frame.position + 0.9, 1.0) - 0.9  # some are a period away
+    file = tmp_path / "wrapped.csv"
+    file.write_bytes(writing.csv(writing.table([replace(frame, position=x)])))
+    [grid] = judge([read(str(file))], scene, [12], [], compare=False).to_dict()["grids"]
+    assert grid["error"]["x"]["max"] < 1e-15
+    assert ("moved back by a period" in " ".join(grid["notes"])) == bool((x != frame.position).any())
+
+
+@pytest.mark.parametrize("problem, force", [("bar", "two-tone"), ("ring", "none"), ("ring", "two-tone")])
+def test_without_a_truth_the_companion_judges(problem, force, tmp_path):
+    """A run of ours, by its own companion and by the judge's: the same to the per cent that the former is off."""
+    scene = PROBLEMS[problem].scene(cells=24, periods=0.4, body_force=force, estimators=("companion",))
+    shots = []
+    result = run(scene, prices=False, on_sample=shots.append)
+    from solvers.judge.ours import framed
+    file = tmp_path / "run.npz"
+    file.write_bytes(writing.npz([framed(shot, scene) for shot in shots], scene))
+    [grid] = judge([read(str(file))], scene, [24], [], compare=False).to_dict()["grids"]
+    assert grid["error"] is None and grid["estimate"]["index"] is None
+    for q in ("x", "v", "sigma"):
+        own = result.estimates("companion")[q]["max"]
+        assert grid["estimate"]["companion"][q]["max"] == pytest.approx(own, rel=0.02)
+        assert grid["worst"][q]["size"] > 0
+
+
+def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):
+    """Linearity-preserving uGIMP is of second order; our own runs on the same grids stand beside."""
+    files = []
+    for cells in (20, 40):
+        file = tmp_path / f"n{cells}.csv"
+        assert main(["run", "bar", "--cells", str(cells), "--amplitude", "2.5e-4", "--linearity-preserving",
+                     "--periods", "1", "--sample-every", str(5 * cells), "--particles", str(file), "--quiet"]) == 0
+        files.append(str(file))
+    out = tmp_path / "verdict"
+    assert main(["judge", "bar", *files, "--amplitude", "2.5e-4", "--quiet", "--out", str(out)]) == 0
+    report = json.loads((out / "report.json").read_text())
+    assert [g["cells"] for g in report["grids"]] == [20, 40]
+    assert report["order"]["x"]["order"] == pytest.approx(2, abs=0.2)
+    for grid in report["grids"]:
+        same = next(run for run in grid["ours"] if run["method"] == "ugimp" and run["linearity_preserving"])
+        assert same["error"]["x"]["max"] == pytest.approx(grid["error"]["x"]["max"], rel=1e-12)
+        assert len(grid["ours"]) == len(PROBLEMS["bar"].scene.candidates())
+    text = (out / "report.md").read_text()
+    assert "## Order in h" in text and "![" in text and (out / "order.png").exists()
+    page = (out / "report.html").read_text()
+    assert "data:image/png;base64" in page and "<script" not in page and "http" not in page.replace("http-equiv", "")
+
+
+def test_times_between_our_steps_are_met(tmp_path):
+    """At times that no step of ours ends at, ours is interpolated: its error is that of its neighbours in time."""
+    from solvers.judge.ours import compared
+    scene = scene_of("bar", estimators=(), effects=())
+    t = 0.1 * scene.period
+    near = compared(scene, [t, t + 0.37 * scene.time_step, t + scene.time_step]).norms
+    for q in ("x", "v", "sigma"):
+        assert min(near[q][::2]) * 0.98 < near[q][1] < max(near[q][::2]) * 1.02
+
+
+def test_another_law_of_the_material_is_noticed(tmp_path):
+    scene = scene_of("bar")
+    frame = handout.exact(scene, TIME * scene.period)
+    other = replace(frame, stress=scene.modulus * np.log(frame.deformation_gradient))
+    file = tmp_path / "log.csv"
+    file.write_bytes(writing.csv(writing.table([other])))
+    [grid] = judge([read(str(file))], scene, [12], [], compare=False).to_dict()["grids"]
+    assert "another material" in grid["notes"][0] and grid["error"]["x"]["max"] < 1e-15 < grid["error"]["sigma"]["max"]
+
+
+def test_crossings_are_counted(tmp_path):
+    scene = scene_of("bar")
+    X = handout.start(scene).material_position
+    frames = [Frame("", t, np.arange(len(X)), X, X + shift) for t, shift in ((0.1, scene.spacing), (0.2, 0.0))]
+    from solvers.judge.measure import crossings
+    assert crossings(scene, frames) == 2 * len(X)
+
+
+def table(problem="bar", **changed):
+    """The exact particles as columns, some of them changed or, where None, left out."""
+    scene = scene_of(problem)
+    columns = writing.table([handout.exact(scene, TIME * scene.period)])
+    columns |= changed
+    return {name: values for name, values in columns.items() if values is not None}
+
+
+def csv_file(folder: Path, columns, name="bad.csv") -> str:
+    out = io.StringIO()
+    out.write(",".join(columns) + "\n")
+    out.writelines(",".join(map(str, row)) + "\n" for row in zip(*columns.values(), strict=True))
+    (folder / name).write_text(out.getvalue())
+    return str(folder / name)
+
+
+IDS, SHIFT = table()["id"], 0.3
+SPOILT = {
+    "no positions": ({"x": None}, "has no positions (x or position); its columns are t, id"),
+    "no identity": ({"id": None, "X": None}, "says of no particle which it is: give id"),
+    "ids from 1": ({"X": None, "id": IDS + 1}, "has ids from 1 to 48, and 12 cells with 4 particles each way have 0 "
+                                               "to 47"),
+    "half ids": ({"X": None, "id": IDS + 0.5}, "has ids that are no whole numbers"),
+    "no time": ({"t": None}, "says no time; give a column t"),
+    "negative time": ({"t": 0 * IDS - 1.0}, "has the time -1; give seconds from 0 on"),
+    "a position that is none": ({"x": np.where(IDS == 5, np.nan, table()["x"])},
+                                "has 1 rows whose x is no number, first particle 5"),
+    "an infinite velocity": ({"vx": np.where(IDS == 7, np.inf, 0.0)}, "has 1 rows whose v is no number, first "
+                                                                      "particle 7"),
+    "shifted origin": ({"x": table()["x"] + SHIFT}, "has all positions shifted by 0.3 m"),
+    "shifted material": ({"X": table()["X"] + SHIFT}, "its origin may be shifted; particles begin at X from"),
+    "twice": ({"X": None, "id": np.where(IDS == 3, 4, IDS)}, "has particle 4 2 times at t ="),
+    "one place": ({"id": None, "X": np.where(IDS == 3, table()["X"][4], table()["X"])}, "particles with the material "
+                                                                                        "position"),
+}
+
+
+@pytest.mark.parametrize("case", SPOILT)
+def test_a_spoilt_file_is_named_with_what_is_allowed(case, tmp_path, capsys):
+    changed, said = SPOILT[case]
+    file = csv_file(tmp_path, table(**changed))
+    _refused(["judge", "bar", file, "--cells", "12"], said, tmp_path, capsys, file)
+
+
+CONTENTS = {
+    "empty.csv": (b"", "is empty; give a file with particles"),
+    "names.csv": (b"id,x\n", "holds no particles; give names in the first line"),
+    "numbers.csv": (b"1,2\n3,4\n", "has no names in its first line"),
+    "ragged.csv": (b"id,x\n1,2\n3\n", "has a line that is no row of 2 numbers"),
+    "words.csv": (b"id,x\n1,two\n", "has a line that is no row of 2 numbers"),
+    "more.csv": (b"id,x\n1,2,3\n", "has 2 names and 3 numbers in a line"),
+    "same.csv": (b"id,x,x\n1,2,3\n", "has two columns called x"),
+    "other.csv": (b"mass,colour\n1,2\n", "holds no particles that are known by name, but mass, colour"),
+    "cells.csv": (b"# cells = many\nid,x,t\n1,2,3\n", "says cells = many; give a number"),
+    "halfcells.csv": (b"# cells = 1.5\nid,x,t\n1,2,3\n", "says that it has 1.5 cells"),
+    "grid.csv": (b"# cells = 2\nid,x,t\n1,2,3\n", "belongs to a grid of 2 cells, which cannot be"),
+    "latin.csv": (b"id,x\xff\n1,2\n", "is no text"),
+    "no.npz": (b"nothing", "is no .npz of plain numbers"),
+    "no.vtu": (b"<VTKFile>", "cannot be read as .vtu by meshio"),
+    "no.vtk": (b"nothing", "cannot be read as .vtk by meshio"),
+    "no.vtp": (b'<VTKFile type="UnstructuredGrid"/>', "is no PolyData"),
+    "no.xyz": (b"1", "is of no kind that is known; give a file that ends in .csv, .npz"),
+}
+
+
+@pytest.mark.parametrize("name", CONTENTS)
+def test_a_file_that_is_none_is_named(name, tmp_path, capsys):
+    content, said = CONTENTS[name]
+    (tmp_path / name).write_bytes(content)
+    _refused(["judge", "bar", str(tmp_path / name)], said, tmp_path, capsys, str(tmp_path / name))
+
+
+def test_a_pickle_is_not_opened(tmp_path):
+    np.savez(tmp_path / "bad.npz", x=np.array([{"a": 1}], dtype=object), t=1.0)
+    with pytest.raises(FileError, match=r"is no \.npz of plain numbers"):
+        read(str(tmp_path / "bad.npz"))
+
+
+@pytest.mark.parametrize("arrays, said", [
+    ({"x": np.zeros((3, 8, 1)), "t": np.arange(2.0)}, "has 2 times and positions of the shape"),
+    ({"x": np.zeros((3, 8, 1)), "t": np.arange(3.0), "v": np.zeros((2, 8, 1))}, "has v of the shape (2, 8, 1)"),
+    ({"x": np.zeros(4), "v": np.zeros(3), "t": 1.0}, "has columns of several lengths"),
+    ({"x": np.zeros(4), "F": np.zeros((4, 5)), "t": 1.0}, "has F of the shape (4, 5)"),
+    ({"x": np.zeros(4), "v": np.array(list("abcd")), "t": 1.0}, "has no numbers in v"),
+    ({"x": np.zeros(4), "sxy": np.zeros(4), "t": 1.0}, "has some components of sigma but not xx"),
+    ({"x": np.zeros((4, 2)), "position": np.zeros((4, 2)), "t": 1.0}, "has x twice"),
+])
+def test_arrays_that_do_not_fit_are_named(arrays, said, tmp_path):
+    np.savez(tmp_path / "bad.npz", **arrays)
+    with pytest.raises(FileError) as error:
+        read(str(tmp_path / "bad.npz"))
+    assert said in error.value.sentence
+
+
+@pytest.mark.parametrize("flags, said", [
+    ([], "give one or several files of particles"),
+    (["FILE"], "--out (no value): give a directory"),
+    (["FILE", "--out", "."], "is not empty; give an empty or a new directory"),
+    (["FILE", "--out", "new", "--cells", "12", "--time", "1", "2"], "gives 2 times for 1 files"),
+    (["FILE", "--out", "new", "--cells", "12", "--time", "soon"], "--time soon: is no time"),
+    (["FILE", "--out", "new", "--cells", "12", "--time", "9"], "its column t says 0.3 s and --time says 9 s"),
+    (["FILE", "--out", "new", "--cells", "12 20"], "gives 2 grids for 1 files"),
+    (["FILE", "FILE", "--out", "new", "--cells", "12"], "has the time 0.3 s, which"),
+    (["FILE", "--out", "new", "--cells", "two"], "--cells two: give a whole number"),
+    (["not-there.csv", "--out", "new"], "cannot be read: no such file or directory"),
+    (["FILE", "--out", "new", "--estimator", "companion"], "--estimator: is not a flag"),
+])
+def test_bad_input_is_one_line(flags, said, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    columns = table()
+    file = csv_file(tmp_path, {**columns, "t": 0 * columns["t"] + 0.3})
+    flags = [file if flag == "FILE" else flag for flag in flags]
+    assert main(["judge", "bar", *flags]) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1
+
+
+def test_two_directions_are_not_one(tmp_path, capsys):
+    file = csv_file(tmp_path, table())
+    said = "has x in 1 direction, and the problem has 2; give x, y"
+    _refused(["judge", "ring", file, "--cells", "12"], said, tmp_path, capsys, file)
+
+
+def _refused(arguments, said, folder, capsys, file) -> None:
+    assert main([*arguments, "--out", str(folder / "new")]) == 2
+    error = capsys.readouterr().err
+    assert said in error and Path(file).name in error.replace("...", Path(file).name) and error.count("\n") == 1
+
+
+@pytest.mark.parametrize("flags, said", [
+    (["--particles", "run.txt"], "give a file that ends in .npz or .csv"),
+    (["--particles", "no/such/run.npz"], "cannot be written"),
+    (["--particles", "run.npz", "--cells", "2000", "--sample-every", "1"], "sample more rarely"),
+])
+def test_particles_of_a_run_that_cannot_be_kept_are_told_before_it(flags, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "bar", *flags]) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1
