@@ -89,6 +89,11 @@ def moving(scene: Scene) -> str:
     return f"patch test, F = {values['stretch']:g}, v = {with_unit(values['initial_velocity'], 'm/s')}"
 
 
+def title(scene: Scene) -> str:
+    """What a scene is of: "vibrating bar", and "patch test of the bar" where nothing swings."""
+    return scene.TITLE if scene.swings else f"patch test of the {scene.problem}"
+
+
 def per_cell(problem: str, ppc: float) -> str:
     """Particles per cell, which are counted along each direction: 4, 2 × 2, 2.5."""
     return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)

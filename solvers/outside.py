@@ -16,11 +16,15 @@ import numpy as np
 if TYPE_CHECKING:
     from solvers.estimators.alone import Body
 
+#: Fields of a scene that say how we would solve it, and nothing of the problem.
+OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
+                        "threads", "sample_every", "plan", "dt", "cfl"})
+
 
 @dataclass(frozen=True)
 class Start:
-    """Particles at the time 0: where they are, P of them (P, D), and their ``volume`` (P,) in m^D; ``more`` has columns
-    (P,) that the problem knows beside it, such as the edges of a particle's domain."""
+    """Particles at the time 0: where they are, P of them (P, D), and the ``volume`` (P,) that they fill there, in m^D;
+    ``more`` has columns (P,) that the problem knows beside it, such as the edges of a particle's domain."""
 
     material_position: np.ndarray
     volume: np.ndarray
@@ -89,6 +93,15 @@ class Outside(ABC):
         """Cauchy stress (P, D, D) in Pa of the exact solution."""
         return self.stress(scene, self.deformation_gradient(scene, X, t))
 
-    def unwrapped(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Positions x (P, D) that a code may have moved by a period, moved back; as they are where nothing has one."""
+    def initial_deformation_gradient(self, scene: Any, X: np.ndarray) -> np.ndarray:
+        """F (P, D, D) at the time 0."""
+        return np.broadcast_to(np.eye(X.shape[1]), (len(X), X.shape[1], X.shape[1])).copy()
+
+    def grid_corner(self, scene: Any) -> float:
+        """Where the lines of our grid begin, in m, in each direction."""
+        return 0.0
+
+    def unwrapped(self, scene: Any, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Positions x (P, D) at the times t (P,) that a code may have moved by a period, moved back; as they are where
+        nothing has one."""
         return x

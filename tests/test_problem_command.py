@@ -17,6 +17,7 @@ from solvers.judge.reading import read
 from solvers.problems import PROBLEMS
 from solvers.ring.scene import RingScene
 from solvers.run import build
+from solvers.vortex.scene import VortexScene
 
 FILES = {"particles.csv", "particles.vtu", "body_force.csv", "exact.csv", "problem.json", "problem.md"}
 
@@ -41,7 +42,11 @@ def test_particles_are_those_that_our_runs_begin_with(folder):
     P = len(shot.position)
     assert (raw.columns["id"] == np.arange(P)).all() and raw.cells == 12 and raw.time == 0
     assert (raw.columns["X"] == shot.material_position.reshape(P, -1)).all()
-    assert (raw.columns["v"] == shot.velocity.reshape(P, -1)).all()
+    # The vortex begins with the velocity of half a step before, as its scheme wants it; what is written is v(0).
+    before = -0.5 * solver.scene.time_step if problem == "vortex" else 0.0
+    begun = PROBLEMS[problem].outside.velocity(solver.scene, raw.columns["X"], before)
+    assert (begun == shot.velocity.reshape(P, -1)).all()
+    assert (raw.columns["v"] == PROBLEMS[problem].outside.velocity(solver.scene, raw.columns["X"], 0.0)).all()
     mesh = meshio.read(path / "particles.vtu")
     D = raw.columns["X"].shape[1]
     assert (mesh.points[:, :D] == raw.columns["X"]).all()
@@ -55,9 +60,9 @@ def test_the_mass_is_the_bodys(folder):
     text = (path / "particles.csv").read_text().splitlines()
     names = text[4].split(",")
     mass = sum(float(line.split(",")[names.index("mass")]) for line in text[5:])
-    whole = {"bar": 1.0, "ring": 1000 * np.pi / 4 * (0.6**2 - 0.4**2)}
-    if problem in whole:  # polar volumes are exact for thin wedges: r dr dtheta at the middle
-        assert mass == pytest.approx(whole[problem], rel=1e-12)
+    whole = {"bar": 1.0, "ring": 1000 * np.pi / 4 * (0.6**2 - 0.4**2), "vortex": 1000 * np.pi * (1.25**2 - 0.75**2)}
+    # polar volumes are exact for thin wedges: r dr dtheta at the middle
+    assert mass == pytest.approx(whole[problem], rel=1e-12)
 
 
 def test_the_exact_solution_obeys_the_equation_of_motion_with_the_force_of_the_table(folder):
@@ -101,7 +106,9 @@ def test_the_page_names_the_numbers_and_every_file(folder):
 
 
 @pytest.mark.parametrize("scene", [BarScene(body_force="two-tone"), BarScene(body_force="none"),
-                                   RingScene(cells=48, body_force="none"), RingScene(cells=48, body_force="two-tone")])
+                                   RingScene(cells=48, body_force="none"), RingScene(cells=48, body_force="two-tone"),
+                                   VortexScene(amplitude=0.1, body_force="none"),
+                                   VortexScene(amplitude=0.1, body_force="two-tone")])
 def test_the_companion_alone_is_the_one_beside_our_particles(scene):
     """Two meshes of their own: 1e-4 of the motion is what the coarser one may be off."""
     solver = build(replace(scene, estimators=("companion",)))
@@ -125,7 +132,8 @@ def test_the_companion_alone_finds_the_exact_solution(problem):
             assert np.abs(moved - outside.displacement(scene, X, t)).max() < allowed * scene.size_of("x")
             assert np.abs(speed - outside.velocity(scene, X, t)).max() < 10 * allowed * scene.size_of("v")
             F = np.eye(X.shape[1]) + gradient
-            assert np.abs(F - outside.deformation_gradient(scene, X, t)).max() < 10 * allowed
+            known = outside.deformation_gradient(scene, X, t)
+            assert np.abs(F - known).max() < 10 * allowed * np.abs(known).max()
 
 
 def test_a_problem_without_a_solution_brings_the_companions(tmp_path):

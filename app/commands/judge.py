@@ -11,9 +11,10 @@ from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch,
 from app.commands.folder import Folder
 from app.commands.judge_text import as_html, as_markdown
 from app.commands.output import json_text, say, working
-from app.commands.problem import OF_METHODS, times_of
+from app.commands.problem import times_of
 from app.commands.scene_flags import SceneFlags
 from solvers.judge.frames import FileError
+from solvers.outside import OF_METHODS
 from solvers.scene import Scene
 
 OK, FAILED = 0, 1

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.lessons.markup import html
 from app.problems.views import VIEWS
-from app.words import NOTHING, QUANTITIES, method_name, per_cell, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, title, with_unit
 from solvers.judge.measure import QUANTITIES as JUDGED
 from solvers.judge.verdict import Judgement
 from solvers.markdown import grid
@@ -18,6 +18,8 @@ from solvers.markdown import grid
 CAPTIONS = {"norms.png": "Error norms over time: against the truth where there is one, and as the companion sees them",
             "space.png": "Where the error of x is, at the time at which it is largest",
             "order.png": "Largest errors over the cell size, beside our own methods"}
+#: Inputs that some problems have: their keys, names and units.
+OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
 WHAT = """Errors are computed minus exact at each particle's material point; their sizes are Euclidean and Frobenius
 norms, and a norm is the root of the mean square over the particles that are there, as in our own runs. *Final*,
 *largest* and *mean* are over the times in the files after the start. The *companion* is a spectral-element solution
@@ -32,8 +34,8 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     """The report; pictures stand after the summary."""
     scene = judged.scene
     files = sorted({file for g in values["grids"] for file in g["files"]})
-    head = [f"# {scene.TITLE.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
-            f"{_said(values)}, against the {values['against']}.", _summary(values, judged)]
+    head = [f"# {title(scene).capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
+            f"{_said(values, judged)}, against the {values['against']}.", _summary(values, judged)]
     head += [_verdict(g, values) for g in values["grids"]]
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
@@ -54,21 +56,22 @@ def _scrolling(body: str) -> str:
     return body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
 
 
-def _said(values: dict) -> str:
+def _said(values: dict, judged: Judgement) -> str:
     scene = values["scene"]
-    return (f"{values['problem'].capitalize()} with A = {scene['amplitude']:g} m, E = {scene['modulus']:g} Pa, density "
-            f"{scene['density']:g} kg/m³, body force {scene['body_force']}, "
+    more = [f"{name} {scene[key]:g}{unit}" for key, name, unit in OF_SOME if key in scene]
+    return (f"{values['problem'].capitalize()}: {moving(judged.scene)}, E = {scene['modulus']:g} Pa, density "
+            f"{scene['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {scene['body_force']}, "
             f"{per_cell(values['problem'], scene['ppc'])} particles per cell unless files say which they are")
 
 
 def _summary(values: dict, judged: Judgement) -> str:
-    heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of A"]
+    heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
     rows = []
     for g, one in zip(values["grids"], judged.grids, strict=True):
         errors = _errors(g)
         rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", _times(g["times"]),
                      *(_size(errors[q]["max"], q) for q in JUDGED),
-                     _percent(errors["x"]["max"], one.scene.motion_amplitude)])
+                     _percent(errors["x"]["max"], one.scene.size_of("x"))])
     return grid(heads, rows, words=("times",))
 
 

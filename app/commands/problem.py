@@ -13,6 +13,7 @@ from app.commands.folder import Folder
 from app.commands.output import json_text, say
 from app.commands.problem_text import page
 from app.commands.scene_flags import SceneFlags
+from solvers.outside import OF_METHODS
 from solvers.scene import Scene
 
 OK = 0
@@ -20,9 +21,6 @@ TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
 QUARTERS = 4  # of a period: the times of the exact solution where none are asked for
 MOST_TIMES = 10_000
 MOST_ROWS = 5_000_000
-#: Fields of a scene that say how we would solve it, and nothing of the problem.
-OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
-                        "threads", "sample_every", "plan", "dt", "cfl"})
 
 
 def times_of(words: tuple[str, ...], flag: str) -> list[float]:
@@ -82,19 +80,19 @@ def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
     from solvers.judge.vtk import write_vtu
 
     start, first = handout.start(scene), handout.initial(scene)
-    more = {"volume": start.volume, "mass": scene.density * start.volume, **start.more}
+    more = {"volume": start.volume, "mass": handout.masses(scene), **start.more}
     force = handout.force_table(scene, TABLE_POINTS, TABLE_TIMES)
     said: dict[str, Any] = {"problem": scene.problem, "cells": scene.cells, "ppc": scene.ppc}
     data = {"id": first.number, "material_position": _in_space(first.material_position),
             "velocity": _in_space(np.asarray(first.velocity)), **more}
     solution = [handout.exact(scene, t) for t in times] if scene.solution_known else handout.companion(scene, times)
-    name = "exact" if scene.solution_known else "companion"
+    numbers, name = handout.numbers(scene), "exact" if scene.solution_known else "companion"
     return {
         "particles.csv": writing.csv(writing.table([first], more), {**said, "t": 0.0}),
         "particles.vtu": write_vtu(first.position, data, 0.0),
         "body_force.csv": writing.csv(force, {"problem": scene.problem}),
         f"{name}.csv": writing.csv(writing.table(solution), said),
-        "problem.json": json_text({"schema": handout.SCHEMA, **handout.numbers(scene)}, lines=True).encode(),
+        "problem.json": json_text({"schema": handout.SCHEMA, **numbers}, lines=True).encode(),
         "problem.md": page(scene, handout.texts(scene), times, name).encode()}
 
 

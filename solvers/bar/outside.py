@@ -32,6 +32,30 @@ class BarOutside(Outside):
         return Start(X[:, None], np.full(len(X), scene.spacing / scene.ppc))
 
     def texts(self, scene: BarScene) -> Texts:
+        return self._of_patch(scene) if scene.is_patch else self._of_vibration(scene)
+
+    def _of_patch(self, scene: BarScene) -> Texts:
+        F, v = f"{scene.stretch:.15g}", f"{scene.initial_velocity:.15g}"
+        stress = f"{scene.modulus * (scene.stretch - 1):.15g}"
+        return Texts(
+            body=f"A bar of cross-section 1 m² and of the length 1 m, to which it has been stretched by $F_0 = {F}$: "
+                 f"without stress it would be $1/F_0 = {1 / scene.stretch:.15g}$ m long. Particles stand evenly, and "
+                 "$X$ is where one begins, in the bar as it is at $t = 0$. In two or three dimensions: a row of cells "
+                 "between walls without friction, with Poisson's ratio 0.",
+            material=rf"Linear in the stretch: $\sigma = E (F - 1)$ with $E = {scene.modulus:.15g}$ Pa, where $F$ "
+                     "counts from the bar without stress, and the nominal and the Cauchy stress are the same, for the "
+                     f"cross-section stays as it is; density {scene.density:.15g} kg/m³ without stress, so that it is "
+                     f"{scene.density / scene.stretch:.15g} kg/m³ as the bar begins.",
+            force=FORCES["none"],
+            boundary="The bar is one period of an infinite one, and moves through its grid on and on: the grid must be "
+                     "periodic. Positions may be wrapped or not.",
+            start=f"Evenly stretched, $F = {F}$, with the stress $\\sigma = {stress}$ Pa, and moving with $v = {v}$ "
+                  "m/s everywhere.",
+            exact=f"Nothing happens: $u(X,t) = {v}\\,t$ in metres, $v = {v}$ m/s, $F = {F}$ and $\\sigma = {stress}$ "
+                  "Pa for ever. Whatever the judge finds beyond round-off is the method's.",
+            table="The points of the table lie along the bar, both ends among them.")
+
+    def _of_vibration(self, scene: BarScene) -> Texts:
         A, w = f"{scene.motion_amplitude:.15g}", f"{scene.angular_frequency:.15g}"
         motion = rf"$$u(X,t) = {A}\,\sin(2\pi X)\sin(\omega t)$$"
         known = (f"{motion} in metres; velocity and acceleration are its derivatives in time, $F = 1 + u_X$, "
@@ -84,9 +108,14 @@ class BarOutside(Outside):
     def misplaced(self, scene: BarScene, X: np.ndarray) -> np.ndarray:
         return (X[:, 0] < -SLACK) | (X[:, 0] > 1 + SLACK)
 
-    def unwrapped(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """A code with a periodic grid may have moved a particle by the length of the bar, which no exact one moves."""
-        turns = np.round(x - X)
+    def initial_deformation_gradient(self, scene: BarScene, X: np.ndarray) -> np.ndarray:
+        return np.full((len(X), 1, 1), scene.initial_stretch)
+
+    def unwrapped(self, scene: BarScene, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """A code with a periodic grid may have moved a particle by the length of the bar, which no exact one moves but
+        by the drift of a patch test."""
+        drift = scene.initial_velocity * t[:, None] if scene.is_patch else 0.0
+        turns = np.round(x - X - drift)
         return np.where(np.isfinite(turns) & (turns != 0), x - turns, x)
 
     def companion(self, scene: BarScene, fine: bool) -> Body:
@@ -94,7 +123,10 @@ class BarOutside(Outside):
 
 
 class BarBody(Body):
-    """Elements around the period, as the companion's that runs beside the particles; here of a fixed number."""
+    """Elements around the period, as the companion's that runs beside the particles; here of a fixed number.
+
+    A bar that begins stretched by F counts X from there: its density is rho/F, and its stress E F (1 + u_X) - E.
+    """
 
     def __init__(self, scene: BarScene, count: int):
         self._scene, self._elements = scene, Elements(0.0, 1.0, count, ORDER)
@@ -102,7 +134,7 @@ class BarBody(Body):
         self._stiffness = self._elements.derivative.T @ (self._elements.weights[:, None] * self._elements.derivative)
         mass = self._elements.assembled_weights
         mass[0] = mass[-1] = mass[0] + mass[-1]  # the last node is the image of the first
-        self._inverse_mass = 1 / (scene.density * mass)
+        self._inverse_mass = 1 / (scene.density / scene.initial_stretch * mass)
         self.velocity = exact.velocity(scene, self._X, 0.0)[:, None]
         whole = np.eye(len(self._X))
         self.frequency = float(np.sqrt(np.abs(np.linalg.eigvals(
@@ -110,7 +142,8 @@ class BarBody(Body):
 
     def _pull(self, u: np.ndarray) -> np.ndarray:
         of_node = self._elements.of_node
-        pull = self._scene.modulus * np.bincount(of_node.ravel(), (u[of_node] @ self._stiffness).ravel())
+        modulus = self._scene.modulus * self._scene.initial_stretch
+        pull = modulus * np.bincount(of_node.ravel(), (u[of_node] @ self._stiffness).ravel())
         pull[0] = pull[-1] = pull[0] + pull[-1]
         return pull
 

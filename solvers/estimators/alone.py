@@ -33,8 +33,19 @@ class Body(ABC):
         """Of a field of the nodes (N, D): its values (P, D) and gradients (P, D, D) at the material points X (P, D)."""
 
 
+class Lost(ArithmeticError):
+    """A motion that the companion cannot follow to the ``time``: it is no number any more."""
+
+    def __init__(self, time: float):
+        self.time = time
+        super().__init__(f"lost before t = {time:g} s")
+
+
 def solve(body: Body, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Displacement and velocity of the nodes, (N, D) each, at the times, which do not fall and begin at 0 or later."""
+    """Displacement and velocity of the nodes, (N, D) each, at the times, which do not fall and begin at 0 or later.
+
+    Raises :class:`Lost` where the motion breaks down.
+    """
     u, v, now, found = np.zeros_like(body.velocity), body.velocity.copy(), 0.0, []
     k1 = body.accelerations(u, 0.0)
     for time in times:
@@ -47,6 +58,8 @@ def solve(body: Body, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarr
             v = v + H / 6 * (k1 + 4 * k2 + k3)
             k1 = body.accelerations(u, t + H)
         now = time
+        if not (np.isfinite(u) & np.isfinite(v)).all():
+            raise Lost(time)
         found.append((u, v))
     return found
 

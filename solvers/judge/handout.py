@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solvers.estimators.alone import solve
+from solvers.estimators.alone import Body, Lost, solve
 from solvers.judge.columns import LETTERS
 from solvers.judge.frames import Frame
-from solvers.outside import Start, Texts
+from solvers.outside import OF_METHODS, Start, Texts
 from solvers.problems import PROBLEMS
+from solvers.rules import SceneError, field_key
 from solvers.scene import Scene
 
 SCHEMA = "mpm-lab/problem/1"
@@ -27,8 +28,14 @@ def texts(scene: Scene) -> Texts:
 def initial(scene: Scene) -> Frame:
     """The particles at the time 0."""
     outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
-    at_rest = np.broadcast_to(np.eye(X.shape[1]), (len(X), X.shape[1], X.shape[1])).copy()
-    return Frame("", 0.0, np.arange(len(X)), X, X.copy(), outside.velocity(scene, X, 0.0), at_rest)
+    return Frame("", 0.0, np.arange(len(X)), X, X.copy(), outside.velocity(scene, X, 0.0),
+                 outside.initial_deformation_gradient(scene, X))
+
+
+def masses(scene: Scene) -> np.ndarray:
+    """Of the particles (P,), of a thickness of 1 m, in kg: the density is that of the material without deformation."""
+    first = initial(scene)
+    return scene.density * start(scene).volume / np.linalg.det(np.asarray(first.deformation_gradient))
 
 
 def exact(scene: Scene, t: float) -> Frame:
@@ -41,12 +48,23 @@ def exact(scene: Scene, t: float) -> Frame:
 def companion(scene: Scene, times: Sequence[float]) -> list[Frame]:
     """The particles where a companion has them: for problems that have no exact solution."""
     outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
-    body, frames = outside.companion(scene, True), []
-    for t, (u, v) in zip(times, solve(body, times), strict=True):
+    (body, solved), frames = solution(scene, True, times), []
+    for t, (u, v) in zip(times, solved, strict=True):
         (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
-        F = np.eye(X.shape[1]) + gradient
+        F = (np.eye(X.shape[1]) + gradient) @ outside.initial_deformation_gradient(scene, X)
         frames.append(Frame("", t, np.arange(len(X)), X, X + moved, speed, F, outside.stress(scene, F)))
     return frames
+
+
+def solution(scene: Scene, fine: bool, times: Sequence[float]) -> tuple[Body, list[tuple[np.ndarray, np.ndarray]]]:
+    """The companion's body and what moves it at the times; :class:`~solvers.rules.SceneError` where it is lost."""
+    body = PROBLEMS[scene.problem].outside.companion(scene, fine)
+    try:
+        return body, solve(body, times)
+    except Lost as lost:
+        raise SceneError("amplitude", scene.amplitude, "is so large that the companion, a spectral-element solution of "
+                         f"the same problem, is lost before t = {lost.time:.4g} s (body force {scene.body_force}); "
+                         "give earlier times or a smaller amplitude") from None
 
 
 def force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
@@ -60,9 +78,8 @@ def force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
 
 def numbers(scene: Scene) -> dict:
     """The problem's numbers, for programs."""
-    fields = {name: value for name, value in scene.to_dict().items()
-              if name in ("problem", "cells", "ppc", "amplitude", "modulus", "density", "body_force", "layout", "t_end",
-                          "periods")}
+    of_methods = {field_key(name) for name in OF_METHODS}
+    fields = {key: value for key, value in scene.to_dict().items() if key not in of_methods and value is not None}
     return {**fields, "h": scene.spacing, "particles": len(start(scene).volume), "period": scene.period,
             "angular_frequency": scene.angular_frequency, "wave_speed": scene.wave_speed,
             "solution_known": scene.solution_known}

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.estimators.alone import Body, solve
+from solvers.estimators.alone import Body
 from solvers.judge.frames import Frame, Grid
+from solvers.judge.handout import solution
 from solvers.judge.placing import check_origin
 from solvers.norms import distance, error_index, finite, summary
 from solvers.problems import PROBLEMS
@@ -60,9 +61,7 @@ class Companions:
 
     @functools.cached_property
     def _solved(self) -> list[tuple[Body, list[tuple[np.ndarray, np.ndarray]]]]:
-        outside = PROBLEMS[self.scene.problem].outside
-        bodies = [outside.companion(self.scene, fine) for fine in (True, False)]
-        return [(body, solve(body, self.times)) for body in bodies]
+        return [solution(self.scene, fine, self.times) for fine in (True, False)]
 
     def errors(self, frame: Frame, fine: bool = True) -> Errors:
         """The errors of a frame as the companion sees them."""
@@ -78,8 +77,9 @@ class Companions:
         u, v = solved[self.times.index(frame.time)]
         X = frame.material_position
         (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
-        F = np.eye(X.shape[1]) + gradient
-        return moved, speed, PROBLEMS[self.scene.problem].outside.stress(self.scene, F)
+        outside = PROBLEMS[self.scene.problem].outside
+        F = (np.eye(X.shape[1]) + gradient) @ outside.initial_deformation_gradient(self.scene, X)
+        return moved, speed, outside.stress(self.scene, F)
 
 
 def _errors(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:
@@ -192,13 +192,14 @@ def _levelled(X: np.ndarray, error: np.ndarray) -> np.ndarray:
 def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
     """Times that a particle was in another cell than at the time before, from where it began on: at least so many
     crossings, for between two times it may have gone to and fro."""
-    total, before = 0, None
+    total, before, corner = 0, None, PROBLEMS[scene.problem].outside.grid_corner(scene)
     for frame in frames:
         order = np.lexsort(frame.material_position.T)
         X, x = frame.material_position[order], frame.position[order]
         if before is None or before[0].shape != X.shape or not np.array_equal(before[0], X):
             before = X, X
-        total += int((np.floor(x / scene.spacing) != np.floor(before[1] / scene.spacing)).any(axis=1).sum())
+        was, now = (np.floor((place - corner) / scene.spacing) for place in (before[1], x))
+        total += int((now != was).any(axis=1).sum())
         before = X, x
     return total
 

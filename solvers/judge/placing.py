@@ -65,7 +65,7 @@ def _frames(raw: Raw, scene: Scene, outside: Outside, given: float | None) -> tu
     for key, values in whole.items():
         _check_finite(raw, key, values, times)
     X, number = _material(raw, scene, outside, whole["X"])
-    moved = outside.unwrapped(X, x)
+    moved = outside.unwrapped(scene, X, x, times)
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes = [*notes, f"{turned:,} positions were moved back by a period of the grid"]
     found = []

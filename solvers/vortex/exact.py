@@ -20,6 +20,8 @@ import numpy as np
 INNER, OUTER = 0.75, 1.25
 MIDDLE = 0.5 * (INNER + OUTER)
 BEND, RISE = -32.0, 256.0  # of h, in (R-1)^2 and (R-1)^4: so that h = h' = 0 at both rims
+SECOND_SIZE = 0.5  # of the force's second tone, in w^2 A R h
+SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 
 
 class Vortex(Protocol):

@@ -2,8 +2,8 @@
 
 import taichi as ti
 
-SECOND_SIZE = 0.5  # of the second tone, in w^2 A R h
-SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
+from solvers.vortex.exact import SECOND_FREQUENCY, SECOND_SIZE
+
 FLATTEST = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
 
 

@@ -1,0 +1,180 @@
+"""The vortex as another code sees it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers.estimators.alone import Body
+from solvers.estimators.spectral import Elements
+from solvers.outside import Outside, Start, Texts
+from solvers.vortex import exact
+from solvers.vortex.layout import particle_layout
+from solvers.vortex.scene import SIDE, VortexScene
+
+SLACK = 1e-6  # m, by which a material point may lie beyond a rim: single precision rounds
+FINE, COARSE = (8, 6), (6, 5)  # of the companion: elements across the ring, their order
+STIFFENED = 1.3  # of the companion's steps: how much stiffer than at rest the vortex may grow, as a frequency
+
+TURN = (r"$$\alpha(R,t) = A \sin(\omega t)\,h(R),\quad h(R) = 1 - 32\,(R-1)^2 + 256\,(R-1)^4$$ "
+        r"($R$ in metres; $h$ and $h'$ vanish at both rims)")
+FORCE = (r"$$b = \left(-R\,\alpha_t^2 + \frac{\mu}{\rho} R\,\alpha_R^2\right) e_r + \left(R\,\alpha_{tt} - "
+         r"\frac{\mu}{\rho}\,(3\,\alpha_R + R\,\alpha_{RR})\right) e_\theta$$")
+SECOND = r"$$\frac{1}{2}\omega^2 A\,R\,h(R) \sin(1.7\,\omega t)\,e_\theta$$"
+WHERE = (r"$e_r$ and $e_\theta$ are the polar directions at the angle $\Theta + \alpha$, where $\Theta$ is the angle "
+         r"at which the particle began: $e_r = (\cos(\Theta + \alpha), \sin(\Theta + \alpha))$ and $e_\theta$ is that "
+         "turned by 90 degrees to the left. The force belongs to material points: a particle that began at $X$ feels "
+         "$b(X,t)$ wherever it is now. A code that has the force only in space may invert $x = Q(\\alpha) X$: the "
+         "radius stays.")
+STAGGERED = (r" The acceleration is not zero at $t = 0$: a code whose velocities belong to the middle of its steps "
+             r"takes the exact $v(X, -\Delta t/2)$, or is first-order in its step.")
+SOURCE = ("Sources: Brannon, Kamojjala and Sadeghirad, Establishing credibility of particle methods through "
+          "verification testing (Particles 2011); Kamojjala, Brannon, Sadeghirad and Guilkey, Engineering with "
+          "Computers 31 (2015) 199-213.")
+
+
+class VortexOutside(Outside):
+    """The generalized vortex."""
+
+    axes = ("x", "y")
+
+    def start(self, scene: VortexScene) -> Start:
+        layout = particle_layout(scene)
+        names = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
+        return Start(layout.position, layout.volume, dict(zip(names, layout.edges.T, strict=True)))
+
+    def texts(self, scene: VortexScene) -> Texts:
+        lam, mu = exact.lame(scene)
+        A, w = f"{scene.amplitude:.15g}", f"{scene.angular_frequency:.15g}"
+        numbers = rf"$A = {A}$ rad and $\omega = {w}$ 1/s"
+        force = {"material": f"{FORCE} with {numbers}, $\\mu$ as above, in m/s². {WHERE}",
+                 "two-tone": f"The sum of {FORCE} and of {SECOND} with {numbers}, $\\mu$ as above, in m/s². {WHERE}",
+                 "none": "There is none: $b = 0$."}[scene.body_force]
+        if scene.body_force != "none":
+            force += f" The angle is {TURN}."
+        return Texts(
+            body="A full ring with the inner radius 0.75 m and the outer radius 1.25 m, its centre at the origin, of "
+                 "thickness 1 m, in plane strain. Our grid is a square, 3 m wide, with the origin in its middle, so "
+                 f"that nodes lie at ({-SIDE / 2:g} m, {-SIDE / 2:g} m) + (i, j) h.",
+            material=r"Neo-Hookean: $\sigma = \frac{\lambda \ln J}{J} I + \frac{\mu}{J}(F F^T - I)$, $P = \mu(F - "
+                     r"F^{-T}) + \lambda \ln J\,F^{-T}$, "
+                     rf"$E = {scene.modulus:.15g}$ Pa and Poisson's ratio $\nu = {scene.poisson_ratio:.15g}$: "
+                     rf"$\lambda = {lam:.15g}$ Pa, $\mu = {mu:.15g}$ Pa; density {scene.density:.15g} kg/m³.",
+            force=force,
+            boundary="Both rims are free, and nothing is held.",
+            start=rf"At rest in shape ($F = I$), each circle turning about the origin with $v = "
+                  rf"{scene.amplitude * scene.angular_frequency:.15g}\,R\,h(R)\,e_\Theta$ m/s, $h$ as in {TURN}."
+                  + STAGGERED * scene.solution_known,
+            exact=r"Every circle turns as a whole: $$x = Q(\alpha)\,X$$ where $Q$ turns by the angle "
+                  rf"{TURN}, {numbers}. "
+                  r"So $v = R\,\alpha_t\,e_\theta$, $F = Q\,(I + R\,\alpha_R\,e_\Theta \otimes e_R)$, $J = 1$, "
+                  r"$\sigma_{rr} = 0$, $\sigma_{r\theta} = \mu R\,\alpha_R$ and $\sigma_{\theta\theta} = \mu (R\,"
+                  r"\alpha_R)^2$. $\lambda$ drops out of the solution, but not out of a code's errors. " + SOURCE
+            if scene.solution_known else "None is built in for this body force.",
+            table="The points of the table lie on the $x$ axis from $R = 0.75$ m to $R = 1.25$ m; at a material point "
+                  "elsewhere the force is that of the same radius, turned by the point's angle $\\Theta$.")
+
+    def table_points(self, scene: VortexScene, count: int) -> np.ndarray:
+        return on_axis(np.linspace(exact.INNER, exact.OUTER, count))
+
+    def displacement(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
+        return exact.displacement(scene, X, t)
+
+    def velocity(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
+        return exact.velocity(scene, X, t)
+
+    def deformation_gradient(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
+        return exact.deformation_gradient(scene, X, t)
+
+    def exact_stress(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
+        xx, xy, yy = exact.stress(scene, X, t).T
+        return np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2)
+
+    def stress(self, scene: VortexScene, F: np.ndarray) -> np.ndarray:
+        lam, mu = exact.lame(scene)
+        J = np.linalg.det(F)[:, None, None]
+        return lam * np.log(J) / J * np.eye(2) + mu / J * (np.einsum("pij,pkj->pik", F, F) - np.eye(2))
+
+    def body_force(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
+        R = np.linalg.norm(X, axis=1)
+        return turned(X / R[:, None], force_at_rest(scene, R, t))
+
+    def misplaced(self, scene: VortexScene, X: np.ndarray) -> np.ndarray:
+        R = np.linalg.norm(X, axis=1)
+        return (R < exact.INNER - SLACK) | (R > exact.OUTER + SLACK)
+
+    def grid_corner(self, scene: VortexScene) -> float:
+        return -0.5 * SIDE
+
+    def companion(self, scene: VortexScene, fine: bool) -> Body:
+        return VortexBody(scene, *(FINE if fine else COARSE))
+
+
+class VortexBody(Body):
+    """Two functions of the radius, on a line of elements: with every angle the same, they tell all (why, and the
+    equations, are in ``solvers.vortex.estimators.companion``). The unknowns are the displacement of the particles on
+    the x axis, along it and across it."""
+
+    def __init__(self, scene: VortexScene, count: int, order: int):
+        # here: the page of text and the table of a problem must not wait for Taichi
+        from solvers.vortex.estimators.companion_mesh import masses, unit_frequency
+
+        self._scene, self._elements = scene, Elements(exact.INNER, exact.OUTER, count, order)
+        self._R, self._lame = self._elements.nodes, exact.lame(scene)
+        self._inverse_mass = 1 / (scene.density * masses(self._elements))[:, None]
+        self.velocity = exact.velocity(scene, on_axis(self._R), 0.0)
+        self.frequency = STIFFENED * scene.wave_speed * unit_frequency(self._elements)
+
+    def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
+        (lam, mu), node, D = self._lame, self._elements.of_node, self._elements.derivative
+        local, R, weight = u[node], self._R[node][..., None], self._elements.weights[:, None]
+        along = np.einsum("ki,eic->ekc", D, local) + np.array([1.0, 0.0])  # F e_R, then F e_Theta
+        around = right(-local) / R + np.array([0.0, 1.0])
+        J = along[..., :1] * around[..., 1:] - along[..., 1:] * around[..., :1]
+        with np.errstate(all="ignore"):  # a motion that is lost, which its end tells
+            back = (lam * np.log(J) - mu) / J
+        radial = mu * along + back * right(around)  # P e_R
+        hoop = mu * around - back * right(along)  # P e_Theta
+        pull = np.einsum("ki,ekc->eic", D, weight * R * radial) + weight * right(hoop)
+        total = np.zeros_like(u)
+        np.add.at(total, node, pull)
+        return force_at_rest(self._scene, self._R, t) - self._inverse_mass * total
+
+    def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        R = np.linalg.norm(X, axis=1)
+        e = X / R[:, None]
+        element, values, slopes = self._elements.locate(R)
+        local = u[self._elements.of_node[element]]
+        there, slope = (np.einsum("pi,pic->pc", basis, local) for basis in (values, slopes))
+        outward, around = turned(e, slope), turned(e, right(-there) / R[:, None])
+        return turned(e, there), outward[:, :, None] * e[:, None] + around[:, :, None] * right(-e)[:, None]
+
+
+def force_at_rest(scene: VortexScene, R: np.ndarray, t: float) -> np.ndarray:
+    """Body force per mass (K, 2) at the radii R, in m/s^2, along e_R and e_Theta of the particle at rest."""
+    if scene.body_force == "none":
+        return np.zeros((len(R), 2))
+    along, around = exact.polar_force(scene, R, t)
+    if scene.body_force == "two-tone":
+        w = scene.angular_frequency
+        around = around + exact.SECOND_SIZE * w * w * scene.amplitude * R * exact.shape(R)[0] * np.sin(
+            exact.SECOND_FREQUENCY * w * t)
+    angle = exact.turn(scene, R, t).angle
+    return turned(np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([along, around], axis=1))
+
+
+def on_axis(R: np.ndarray) -> np.ndarray:
+    """Points (K, 2) of the radii R on the x axis, where e_R and e_Theta are the axes."""
+    return np.stack([R, np.zeros_like(R)], axis=1)
+
+
+def right(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 2) turned by 90 degrees to the right."""
+    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
+
+
+def turned(e: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (P, 2), along and across directions e (P, 2), along the axes."""
+    return vectors[:, :1] * e - vectors[:, 1:] * right(e)
+
+
+OUTSIDE = VortexOutside()
