@@ -67,7 +67,7 @@ def test_a_patch_test_of_ours_is_judged_to_have_our_own_errors(method, tmp_path)
                    str(tmp_path / "run.json"), "--quiet"])
     run_of_ours = json.loads((tmp_path / "run.json").read_text())
     assert status == (0 if run_of_ours["status"] == "ok" else 3)
-    assert main(["judge", "bar", *PATCH, str(file), "--no-compare", "--quiet", "--out", str(out)]) == 0
+    assert main(["judge", "bar", str(file), *PATCH, "--no-compare", "--quiet", "--out", str(out)]) == 0
     report = json.loads((out / "report.json").read_text())
     [grid] = report["grids"]
     scene = PROBLEMS["bar"].scene(motion="patch", ppc=2.5, cells=20)
@@ -112,16 +112,16 @@ def test_crossings_are_of_the_vortexs_own_grid():
     """Its lines begin at -1.5 m, and with an odd number of cells none passes through the centre."""
     from solvers.judge.measure import crossings
     scene = PROBLEMS["vortex"].scene(cells=15)
-    X = np.array([[0.95, 0.05], [0.05, 0.95]])
-    assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X - 0.1)]) == 0
-    assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X + 0.1)]) == 2
+    X = np.array([[1.0, 0.0], [0.0, 1.0]])
+    assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X - 0.09)]) == 0
+    assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X + 0.11)]) == 2
 
 
 def test_a_companion_that_is_lost_is_told_in_a_sentence(tmp_path, capsys):
     """A free vortex of 1 rad runs faster than its waves, and tears."""
     assert main(["problem", "vortex", "--body-force", "none", "--cells", "12", "--out", str(tmp_path / "free")]) == 2
     error = capsys.readouterr().err
-    assert "--amplitude 1.0: is so large that the companion" in error and error.count("\n") == 1
+    assert "--amplitude 1: is so large that the companion" in error and error.count("\n") == 1
     assert not list((tmp_path / "free").iterdir())
 
 
@@ -136,9 +136,9 @@ def test_keeping_particles_changes_nothing_of_a_run():
 @pytest.mark.parametrize("problem", QUICK)
 def test_moved_particles_are_found_with_their_place(problem, tmp_path):
     """3 % of the particles, by a tenth of a cell, of a run that is otherwise ours."""
-    # A vortex of the default 1 rad has errors that differ by a sixth of a cell from neighbour to neighbour: they hide it.
+    # A vortex of the default 1 rad has errors that differ by a sixth of a cell from particle to particle: they hide it.
     scene = PROBLEMS[problem].scene(cells=24, periods=0.5, estimators=(), effects=(),
-                                    **({"amplitude": 0.02} if problem == "vortex" else {}))
+                                    **({"amplitude": 0.005} if problem == "vortex" else {}))
     shots = []
     run(scene, prices=False, on_sample=shots.append)
     shot = shots[-1]
@@ -151,7 +151,9 @@ def test_moved_particles_are_found_with_their_place(problem, tmp_path):
     np.savez(file, t=shot.time, x=x, X=X, cells=24)
     judged = judge([read(str(file))], scene, [24], [], compare=False)
     [grid] = judged.to_dict()["grids"]
-    assert sorted(judged.grids[0].apart.which) == sorted(moved)
+    found = set(judged.grids[0].apart.which)
+    # Of the vortex one stands in a block of the rim with but one other, which tells nothing of it.
+    assert found <= set(moved) and len(found) == len(moved) - (problem == "vortex")
     assert grid["apart"]["farthest_over_h"] == pytest.approx(0.1, rel=0.2)
     assert grid["apart"]["particle"] in moved and grid["worst"]["x"]["particle"] in moved
     assert grid["worst"]["x"]["X"] in X[moved].tolist()
