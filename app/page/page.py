@@ -245,7 +245,7 @@ class Page:
         """Say what is seen, now and then; that there is something to see lifts the page's ground (``ground.html``)."""
         controls, seen = self._controls, self._seen
         slow, pinned, history = self._slow.sentence, self._session.pinned, self._session.history
-        if seen is None or history.scene != seen[0].scene:
+        if seen is None or not history.scene == seen[0].scene == self._worst.scene:
             return  # nothing is drawn yet, or another run has begun just now
         beside = compared(history.latest, pinned.history.latest, controls.quantity) if pinned else ""
         sentence = slow or summary(*seen, self._worst, history.series, controls.quantity,

@@ -46,14 +46,14 @@ class WorstRegions:
     """Where one visitor's run is worst, by the estimate that is drawn and by the truth."""
 
     def __init__(self) -> None:
-        self._scene: Scene | None = None
+        self.scene: Scene | None = None  # of which they are
         self.by_estimate: WorstRegion | None = None
         self.by_truth: WorstRegion | None = None
 
     def look(self, report: FrameReport, arrays: FrameArrays, view: View) -> None:
         """Find both in a frame."""
-        if report.scene != self._scene:
-            self._scene, self._worst = report.scene, (Worst(), Worst())
+        if report.scene != self.scene:
+            self.scene, self._worst = report.scene, (Worst(), Worst())
             at_rest = np.nan_to_num(arrays.position - arrays.displacement)
             self._regions = VIEWS[report.scene.problem].regions(at_rest)
         if len(self._regions.number) != len(arrays.position):
