@@ -9,7 +9,6 @@ import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
 from app.commands.folder import Folder
-from app.commands.judge_text import as_html, as_markdown
 from app.commands.output import json_text, say, working
 from app.commands.problem import times_of
 from app.commands.scene_flags import SceneFlags
@@ -57,9 +56,8 @@ class Judge(SceneFlags):
         scene, *_ = (self.scene_with(cells=count) for count in cells)  # each says what is wrong with it
         times = times_of(self.time, "time")
         if times and len(times) != len(self.files):
-            raise BadInput("time", " ".join(self.time), f"gives {len(times)} times for {len(self.files)} files; give "
-                                                        f"one for "
-                           "each")
+            raise BadInput("time", " ".join(self.time),
+                           f"gives {len(times)} times for {len(self.files)} files; give one for each")
         folder = Folder(self.out)
         try:
             judged = self._judge(scene, cells, times)
@@ -73,9 +71,8 @@ class Judge(SceneFlags):
         words = given.replace(",", " ").split() if isinstance(given, str) else []
         cells = [number([word]) for word in words] or [given]
         if len(cells) > 1 and len(cells) != len(self.files):
-            raise BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one "
-                                                f"number for all "
-                           "or one for each")
+            raise BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one number for "
+                                           "all or one for each")
         return cells
 
     def _judge(self, scene: Scene, cells: list[int], times: list[float]) -> Any:
@@ -87,6 +84,7 @@ class Judge(SceneFlags):
 
     def _write(self, folder: Folder, judged: Any) -> int:
         """The report in three forms, and its pictures; one that fails costs nothing else."""
+        from app.commands.judge_text import as_html, as_markdown
         from app.pictures.judge import FIGURES
         from app.pictures.run import png_bytes
 
@@ -97,8 +95,8 @@ class Judge(SceneFlags):
                     folder.put(f"{name}.png", png_bytes(picture))
                     drawn.append(f"{name}.png")
             except Exception as error:
-                say(f"--out {folder.text}: the picture {name} failed ({type(error).__name__}: {error}); the rest is "
-                    f"fine")
+                say(f"--out {folder.text}: the picture {name} failed ({type(error).__name__}: {error}); "
+                    "the rest is fine")
                 status = FAILED
         values = judged.to_dict()
         text = as_markdown(values, judged, drawn)

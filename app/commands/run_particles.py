@@ -28,8 +28,7 @@ class Keeper:
         rows = scene.particles * (scene.steps // scene.sample_interval + 2)
         if rows > MOST_ROWS:
             raise BadInput("particles", text, f"would hold {rows:,} particles of all samples; at most {MOST_ROWS:,} "
-                                              f"are "
-                           "allowed: sample more rarely with --sample-every")
+                                              "are allowed: sample more rarely with --sample-every")
         self._target, self._scene = Target("particles", text), scene
         self._frames: list[Frame] = []
 

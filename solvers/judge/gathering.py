@@ -64,8 +64,7 @@ def _shaped(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
         if values.ndim == 2 and values.shape[1] == 6 and key == "sigma":  # VTK's order: xx, yy, zz, xy, yz, xz
             return values[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
     raise FileError(path, f"has {name} of the shape {values.shape}; give a row for each particle, with 1 to 3 numbers "
-                          f"of a "
-                          "vector, and 1, 4 or 9 of a tensor, row by row")
+                          "of a vector, and 1, 4 or 9 of a tensor, row by row")
 
 
 def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
