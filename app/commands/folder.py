@@ -20,8 +20,7 @@ class Folder:
         except (OSError, ValueError) as error:
             why = (getattr(error, "strerror", None) or str(error)).lower()
             raise BadInput("out", self.text, f"cannot be a directory: {why}; give one that exists or can be made and "
-                                             f"may "
-                           "be written to") from None
+                                             "may be written to") from None
         if names:
             raise BadInput("out", self.text, "is not empty; give an empty or a new directory")
         Target("out", str(self.path / "try"))  # says now what would fail later

@@ -45,9 +45,8 @@ def compared(scene: Scene, times: Sequence[float], companions: Companions | None
     """Run a scene and measure it at the times: against the truth, or against a companion where there is none."""
     steps = [round(t / scene.time_step) for t in times]
     if scene.particles * steps[-1] > LONGEST:
-        return Ours(scene, np.array([]), series([]), f"not run: {scene.particles * steps[-1]:.2g} particle-steps are "
-                                                     f"too "
-                                                     "many for a comparison")
+        return Ours(scene, np.array([]), series([]),
+                    f"not run: {scene.particles * steps[-1]:.2g} particle-steps are too many for a comparison")
     stepper = _Stepper(scene, on_progress, steps[-1])
     errors: list[Errors] = []
     for time in times:

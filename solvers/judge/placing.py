@@ -182,9 +182,8 @@ def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
     for one, other in itertools.pairwise(frames):
         if other.time - one.time <= SAME * scene.period:
             raise FileError(other.file, f"has the time {other.time:g} s, which {one.file} has too, on one grid; give "
-                                        f"each "
-                                        "time of a grid once, and --cells with one number for each file of several "
-                                        "grids")
+                                        "each time of a grid once, and --cells with one number for each file of "
+                                        "several grids")
     return tuple(frames)
 
 

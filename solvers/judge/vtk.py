@@ -22,8 +22,7 @@ def read_vtk(path: str) -> Raw:
         raise
     except Exception as error:  # what a broken file makes of a parser
         raise FileError(path, f"cannot be read as {Path(path).suffix} by meshio ({type(error).__name__}: {error}); "
-                              f"write "
-                              "points with data, in text or binary") from None
+                              "write points with data, in text or binary") from None
     named = {name: np.asarray(values) for name, values in mesh.point_data.items()}
     fields = {name: np.asarray(values).ravel() for name, values in (mesh.field_data or {}).items()}
     time = next((float(fields[name][0]) for name in TIMES if name in fields and len(fields[name])), None)
