@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 
 from app.commands.visitor import unpacked
 from app.page.wire import PROTOCOL
-from tests.processes import until
+from tests.processes import HANG, until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,
           "near": 1.0, "far": 600.0, "image_height": 720, "image_width": 600, "look_at": [0.0, 0.0, 0.0],
@@ -26,7 +26,8 @@ class Raw:
 
     def __init__(self, address, headers=None, arrive=True, **options):
         self.socket = connect(address.replace("http", "ws", 1), subprotocols=[PROTOCOL], compression=None,
-                              additional_headers=headers, max_size=None, ping_interval=None, **options)
+                              additional_headers=headers, max_size=None, ping_interval=None, open_timeout=HANG,
+                              **options)
         self.widgets, self.kinds, self.frames, self.closed, self.html = {}, Counter(), 0, None, {}
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()

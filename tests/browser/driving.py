@@ -9,12 +9,14 @@ from contextlib import suppress
 
 import numpy as np
 from PIL import Image
+from playwright.sync_api import TimeoutError
 
 from app.colours import colour_table
 from app.words import size_in
 from tests import processes
 
 PATIENCE = 20.0  # seconds for what follows a click; software rendering is slow
+AGAIN, LOST = 5, 4.0  # times that a click is made, and seconds in which a box shows it, if it has not been lost
 
 
 def until(condition, what, patience=PATIENCE):
@@ -59,9 +61,34 @@ def step_size(page):
     return size_in(re.search(r"of (\S+ \S*s)\b", readout(page))[1], "s")
 
 
+def again_until(act, condition, what):
+    """Click until it has had its effect: a click is lost when a busy browser moves, or makes anew, what is under it
+    between its press and its release, and a visitor would click once more."""
+    for _ in range(AGAIN):
+        with suppress(TimeoutError):
+            act()
+        with suppress(AssertionError):
+            return until(condition, what, LOST)
+    raise AssertionError(f"clicked {AGAIN} times in vain: {what}")
+
+
 def choose(page, label, option):
-    page.get_by_label(label, exact=True).click()
-    page.get_by_role("option", name=option).click()
+    """Choose an option, or one whose name begins so, of a dropdown."""
+    box, offered = page.get_by_label(label, exact=True), page.get_by_role("option", name=option)
+
+    def click():
+        if not offered.count():
+            box.click()
+        offered.click(timeout=1e3 * PATIENCE)
+
+    again_until(click, lambda: not offered.count() and option in box.input_value(), f"{label}: {option}")
+
+
+def tick(page, label):
+    """Change a checkbox to what it is not."""
+    box = page.get_by_label(label, exact=True)
+    before = box.is_checked()
+    again_until(lambda: box.is_checked() == before and box.click(), lambda: box.is_checked() != before, label)
 
 
 def to_the_ring(page):

@@ -12,7 +12,7 @@ from solvers.effects import EFFECTS
 from solvers.estimators.registry import ESTIMATORS
 from solvers.remedies import FROZEN, REMEDIES
 from solvers.ring.scene import RingScene
-from tests.browser.driving import choose, click, press, row, scene, to_the_ring, unfold, until
+from tests.browser.driving import choose, click, press, row, scene, tick, to_the_ring, unfold, until
 
 
 @contextmanager
@@ -32,10 +32,6 @@ def changes(page, **fields):
 
 def fill(page, label, value):
     row(page, label).locator("input.mantine-NumberInput-input").fill(value)
-
-
-def tick(page, label):
-    row(page, label).get_by_role("checkbox").click()
 
 
 def test_numbers_of_the_bar(page):

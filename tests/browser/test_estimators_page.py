@@ -18,6 +18,7 @@ from tests.browser.driving import (
     readout,
     row,
     stage,
+    tick,
     time,
     to_the_ring,
     unfold,
@@ -25,10 +26,6 @@ from tests.browser.driving import (
 )
 
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
-
-
-def tick(page, estimator):
-    page.get_by_label(estimator, exact=True).click()
 
 
 def halves(page):
@@ -90,7 +87,7 @@ def test_no_estimator_and_back(page):
 def test_several_at_once(page):
     """Every estimator ticked has a line of its own in table and plot, and any of them can be on the stage."""
     unfold(page, "Method details")
-    page.get_by_label("Linearity preserving").click()  # without it two-grid does not hold at this amplitude
+    tick(page, "Linearity preserving")  # without it two-grid does not hold at this amplitude
     others = [name for name in ESTIMATORS if name not in FIRST_SCENE.estimators]
     for name in others:
         tick(page, name)

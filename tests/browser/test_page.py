@@ -31,6 +31,7 @@ from tests.browser.driving import (
     stage,
     step_size,
     steps,
+    tick,
     time,
     unfold,
     until,
@@ -158,7 +159,7 @@ def test_instability_is_said_and_survived(page):
     said = page.locator(".lab-unstable").inner_text()
     assert "went unstable at t = " in said and "the box \"Auto step\" takes" in said
     assert "stopped" in readout(page) and page.locator(".lab-over").inner_text().endswith("of its bound")
-    page.get_by_label("Auto step").click()
+    tick(page, "Auto step")
     page.locator(".lab-unstable").wait_for(state="detached")
     until(lambda: time(page) > 0.2, "a stable run")
     assert 0.5 < number(page, r"step\s+(\S+) of its bound") < 1
@@ -167,7 +168,7 @@ def test_instability_is_said_and_survived(page):
 
 def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
     """The slider shows what it takes, also for another scene; who moves the slider has the say again."""
-    page.get_by_label("Auto step").click()
+    tick(page, "Auto step")
     until(lambda: 0.4 < chosen(page, "CFL number", "") < 0.7, "the step of the motion ahead")
     before = chosen(page, "CFL number", "")
     row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
@@ -187,7 +188,7 @@ def test_lost_run_is_said_and_goes_on(page):
     until(lambda: time(page) > before, "the lost run going on")
     assert "of its bound" in readout(page)
     unfold(page, "Effects: compute")
-    page.get_by_label("step margin").click()
+    tick(page, "step margin")
     until(lambda: "of its bound" not in readout(page), "no margin")
 
 
@@ -197,16 +198,16 @@ def test_remedies_run_and_what_does_not_go_together_is_refused(page):
     click(page, "Pause")
     until(lambda: "paused" in readout(page), "paused")
     unfold(page, "Method details")
-    page.get_by_label("null-space filter").click()
-    page.get_by_label("displacement-coupled F").click()
+    tick(page, "null-space filter")
+    tick(page, "displacement-coupled F")
     until(lambda: steps(page) == 0, "a new run with them")
     click(page, "Play")
     until(lambda: steps(page) > 20, "the remedies at work")
-    page.get_by_label("frozen weights").click()
+    tick(page, "frozen weights")
     page.locator(".lab-refused").wait_for()
     assert "\"frozen weights\" stands alone" in page.locator(".lab-refused").inner_text()
-    page.get_by_label("null-space filter").click()
-    page.get_by_label("displacement-coupled F").click()
+    tick(page, "null-space filter")
+    tick(page, "displacement-coupled F")
     page.locator(".lab-refused").wait_for(state="detached")
     until(lambda: steps(page) > 20, "frozen weights at work")
 
@@ -221,12 +222,12 @@ def test_methods_effects_and_estimator(page):
     until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes")
     full = coloured(stage(page))
     for estimator in FIRST_SCENE.estimators:
-        page.get_by_label(estimator, exact=True).click()
+        tick(page, estimator)
     until(lambda: coloured(stage(page)) < 0.75 * full, "a grey lane")
     until(lambda: drawn(page)[1:] == [1], "the true error still drawn, the estimate not")
     assert "no estimator is chosen" in readout(page)
     unfold(page, "Effects: compute")
-    page.get_by_label("true error").click()
+    tick(page, "true error")
     until(lambda: coloured(stage(page)) < 0.5 * full, "two grey lanes")
 
 

@@ -14,6 +14,7 @@ from tests.browser.driving import (
     row,
     stage,
     step_size,
+    tick,
     time,
     to_the_ring,
     unfold,
@@ -71,7 +72,7 @@ def test_methods_layouts_and_domains(ring):
     ring.get_by_role("button", name="Pause", exact=True).click()
     until(lambda: "paused" in readout(ring), "paused")
     before = stage(ring)
-    ring.get_by_label("Show domains").click()
+    tick(ring, "Show domains")
     until(lambda: np.any(np.abs(stage(ring) - before) > 30, axis=2).mean() > 0.005, "outlines")
 
 

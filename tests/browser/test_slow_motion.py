@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from tests.browser.driving import choose, click, coloured, row, shown, stage, steps, to_the_ring, unfold, until
+from tests.browser.driving import choose, click, coloured, row, shown, stage, steps, tick, to_the_ring, unfold, until
 
 TITLES = ("A particle and its nodes", "Mass and momentum go to the nodes", "Forces at the nodes",
           "New velocities of the nodes", "Velocities come back, the particles move", "Stress last")
@@ -14,7 +14,7 @@ TITLES = ("A particle and its nodes", "Mass and momentum go to the nodes", "Forc
 
 def begin(page):
     unfold(page, "One step in slow motion")
-    page.get_by_label("Slow motion", exact=True).click()
+    tick(page, "Slow motion")
     shown(page, f"phase 1 of 6: {TITLES[0]}")
 
 
@@ -64,7 +64,7 @@ def test_another_method_begins_anew_and_the_ring_is_walked_through_by_itself(pag
     choose(page, "Method", "MPM (hat functions)")
     shown(page, "Step 1, phase 1 of 6")
     until(lambda: "hat function at the particle" in page.locator("#lab-summary").inner_text(), "the sentence")
-    page.get_by_label("Slow motion", exact=True).click()
+    tick(page, "Slow motion")
     until(lambda: page.locator(".lab-slow").count() == 0, "the end")
     to_the_ring(page)
     until(lambda: steps(page) > 5, "a ring under way")

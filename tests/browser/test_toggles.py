@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from tests.browser.conftest import visit
-from tests.browser.driving import choose, engine_processes, readout, scene, steps, unfold, until
+from tests.browser.driving import choose, engine_processes, readout, scene, steps, tick, unfold, until
 from tests.listening import PATIENCE
 from tests.processes import children, held, starving
 
@@ -34,9 +34,9 @@ def compilers(server):
     return [child for engine in engine_processes(server[1]) for child in children(engine, "spawn_main")]
 
 
-def tick(page, *names):
+def ticks(page, *names):
     """Switches, each a function that clicks one box."""
-    return [lambda name=name: page.get_by_label(name, exact=True).click() for name in names]
+    return [lambda name=name: tick(page, name) for name in names]
 
 
 def test_the_stage_goes_on_beside_the_compiler(page, server):
@@ -44,8 +44,8 @@ def test_the_stage_goes_on_beside_the_compiler(page, server):
     before goes on, and when the compiler is done, the word goes. One may be too quick to be held: then the next.
     """
     until(lambda: steps(page) > 20, "a run under way")
-    switches = [*tick(page, "companion", "two-grid", "transport"), lambda: choose(page, "Method", "B-spline"),
-                *tick(page, "transport", "two-grid", "companion"), lambda: choose(page, "Method", "cpGIMP")]
+    switches = [*ticks(page, "companion", "two-grid", "transport"), lambda: choose(page, "Method", "B-spline"),
+                *ticks(page, "transport", "two-grid", "companion"), lambda: choose(page, "Method", "cpGIMP")]
     for switch in switches:
         switch()
         for _ in range(100):
@@ -67,9 +67,9 @@ def test_a_dozen_toggles_in_a_row_are_all_met(page):
     """Faster than anything can be compiled: the last state is on the stage in the end, and the run has not stopped."""
     until(lambda: steps(page) > 20, "a run under way")
     unfold(page, "Effects: compute")
-    for switch in [*tick(page, "companion", "energy", "two-grid", "energy", "step margin", "energy"),
-                   lambda: choose(page, "Method", "B-spline"), *tick(page, "two-grid", "companion", "step margin"),
-                   lambda: choose(page, "Method", "cpGIMP"), *tick(page, "companion")]:
+    for switch in [*ticks(page, "companion", "energy", "two-grid", "energy", "step margin", "energy"),
+                   lambda: choose(page, "Method", "B-spline"), *ticks(page, "two-grid", "companion", "step margin"),
+                   lambda: choose(page, "Method", "cpGIMP"), *ticks(page, "companion")]:
         switch()
     until(lambda: page.get_by_text(MARK).count() == 0 and "companion" in readout(page)
           and not {"two-grid", "energy"} & set(readout(page).split()), "what was wished last", PATIENCE)
@@ -84,10 +84,10 @@ def test_the_stage_never_stands_still(server, chromium):
     with visit(chromium, server[0], script=NOTE_MOVES) as page:
         until(lambda: page.evaluate("window.moves.length") > 20, "a moving stage")
         unfold(page, "Effects: compute")
-        for switch in [*tick(page, "companion", "energy", "transport"), lambda: choose(page, "Method", "MPM"),
-                       *tick(page, "two-grid", "recovered"), lambda: choose(page, "Method", "cpGIMP"),
-                       lambda: choose(page, "Problem", "expanding ring"), *tick(page, "companion"),
-                       lambda: choose(page, "Method", "uGIMP"), *tick(page, "transport"),
+        for switch in [*ticks(page, "companion", "energy", "transport"), lambda: choose(page, "Method", "MPM"),
+                       *ticks(page, "two-grid", "recovered"), lambda: choose(page, "Method", "cpGIMP"),
+                       lambda: choose(page, "Problem", "expanding ring"), *ticks(page, "companion"),
+                       lambda: choose(page, "Method", "uGIMP"), *ticks(page, "transport"),
                        lambda: choose(page, "Problem", "vibrating bar")]:
             before = scene(page)
             with starving() as starved:

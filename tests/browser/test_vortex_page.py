@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, coloured, readout, row, scene, stage, time, until
+from tests.browser.driving import choose, coloured, readout, row, scene, stage, tick, time, until
 
 
 @pytest.fixture
@@ -39,5 +39,5 @@ def test_methods_and_domains(vortex):
     vortex.get_by_role("button", name="Pause", exact=True).click()
     until(lambda: "paused" in readout(vortex), "paused")
     before = stage(vortex)
-    vortex.get_by_label("Show domains").click()
+    tick(vortex, "Show domains")
     until(lambda: np.any(np.abs(stage(vortex) - before) > 30, axis=2).mean() > 0.005, "outlines")
