@@ -81,6 +81,7 @@ def test_the_end_is_told_and_leaves_nothing(end, thread):
     threads the system chooses to tell."""
     with serving() as (address, process), Raw(address) as one, Raw(address) as two:
         until(lambda: one.frames > 3 and two.frames > 3, "frames")
+        until(lambda: all(any("lab-says" in text for text in v.html.values()) for v in (one, two)), "finished pages")
         engines = children(process, "spawn_main")
         assert engines
         os.kill({"first": process, "last": max(map(int, os.listdir(f"/proc/{process}/task")))}[thread], end)

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.serve import Visitors, _engine_count
+from app.page.serve import OVER, Visitors, _engine_count
 from solvers.engine import process
 from solvers.engine.messages import Trouble, Wish
 from solvers.engine.pool import EnginePool
@@ -130,7 +130,8 @@ def test_goodbye_while_the_page_is_made_closes_it(first):
     house = House(ending)
     house.come(1)
     house.come(2)
-    assert len(house.pool.links) == 1 and house.open_links == 0 and not house.visitors._pages and not house.shown
+    assert len(house.pool.links) == 1 and house.open_links == 0 and not house.visitors._pages
+    assert house.shown == ([OVER] if first == "stay" else [])
 
 
 def test_leaving_before_being_let_in_makes_no_page():

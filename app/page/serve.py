@@ -26,7 +26,7 @@ from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
-HEARS_WITHIN, TOLD_WITHIN = 0.3, 1.0  # seconds until it hears of its end, and has told all others at most
+HEARS_WITHIN, TOLD_WITHIN = 0.3, 3.0  # seconds until it hears of its end, and has told all others at most
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
 
@@ -118,16 +118,18 @@ class Visitors:
             logging.getLogger(__name__).exception("the page of visitor %d could not be made", visitor)
             links.close()
         with self._lock:
-            left = visitor in self._left or self._over
+            gone, over = visitor in self._left, self._over
             self._left.discard(visitor)
-            if page is not None and not left:
+            if page is not None and not (gone or over):
                 self._pages[visitor] = page
                 return
             self._pages.pop(visitor, None)
-            if not left:
+            if not (left := gone or over):
                 self._pageless.add(visitor)
         if page is not None:
             page.close()
+            if over and not gone:
+                self._show(client, OVER)
         elif not left:
             self._show(client, "The page could not be made. Reload it, or see the terminal for the reason.")
 
