@@ -139,7 +139,8 @@ def test_what_stands_on_a_boundary_to_the_last_digit_is_told():
 @pytest.mark.parametrize(("ppc", "cells_a_step", "step"), [
     (3, 1 / 12, 2), (1, 1 / 2, 1), (4, 1 / 12, None), (2.5, 1 / 10, 2), (1.5, -1 / 12, 4), (3, 0.0, None)])
 def test_the_first_step_onto_a_boundary_is_known(ppc, cells_a_step, step):
-    """Of particles at odd parts of a cell too, which no decimal number is: 5/6 + 2/12 = 1, and 1/8 + n/12 is never whole."""
+    """Of particles at odd parts of a cell too, which no decimal number is: 5/6 + 2/12 = 1; 1/8 + n/12 is never whole.
+    """
     scene = replace(PATCH, method="mpm", ppc=ppc)
     assert patch.edge_step(replace(scene, initial_velocity=cells_a_step * scene.spacing / scene.time_step)) == step
 
