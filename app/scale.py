@@ -16,7 +16,9 @@ MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
 MEMORY = 1.0  # periods for which the largest error is kept in mind: errors come and go within one, and the top must not
 SMALLEST = 1e-300
-LEAST_TOP = 1e-3  # of a quantity's size, where nothing should happen: coloured round-off would say that something does
+#: Where nothing should happen, of a quantity's size: the colours' top at least, for coloured round-off would say that
+#: something does, and what the axis of a plot shows at least.
+LEAST_TOP, LEAST_REACH = 1e-3, 0.1
 BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale: it would hide both
 
 

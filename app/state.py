@@ -84,7 +84,7 @@ def read(text: str) -> State:
 
 def begins(text: str) -> bool:
     """Whether a text is meant as a state: it begins with a problem."""
-    return _words(text)[:1] in [[problem] for problem in PROBLEMS]
+    return next(iter(_words(text)), "") in PROBLEMS
 
 
 def _words(text: str) -> list[str]:

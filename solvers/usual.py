@@ -5,6 +5,8 @@ from typing import ClassVar
 
 from solvers.rules import require_whole
 
+MOST_PER_CELL = 64  # particles, along each direction
+
 
 class Usual:
     """Rules and facts of a scene whose motion swings to and fro and whose cells hold whole numbers of particles."""
@@ -25,7 +27,7 @@ class Usual:
 
     def _check_per_cell(self) -> None:
         """Refuse what is no number of particles in a cell."""
-        require_whole("ppc", self.ppc, 1, 64)
+        require_whole("ppc", self.ppc, 1, MOST_PER_CELL)
 
     def _check_combinations(self) -> None:
         """Refuse what does not go together."""

@@ -103,3 +103,16 @@ def session(pool):
     link = pool.open(listener)
     yield link, listener
     link.close()
+
+
+@pytest.fixture(scope="module")
+def here():
+    """A lab without engines for a file's tests, which takes whatever many messages a second."""
+    from app.page.doors import server  # here: few files need the viewer
+    from tests.doors import lab
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(server, "MESSAGES", 1e9)
+        patch.setattr(server, "HANDSHAKES", 1e9)
+        with lab() as one:
+            yield one

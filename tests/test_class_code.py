@@ -16,9 +16,9 @@ from app.page.doors import code
 from app.page.doors.bucket import Bucket
 from app.page.doors.code import ALL, LETTERS, ONE, ClassCode, made_up
 from tests.browser.conftest import serving
+from tests.doors import get, lab
 from tests.processes import until
 from tests.raw import Raw
-from tests.test_doors import get, lab
 
 CODE = "wave-4711"
 BUILD = Path(viser.__file__).parent / "client" / "build"

@@ -1,28 +1,21 @@
-"""The Cost tab without a browser: rows of live runs, jobs in the background, the table and the picture."""
+"""The Cost tab without a browser: rows of live runs, the table and the picture."""
 
 from __future__ import annotations
 
 import csv
 import io
-import os
 import re
-import signal
-import threading
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from app.page.cost import jobs as jobs_module
 from app.page.cost import words
-from app.page.cost.jobs import Jobs, JobStatus, Slots, question, search, small_sweep, timings
+from app.page.cost.jobs import timings
 from app.page.cost.live import LiveRows, live_row
 from app.page.cost.picture import Axis, picture
-from app.page.cost.quiet import QuietStage
 from app.page.cost.runs import LIVE, SWEEP, Runs, csv_bytes
 from app.page.history import History
-from app.page.page import Page
 from app.page.panels.cost import CostTab
 from solvers.bar.scene import BarScene
 from solvers.engine.messages import FrameReport
@@ -30,10 +23,8 @@ from solvers.engine.verdict import Verdict
 from solvers.ring.scene import RingScene
 from solvers.run import build
 from solvers.study.grid import task_of
-from solvers.study.jobs import SearchJob
 from solvers.study.row import failed
 from solvers.study.summary import flat
-from tests.processes import has_library, until
 from tests.rows import made_up
 
 SCENE = BarScene(cells=10, periods=1)
@@ -57,25 +48,6 @@ def frames(scene, steps=100):
 def same(one, other):
     """Whether two tables of numbers agree; some may be None in both."""
     return {name: value and pytest.approx(value, rel=1e-9) for name, value in one.items()} == other
-
-
-def wait(condition):
-    until(condition, "what a job was waited for")
-
-
-def alive(process_id):
-    try:
-        os.kill(process_id, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
-@pytest.fixture
-def jobs():
-    jobs = Jobs(Runs(), Slots(1))
-    yield jobs
-    jobs.close()
 
 
 @pytest.mark.parametrize("scene", [SCENE, RingScene(cells=12, periods=1)], ids=["bar", "ring"])
@@ -170,98 +142,6 @@ def test_csv_has_every_row_and_input():
     assert set(read[0]) == {"run", "source", *flat({**runs.all()[0].row, "asked": {}})}
 
 
-@pytest.mark.parametrize("scene", [
-    SCENE, BarScene(method="cpgimp", velocity="corners", effects=(), periods=1), RingScene(periods=1, dt=1e-5)],
-    ids=["bar", "corners", "ring"])
-def test_small_sweep_is_valid_and_like_the_scene(scene):
-    tasks = small_sweep(scene)
-    assert len(tasks) == 16 == len({task.key for task in tasks})
-    for task in tasks:
-        other = task.scene()
-        assert (other.amplitude, other.dt, other.periods) == (scene.amplitude, scene.dt, scene.periods)
-        assert other.has("truth") and (other.has("estimate") or other.not_valid)
-    assert task_of(scene).scene() == scene
-
-
-def test_sweep_runs_in_a_process_that_ends(jobs):
-    tasks = small_sweep(SCENE)[:2]
-    jobs.sweep(tasks)
-    process = jobs.process_id
-    jobs.sweep(tasks)  # while one runs nothing else begins
-    assert jobs.process_id == process
-    wait(lambda: not jobs.status.running)
-    assert jobs.status == JobStatus("sweep", done=2, total=2)
-    assert [run.row["asked"]["cells"] for run in jobs._runs.all()] == [10, 20] and not alive(process)
-    assert all(run.row["seconds"]["min"] > 0 for run in jobs._runs.all())
-
-
-def test_cancel_keeps_rows_and_makes_room(jobs):
-    """Cancelled between rows: what was measured stays, the process is gone and its place is free."""
-    jobs.sweep([*small_sweep(SCENE)[:1], task_of(BarScene(cells=2000, periods=100), repeats=1)])
-    other = Jobs(Runs(), jobs._slots)
-    other.sweep(small_sweep(SCENE))
-    assert "server busy" in words.going(other.status) and not other.status.running
-    wait(lambda: jobs.status.done == 1)
-    process = jobs.process_id
-    jobs.cancel()
-    wait(lambda: not jobs.status.running)
-    assert not alive(process) and len(jobs._runs.all()) == 1 and jobs.status.trouble is None
-    assert "cancelled" in words.going(jobs.status)
-    other.search(SearchJob(task_of(SCENE).to_dict(), (), (2,), (0.5,), "x", 1.0, 1.0))
-    wait(lambda: not other.status.running)
-    assert "no method" in words.going(other.status)
-
-
-def test_process_that_dies_is_said(jobs):
-    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
-    wait(lambda: has_library(jobs.process_id, "taichi"))  # it has read what to do, else another would do it
-    os.kill(jobs.process_id, signal.SIGKILL)
-    wait(lambda: not jobs.status.running)
-    assert "SIGKILL" in words.going(jobs.status)
-    assert jobs._slots.taken == 0
-
-
-def test_process_that_cannot_start_is_said(jobs, monkeypatch):
-    def refuse(*_):
-        raise OSError(11, "Resource temporarily unavailable")
-
-    monkeypatch.setattr(jobs_module, "BackgroundJob", refuse)
-    jobs.sweep(small_sweep(SCENE))
-    assert "temporarily unavailable" in words.going(jobs.status) and not jobs.status.running
-    assert jobs._slots.taken == 0
-
-
-def test_visitor_who_leaves_takes_the_process_along(jobs):
-    """The page closes its tab, the tab its jobs; after that none begins."""
-    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
-    process = jobs.process_id
-    page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
-    tab.jobs = jobs
-    page._closed, page._stands, page._cost = threading.Event(), threading.Event(), tab
-    page._drawing, page._refreshing = threading.Lock(), threading.Lock()
-    page._session = page._slow = page._player = SimpleNamespace(close=lambda: None)
-    page.close()
-    wait(lambda: not jobs.status.running)
-    assert not alive(process)
-    jobs.sweep(small_sweep(SCENE))
-    assert not jobs.status.running
-
-
-def test_search_finds_a_scene_that_can_be_loaded(jobs):
-    """It says what it looks at, and the advice is a scene with the truth and the estimate by which it was found."""
-    job = replace(search(SCENE, 1e-2, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
-                  courant_numbers=(0.5,))
-    jobs.search(job)
-    wait(lambda: jobs.status.task or not jobs.status.running)
-    assert "Search, run" in words.going(jobs.status)
-    wait(lambda: not jobs.status.running)
-    advice = jobs.status.advice
-    assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
-    text = words.going(jobs.status)
-    assert text.startswith("Take uGIMP") and "estimate" in text
-    assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
-
-
 def test_scene_too_large_to_watch_is_not_loaded():
     """It would freeze the visitor's browser: the page gives the command instead."""
     loaded, tab = [], CostTab.__new__(CostTab)
@@ -301,94 +181,6 @@ def test_axis_holds_its_values_and_has_ticks(values):
     axis = Axis(values, 40, 318)
     assert all(40 <= axis.at(value) <= 318 for value in values)
     assert len(axis.ticks()) >= 1 and np.all(np.diff([axis.at(value) for value, _ in axis.ticks()]) > 0)
-
-
-class Stage:
-    """As much of a session as a job takes note of."""
-
-    def __init__(self, playing=True, others=False):
-        self.scene, self.playing, self.others_playing = SCENE, playing, others
-
-    def play(self, playing):
-        self.playing = playing
-
-
-def test_stage_stands_still_while_a_job_runs():
-    """It goes on afterwards if it moved before, and is left alone once its visitor has pressed Play."""
-    stage = Stage()
-    quiet = QuietStage(stage)
-    for running, playing in [(False, True), (True, False), (True, False), (False, True)]:
-        quiet.follow(running)
-        assert stage.playing == playing and quiet.paused == (running and not playing)
-    quiet.follow(True)
-    stage.play(True)  # by the visitor
-    quiet.follow(True)
-    assert stage.playing and not quiet.paused
-    stage.play(False)
-    quiet.follow(False)
-    assert not stage.playing
-    quiet.follow(True)
-    quiet.follow(False)
-    assert not stage.playing  # it did not move before
-
-
-def test_tab_says_what_disturbs_the_times_and_gives_way_to_it():
-    tab, ways = CostTab.__new__(CostTab), []
-    tab.jobs = SimpleNamespace(status=JobStatus("sweep", running=True), others=False, give_way=lambda: ways.append(1))
-    tab._session = Stage()
-    tab._quiet = QuietStage(tab._session)
-    tab._quiet.follow(True)
-    assert "paused" in tab._stage_word(tab.jobs.status) and not ways and "paused" in tab.notice().sentence
-    tab._session.others_playing = True
-    assert "Other visitors" in tab._stage_word(tab.jobs.status) and ways
-    tab._session.play(True)
-    tab._quiet.follow(True)
-    assert tab._stage_word(tab.jobs.status).startswith("Your stage runs") and tab.notice() is None
-    tab.jobs.status = JobStatus("sweep")
-    assert tab._stage_word(tab.jobs.status) == ""
-
-
-def test_job_gives_way_when_told_to(jobs):
-    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
-    before = os.getpriority(os.PRIO_PROCESS, jobs.process_id)
-    assert before == os.getpriority(os.PRIO_PROCESS, 0) and not jobs.others
-    jobs.give_way()
-    assert os.getpriority(os.PRIO_PROCESS, jobs.process_id) > before or before == 19
-    assert Jobs(Runs(), jobs._slots).others
-
-
-def box(value):
-    return SimpleNamespace(value=value)
-
-
-def test_advice_goes_when_what_was_asked_changes():
-    """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
-    tab = CostTab.__new__(CostTab)
-    tab.jobs, tab._session, tab._tolerance, tab._budget = Jobs(Runs(), Slots(1)), Stage(), box("1e-2"), box("10")
-    tab.jobs.status, tab._asked = JobStatus("search", advice={"met": True}), tab._question()
-    tab._say("Run 1 is on the stage.")
-    tab._drop_what_is_old()
-    assert tab.jobs.status.advice and tab._remark
-    tab._session.scene = replace(SCENE, method="cpgimp", cells=28, ppc=3, cfl=0.5, effects=(), estimators=())
-    tab._drop_what_is_old()
-    assert tab.jobs.status.advice and not tab._remark
-    tab._tolerance.value = "1e-3"
-    tab._drop_what_is_old()
-    assert tab.jobs.status == JobStatus()
-    for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
-        assert question(replace(SCENE, **change)) != question(SCENE)
-
-
-def test_search_ends_when_what_was_asked_changes(jobs):
-    tab = CostTab.__new__(CostTab)
-    tab.jobs, tab._session, tab._tolerance, tab._budget, tab._remark = jobs, Stage(), box("1e-2"), box("10"), ""
-    jobs.search(search(SCENE, 1e-2, 10.0))
-    tab._asked = tab._question()
-    tab._session.scene = replace(SCENE, amplitude=0.01)
-    tab._drop_what_is_old()
-    wait(lambda: not jobs.status.running)
-    tab._drop_what_is_old()
-    assert words.going(jobs.status) == "The search was cancelled." and tab._remark == "What it was to find has changed."
 
 
 def test_label_of_the_errors_crosses_no_tick():

@@ -8,7 +8,7 @@ import pytest
 from app import state
 from app.export.record import Wanted, recording
 from app.problems.bar.view import change
-from solvers.bar import exact
+from solvers.bar import exact, patch
 from solvers.bar.scene import BarScene
 from solvers.rules import SceneError
 from solvers.run import build, run, shown_step
@@ -135,6 +135,21 @@ def test_what_stands_on_a_boundary_to_the_last_digit_is_told():
     told, silent = (BarScene(motion="patch", method="mpm", periods=1, initial_velocity=v) for v in (1.0, .9717))
     assert any("stand on cell boundaries" in sentence for sentence in told.warnings()) and not silent.warnings()
     assert wrong(run(told, prices=False), "max") > .01 and wrong(run(silent, prices=False), "max") < round_off(silent)
+
+@pytest.mark.parametrize(("ppc", "cells_a_step", "step"), [
+    (3, 1 / 12, 2), (1, 1 / 2, 1), (4, 1 / 12, None), (2.5, 1 / 10, 2), (1.5, -1 / 12, 4), (3, 0.0, None)])
+def test_the_first_step_onto_a_boundary_is_known(ppc, cells_a_step, step):
+    """Of particles at odd parts of a cell too, which no decimal number is: 5/6 + 2/12 = 1; 1/8 + n/12 is never whole.
+    """
+    scene = replace(PATCH, method="mpm", ppc=ppc)
+    assert patch.edge_step(replace(scene, initial_velocity=cells_a_step * scene.spacing / scene.time_step)) == step
+
+
+def test_a_bar_of_many_cells_is_looked_at_in_few():
+    """A million particles or ten thousand stand alike in their cells, and so bear the same step, in cells."""
+    few, many = (replace(PATCH, method="ugimp", cells=cells, ppc=10) for cells in (1000, 100_000))
+    assert many.step_bound == pytest.approx(few.step_bound / 100, rel=1e-9)  # places are known to 1e5 epsilon = 2e-11
+    assert patch.group(replace(PATCH, cells=1000, ppc=2.5)) == (2, 5)
 
 
 def test_a_third_is_a_number_of_particles_too():

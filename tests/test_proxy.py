@@ -16,9 +16,9 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from solvers.processes import free_port
+from tests.doors import lab
 from tests.processes import HANG, until
 from tests.raw import Raw
-from tests.test_doors import lab
 
 EXAMPLE = Path(__file__).parents[1] / "assets" / "nginx.conf.example"
 NAME, CODE = "lab.school.example", "wave-4711"

@@ -125,11 +125,10 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
 def _unexpected(word: str, kind: type, program: str) -> BadInput:
     flags = ["--" + field.name.replace("_", "-") for field in fields(kind)]
     flag = word.partition("=")[0]
-    reason = kind.SCENE.RUN_ONLY.get(flag.lstrip("-").replace("-", "_")) if hasattr(kind, "SCENE") else None
-    if reason:
-        return BadInput("", flag, f"is not a flag of {program}: {reason}")
     if not word.startswith("-") or word == "-" or flag in flags:
         return BadInput("", word, f"is not expected here; {program} --help shows the flags")
+    if hasattr(kind, "SCENE") and (reason := kind.SCENE.RUN_ONLY.get(flag.lstrip("-").replace("-", "_"))):
+        return BadInput("", flag, f"is not a flag of {program}: {reason}")
     return BadInput("", flag, f"is not a flag of {program}{_meant(flag, flags)}; --help shows them all")
 
 

@@ -66,7 +66,7 @@ class Run(Output, SceneFlags):
     {setting} Without --json a table goes to standard output.
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
     """
-    OUTPUT: ClassVar[frozenset[str]] = frozenset({"json", "plot", "particles", "quiet"})
+    OUTPUT: ClassVar[frozenset[str]] = frozenset(Output.__dataclass_fields__)
 
     def execute(self) -> int:
         """Run, then write what was asked for."""

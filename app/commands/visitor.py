@@ -124,4 +124,3 @@ class Visitor:
             self.broken.add(len(self.frames))
         elif content is not None and text == self.notice:
             self.notice = ""
-

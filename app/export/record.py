@@ -10,9 +10,8 @@ import numpy as np
 
 from app import state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
-from app.problems.field import LEAST_REACH
 from app.problems.views import VIEWS
-from app.scale import LEAST_TOP
+from app.scale import LEAST_REACH, LEAST_TOP
 from solvers import samples
 from solvers.norms import distance, error_index
 from solvers.result import Snapshot

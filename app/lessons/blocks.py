@@ -91,8 +91,7 @@ def runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[Run
 def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> Run:
     """A run or, where one number of the scene is several with commas between, the runs that differ in it."""
     words = text.split()
-    several = [k for k, word in enumerate(words)
-               if "," in word and word.partition("=")[0] in VARIED]
+    several = [k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
     if len(several) > 1:
         raise LessonError(line, f"{name}: only one number may have several values, not {words[several[0]]} and "
                                 f"{words[several[1]]}")

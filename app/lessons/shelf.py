@@ -9,8 +9,6 @@ from app.lessons.reading import read
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 NO_LESSONS = ("README",)
-
-
 _READING = threading.Lock()
 
 

@@ -29,9 +29,9 @@ EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
 HEARS_WITHIN, TOLD_WITHIN = 0.3, 3.0  # seconds until it hears of its end, and has told all others at most
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
-
 FULL = "Every place on this server is taken. This page tries again by itself; nothing needs to be done."
 OVER = "The lab has been closed. Once it is open again, this page comes back by itself."
+FAILED = "The page could not be made. Reload it, or see the terminal for the reason."
 AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
 
 
@@ -59,10 +59,10 @@ class Visitors:
         """Take a visitor in, or say why not."""
         visitor = client.client_id
         with self._lock:
-            if visitor in self._left or self._over:
+            if visitor in self._left:
                 self._left.discard(visitor)
                 return
-            admitted = len(self._pages) < self._places
+            over, admitted = self._over, not self._over and len(self._pages) < self._places
             if admitted:
                 self._pages[visitor] = None
             else:
@@ -70,7 +70,7 @@ class Visitors:
         if admitted:
             self._admit(client)
         else:
-            self._show(client, FULL + AGAIN)
+            self._show(client, OVER if over else FULL + AGAIN)
 
     def disconnect(self, client: Any) -> None:
         """Close the visitor's page, now or as soon as it is made."""
@@ -124,14 +124,12 @@ class Visitors:
                 self._pages[visitor] = page
                 return
             self._pages.pop(visitor, None)
-            if not (left := gone or over):
+            if not gone:
                 self._pageless.add(visitor)
         if page is not None:
             page.close()
-            if over and not gone:
-                self._show(client, OVER)
-        elif not left:
-            self._show(client, "The page could not be made. Reload it, or see the terminal for the reason.")
+        if not gone:
+            self._show(client, OVER if over else FAILED)
 
 
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",

@@ -10,13 +10,12 @@ import viser
 from app import drawing
 from app.axis import ROOM, Axis
 from app.colours import TRUTH
-from app.scale import largest
+from app.scale import LEAST_REACH, largest
 from app.words import QUANTITIES, with_unit
 from solvers.effects import EFFECTS
 from solvers.scene import Scene
 
 CURVE_POINTS = 121
-LEAST_REACH = 0.1  # of a quantity's size, that the axis of a motion without any shows at least
 INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
 
 

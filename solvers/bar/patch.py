@@ -13,12 +13,14 @@ Source: Bardenhagen & Kober (2004) for hats and GIMP; Steffen, Kirby & Berzins (
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from solvers.rules import SceneError, require_number
+from solvers.usual import MOST_PER_CELL
 
 if TYPE_CHECKING:
     from solvers.bar.scene import BarScene
@@ -28,7 +30,6 @@ STRETCH, VELOCITY = 1.02, 1.0  # F0, and v0 in m/s, of a patch test that is told
 STRETCHES = (0.1, 10.0)
 LEAST_STRAIN = 1e-6  # below it round-off is no longer small beside the stress
 MOST_VELOCITY = 1000.0  # m/s
-MOST_PER_CELL = 64
 WHOLE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
 NOTHING_TO_SEARCH = ("a patch test has nothing to search for or to map: its error is round-off, or does not fall with "
                      "the cells; compare methods with mpm-lab sweep bar --motion patch")
@@ -83,7 +84,7 @@ def check_numbers(scene: BarScene) -> None:
 
 def check_alone(scene: BarScene) -> None:
     """Refuse for a patch test what means nothing in it."""
-    for name, alone in (("amplitude", _default(scene, "amplitude")), ("body_force", "none")):
+    for name, alone in (("amplitude", type(scene).amplitude), ("body_force", "none")):
         if getattr(scene, name) != alone:
             raise SceneError(name, getattr(scene, name), "means nothing in a patch test (motion patch), in which "
                              "nothing vibrates and no force acts; leave it out")
@@ -92,21 +93,25 @@ def check_alone(scene: BarScene) -> None:
 def check_absent(scene: BarScene) -> None:
     """Refuse for a vibrating bar what only a patch test has."""
     for name in ("stretch", "initial_velocity"):
-        if getattr(scene, name) != _default(scene, name):
+        if getattr(scene, name) != getattr(type(scene), name):
             raise SceneError(name, getattr(scene, name), "is for the patch test; give motion patch, or leave it out")
 
 
+def group(scene: BarScene) -> tuple[int, int]:
+    """The fewest cells after which particles stand in cells as before, and how many particles these hold."""
+    times = math.gcd(scene.cells, scene.particles)
+    return scene.cells // times, scene.particles // times
+
+
+@functools.lru_cache(maxsize=64)  # the page asks again and again
 def edge_step(scene: BarScene) -> int | None:
     """The first step after which a particle stands on a cell boundary but for rounding, which then says in which cell
     it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
     a_step = scene.initial_velocity * scene.time_step / scene.spacing  # in cells
-    starts = np.unique(np.round((np.arange(scene.particles) + 0.5) / scene.ppc % 1, 9))
-    if scene.method != "mpm" or scene.linearity_preserving or scene.frozen or not a_step or len(starts) > MOST_PER_CELL:
+    places = group(scene)[1]  # in a cell, at which particles begin
+    if scene.method != "mpm" or scene.linearity_preserving or scene.frozen or not a_step or places > MOST_PER_CELL:
         return None
+    starts = (np.arange(places) + 0.5) / scene.ppc % 1
     after = starts + a_step * np.arange(1, min(scene.steps, MOST_EDGE_STEPS) + 1)[:, None]
     on_edge = (np.abs(after - np.round(after)) < ON_EDGE).any(axis=1)
     return int(np.argmax(on_edge)) + 1 if on_edge.any() else None
-
-
-def _default(scene: BarScene, name: str) -> object:
-    return type(scene).__dataclass_fields__[name].default

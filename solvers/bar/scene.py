@@ -10,8 +10,9 @@ import numpy as np
 from solvers.bar import patch, validity
 from solvers.bar.patch import PATCH, VIBRATE
 from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
-from solvers.rules import SceneError, require_number, require_whole
+from solvers.rules import SceneError, require_number
 from solvers.scene import Scene, option
+from solvers.usual import MOST_PER_CELL
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
@@ -125,10 +126,10 @@ class BarScene(Scene):
     def _check_per_cell(self) -> None:
         if self.is_patch:
             return patch.check_per_cell(self.cells, self.ppc)
-        if isinstance(self.ppc, float) and 1 <= self.ppc <= patch.MOST_PER_CELL:
-            raise SceneError("ppc", self.ppc, f"give a whole number from 1 to {patch.MOST_PER_CELL}; only a patch test "
+        if isinstance(self.ppc, float) and 1 <= self.ppc <= MOST_PER_CELL:
+            raise SceneError("ppc", self.ppc, f"give a whole number from 1 to {MOST_PER_CELL}; only a patch test "
                              "(motion patch) may have a part of one")
-        require_whole("ppc", self.ppc, 1, patch.MOST_PER_CELL)
+        super()._check_per_cell()
 
     def _check_amplitude(self) -> None:
         allowed = "give a number above 1e-12 and below 0.159"

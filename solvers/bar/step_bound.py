@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from solvers.bar import patch
 from solvers.bar.scene import BarScene
 from solvers.step_bound import INSTANTS, bound, stencil
 
@@ -21,9 +22,12 @@ def least(scene: BarScene) -> float:
 
 def _of_patch(scene: BarScene) -> float:
     """The smallest bound of a patch test while its particles pass through a cell; all spacings stay as they are."""
-    X = (np.arange(scene.particles) + 0.5) / scene.particles
-    shifts = scene.spacing * np.linspace(0, 1, INSTANTS) if scene.initial_velocity and not scene.frozen else [0.0]
-    return min(_grid_bound(scene, scene.cells, X + shift, np.ones_like(X)) for shift in shifts)
+    cells, particles = patch.group(scene)
+    times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
+    cells, particles = times * cells, times * particles
+    X = (np.arange(particles) + 0.5) / particles
+    shifts = np.linspace(0, 1, INSTANTS) / cells if scene.initial_velocity and not scene.frozen else [0.0]
+    return min(_grid_bound(scene, cells, X + shift, np.ones_like(X)) for shift in shifts) * cells / scene.cells
 
 
 def _at(scene: BarScene, cells: int, X: np.ndarray, size: float) -> float:

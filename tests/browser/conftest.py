@@ -46,6 +46,7 @@ FEW_FRAMES = """
 """
 FEW = 10  # frames a second
 SIZE = {"width": 1280, "height": 720}
+PHONE = {"width": 390, "height": 844}
 FAILED = pytest.StashKey[bool]()
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 

@@ -10,7 +10,7 @@ import pytest
 from app.cli import main
 from app.lessons import shelf
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
-from tests.browser.conftest import serving, visit
+from tests.browser.conftest import PHONE, serving, visit
 from tests.browser.driving import click, row, scene, shown, until
 from tests.browser.following import answer
 
@@ -105,7 +105,7 @@ def test_a_link_that_means_nothing_is_refused_in_words(server, chromium):
 
 def test_a_lesson_opens_on_a_phone(class_room, chromium):
     """There the viewer has other tabs."""
-    with visit(chromium, class_room[0], size={"width": 390, "height": 844}) as page:
+    with visit(chromium, class_room[0], size=PHONE) as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
 
 

@@ -16,6 +16,8 @@ from solvers.study.grid import Task
 from solvers.study.row import FAILED
 
 LONGEST_BUDGET = 60.0
+NOTHING_TO_FIND = ("There is nothing to find in a patch test: its error is round-off, or does not fall with the cells. "
+                   "Compare methods and particles per cell instead.")
 
 
 class NoNumber(ValueError):
@@ -32,10 +34,6 @@ def typed(name: str, text: str, most: float = math.inf) -> float:
         allowed = f"above 0 and up to {most:g}" if math.isfinite(most) else "above 0, such as 1e-3"
         raise NoNumber(f"{name} {text.strip()[:20]!r}: give a number {allowed}.")
     return value
-
-
-NOTHING_TO_FIND = ("There is nothing to find in a patch test: its error is round-off, or does not fall with the cells. "
-                   "Compare methods and particles per cell instead.")
 
 
 def setting(scene: Scene) -> str:

@@ -1,0 +1,61 @@
+"""A lab without engines, whose doors are real: what tests of them share."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import contextmanager
+
+from app.page.classroom import Classroom
+from app.page.doors.address import Addresses
+from app.page.serve import _start_server
+from solvers.processes import free_port
+
+
+class Link:
+    """A line to no engine: who asks gets a number and never a frame."""
+
+    number = 0
+
+    def ask(self, *_):
+        self.number += 1
+        return self.number
+
+    def close(self):
+        """There is nothing to close."""
+
+
+class Pool:
+    playing = 0
+
+    def open(self, listener, beside=None):
+        return Link()
+
+
+@contextmanager
+def lab(host="127.0.0.1", names=(), code=""):
+    """The page's own web server in this process, without engines; and its address."""
+    port = free_port()
+    one = _start_server(host, port, Pool(), 4, Addresses(host, names), code, Classroom())
+    try:
+        yield one, f"http://127.0.0.1:{port}"
+    finally:
+        one.stop()
+
+
+def get(address, path="/", headers=()):
+    """Status and body of an answer to exactly these headers, and a Host unless they have one; "" sends none."""
+    host, port = address.removeprefix("http://").split(":")
+    headers = {"Host": f"{host}:{port}", **dict(headers)}
+    lines = [f"GET {path} HTTP/1.1", *(f"{name}: {value}" for name, value in headers.items() if value), "", ""]
+    with socket.create_connection((host, int(port)), timeout=20) as line:
+        line.sendall("\r\n".join(lines).encode("latin1"))
+        answer = b""
+        while b"\r\n\r\n" not in answer:
+            answer += (more := line.recv(65536))
+            assert more
+        head, _, body = answer.partition(b"\r\n\r\n")
+        status = int(head.split()[1])
+        while status != 101 and (more := line.recv(65536)):
+            body += more
+    get.head = head.decode()
+    return status, body

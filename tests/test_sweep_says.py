@@ -1,0 +1,112 @@
+"""What the rows of a sweep say: orders, fronts and balances, in tables, a summary and pictures."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from app.pictures.run import png_bytes
+from app.pictures.study import FIGURES, error_spacing_figure, error_time_figure
+from app.pictures.study_parts import UNSTABLE_LOOK
+from app.pictures.study_step import error_step_figure
+from solvers.study import fit, row, series
+from solvers.study import summary as table
+from solvers.study.grid import Task
+from tests.rows import made_up
+
+# ---- what rows say ----------------------------------------------------------------------------------------
+
+
+def test_slopes_front_and_balance_of_known_data():
+    h = np.array([0.1, 0.05, 0.025])
+    found = fit.slope(h, 3 * h**1.7)
+    assert (found.order, found.factor, found.points) == (pytest.approx(1.7), pytest.approx(3), 3)
+    assert found.pairwise == pytest.approx((1.7, 1.7))
+    assert fit.slope([0.1, 0.1], [1, 2]) is None and fit.slope([0.1, 0.2], [0, 1]) is None
+    assert fit.pareto([1, 2, 3, 4], [4, 2, 3, 1]) == [0, 1, 3]
+    dt = np.geomspace(1e-4, 1e-2, 7)
+    for power in (1, 2):
+        found = fit.balance(dt, 1e-3 * (1 + (dt / 2e-3) ** power))
+        assert (found.power, found.dt) == (power, pytest.approx(2e-3)) and found.misfit < 1e-9
+    assert fit.balance(dt, np.full(7, 2.0)).dt is None and fit.balance(dt, np.full(7, 2.0)).space_rules
+    assert not fit.balance(dt, dt).space_rules and fit.balance(dt[:2], dt[:2]) is None
+
+
+def test_the_brink_of_stability_is_no_time_error():
+    dt = np.geomspace(1e-4, 6.4e-3, 7)
+    error = 1e-3 * (1 + dt / 1e-3)
+    error[-1] *= 1000
+    assert fit.balance(dt, error).dt == pytest.approx(1e-3)
+
+
+def test_series_are_alike_but_for_one_input():
+    rows = [made_up(method, cells, cfl) for method in ("ugimp", "bspline") for cells in (40, 20) for cfl in (0.1, 0.2)]
+    lines = series.series(rows)
+    assert [(line.method, line.inputs["cfl"]) for line in lines] == [
+        (method, cfl) for method in ("ugimp", "bspline") for cfl in (0.1, 0.2)]
+    assert [row["scene"]["cells"] for row in lines[0].rows] == [20, 40]
+    assert next(line.inputs for line in series.series(rows, "dt")) == {"method": "ugimp", "cells": 40}
+    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in series.fits(rows))
+
+
+def test_unstable_rows_are_not_fitted():
+    rows = [made_up(cells=20), made_up(cells=40), made_up(cells=80, order=-3, status="unstable")]
+    assert series.fits(rows)[0]["orders"]["x"]["points"] == 2
+
+
+def test_the_table_has_a_column_for_everything():
+    refusal = row.refused(task := Task("bar", {"amplitude": 0.2}), task.refusal())
+    lines = list(csv.DictReader(io.StringIO(table.csv_text([refusal, made_up(), made_up(cells=40)]))))
+    assert [line["status"] for line in lines] == ["refused", "ok", "ok"]
+    assert lines[0]["scene.amplitude"] == "0.2" and lines[0]["error.x.max"] == ""
+    assert float(lines[2]["error.x.max"]) == 40**-2 and float(lines[1]["index.transport.x"]) == 1.1
+
+
+def test_the_summary_says_what_went_wrong_once_for_each_reason():
+    rows = [made_up(cells=20), *(made_up(cells=cells, status="unstable") for cells in (40, 80))]
+    text = table.summary("bar", rows)
+    assert "1 ok, 2 unstable" in text and text.count("too long") == 1 and "and 1 more" in text
+    assert "Nothing to fit" in text and "Nothing to fit" not in table.summary("bar", [made_up(), made_up(cells=40)])
+
+
+# ---- pictures ---------------------------------------------------------------------------------------------
+
+MANY = [made_up(method, cells, cfl) for method in ("mpm", "ugimp", "cpgimp", "bspline") for cells in (20, 40, 80)
+        for cfl in (0.05, 0.1, 0.2)]
+STATES = {"many": MANY, "one": [made_up()], "none": [], "no truth": [made_up(error={q: {} for q in "xva"})],
+          "no estimate": [made_up(estimate=None), made_up(cells=40, estimate=None)],
+          "all unstable": [made_up(cells=cells, status="unstable") for cells in (20, 40)],
+          "beyond numbers": [made_up(), made_up(cells=40, status="unstable", error={"x": {"max": None}, "v": {"max":
+                                                                                           1e300}, "sigma": {}})],
+          "refused": [row.refused(task := Task("bar", {"amplitude": 0.2}), task.refusal())]}
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("name", FIGURES)
+def test_there_is_a_picture_of_every_state(name, state):
+    content = png_bytes(FIGURES[name](STATES[state]))
+    assert matplotlib.image.imread(io.BytesIO(content)).shape[0] > 100
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_nothing_to_show_is_said(name):
+    assert any("nothing to show" in text.get_text() for text in FIGURES[name]([]).axes[0].texts)
+
+
+def test_unstable_runs_are_crosses_and_not_dropped():
+    rows = [made_up(cells=20), made_up(cells=40), made_up(cells=80, status="unstable", error={"x": {"max": None}})]
+    for figure in (error_time_figure(rows), error_spacing_figure(rows)):
+        crosses = [line for line in figure.axes[0].get_lines() if line.get_marker() == UNSTABLE_LOOK["marker"]]
+        assert len(crosses) == 1
+
+
+def test_orders_and_balance_are_shown():
+    shown = error_spacing_figure(MANY[:1] + MANY[3:4]).axes[0].get_legend().get_texts()
+    assert [text.get_text() for text in shown] == ["order 2.00"]
+    rows = [made_up(cells=20, cfl=cfl, error={"x": {"max": 1 + cfl / 0.1}}) for cfl in (0.025, 0.05, 0.1, 0.2)]
+    stars = [line for line in error_step_figure(rows).axes[0].get_lines() if line.get_marker() == "*"]
+    assert stars[0].get_xdata()[0] == pytest.approx(rows[2]["scene"]["dt"])
