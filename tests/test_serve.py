@@ -125,10 +125,12 @@ def test_goodbye_while_the_page_is_made_closes_it(first):
         if first == "leave":
             house.leave(client.client_id)
         house.visitors.say_goodbye()
+        assert not house.visitors.all_told()
         return Page(client, pool)
 
     house = House(ending)
     house.come(1)
+    assert house.visitors.all_told()
     house.come(2)
     assert len(house.pool.links) == 1 and house.open_links == 0 and not house.visitors._pages
     assert house.shown == [OVER] * (2 if first == "stay" else 1)

@@ -95,13 +95,18 @@ class Visitors:
         return page is not None
 
     def say_goodbye(self) -> None:
-        """Tell all who are here that the lab closes."""
+        """Tell all who are here that the lab closes. Those whose pages are being made are told by who makes them."""
         with self._lock:
-            pages, self._pages, self._over = list(self._pages.values()), {}, True
-        for page in filter(None, pages):
+            pages, self._over = list(filter(None, self._pages.values())), True
+            self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
+        for page in pages:
             page.close()
             self._show(page.client, OVER)
             page.client.flush()
+
+    def all_told(self) -> bool:
+        """After the goodbye: whether no page is being made any more whose visitor is still to hear it."""
+        return not self._pages
 
     def health(self) -> dict[str, Any]:
         """How the server does: for whoever watches it."""
@@ -123,13 +128,14 @@ class Visitors:
             if page is not None and not (gone or over):
                 self._pages[visitor] = page
                 return
-            self._pages.pop(visitor, None)
             if not gone:
                 self._pageless.add(visitor)
         if page is not None:
             page.close()
         if not gone:
             self._show(client, OVER if over else FAILED)
+        with self._lock:
+            self._pages.pop(visitor, None)
 
 
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
@@ -165,7 +171,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     finally:
         if server is not None:
             server.visitors.say_goodbye()
-            server.wait_until_sent(TOLD_WITHIN)
+            server.wait_until_told(TOLD_WITHIN)
         pool.close()
         classroom.outcomes.close()
         if server is not None:

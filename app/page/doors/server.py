@@ -49,12 +49,16 @@ class Lab(viser.ViserServer):
 
     visitors: Any = None
 
-    def wait_until_sent(self, seconds: float) -> None:
-        """Until every browser has been sent all that was said to it; for one that takes nothing no longer than that."""
+    def wait_until_told(self, seconds: float) -> None:
+        """Until every browser has been sent the goodbye and all that was said before it; for one that takes nothing no
+        longer than that."""
         end = monotonic() + seconds
-        buffers = [state.message_buffer for state in list(self._websock_server._client_state_from_id.values())]
-        while not all(cast(Buffer, buffer).all_sent for buffer in buffers) and monotonic() < end:
+        while not (self.visitors.all_told() and self._all_sent()) and monotonic() < end:
             sleep(0.01)
+
+    def _all_sent(self) -> bool:
+        buffers = [state.message_buffer for state in list(self._websock_server._client_state_from_id.values())]
+        return all(cast(Buffer, buffer).all_sent for buffer in buffers)
 
     def request_share_url(self, verbose: bool = True) -> None:
         """There is none."""
