@@ -142,6 +142,11 @@ class Session:
             return self._number
 
     @property
+    def asked(self) -> int:
+        """The number of the last wish."""
+        return self._number
+
+    @property
     def ended(self) -> bool:
         """Whether the run has come to the end at which it was to stop."""
         return self.ends and not self._beyond and self.report is not None \

@@ -10,6 +10,7 @@ The process says, one after the other::
 The table lies in a file, so that it takes nobody's memory but while a frame is looked at.
 """
 
+import itertools
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -160,7 +161,7 @@ class _Table:
     def __init__(self, scene: Scene, grid: Grid, path: str):
         self._scene, self._grid, self._columns = scene, grid, columns(scene.DIMENSIONS)
         ends = np.cumsum([0, *(len(frame.number) for frame in grid.frames)]).tolist()
-        self._rows = [slice(start, end) for start, end in zip(ends[:-1], ends[1:], strict=True)]
+        self._rows = [slice(start, end) for start, end in itertools.pairwise(ends)]
         width = max(part.stop for part in self._columns.values())
         self._values = np.memmap(path, np.float32, "w+", shape=(ends[-1], width))
         for name in ("error", "estimate", "difference", "field"):
