@@ -3,6 +3,7 @@
 import os
 import re
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -86,7 +87,9 @@ def read_npz(path: str, most: int = MOST_BYTES) -> Raw:
             raise FileError(path, f"unpacks to {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB")
         with np.load(path, allow_pickle=False) as packed:
             arrays = {name: packed[name] for name in packed.files}
-    except (zipfile.BadZipFile, ValueError, EOFError, KeyError) as error:
+    except FileError:
+        raise
+    except (zipfile.BadZipFile, ValueError, EOFError, KeyError, NotImplementedError, zlib.error) as error:
         raise FileError(path, f"is no .npz of plain numbers ({type(error).__name__}); write it with "
                               "numpy.savez") from None
     for name, array in arrays.items():

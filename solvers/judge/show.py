@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from solvers.judge.frames import FileError, Frame, Grid, Raw
-from solvers.judge.measure import Companions, Errors, apart, checked, series, sizes, stress, truth
+from solvers.judge.measure import Companions, Errors, apart, checked, crossed, series, sizes, stress, truth
 from solvers.judge.placing import grids
 from solvers.judge.reading import read
 from solvers.norms import finite
@@ -50,20 +50,23 @@ class Question:
 
 @dataclass(frozen=True)
 class Shown:
-    """What is on the table: the scene, T times in s, the number of particles at each, and the norms of the true error
-    over the times by quantity, None where it is not known. ``missing`` are quantities that the file does not have."""
+    """What is on the table: the scene, T times in s, at each the number of particles and of those that have ``crossed``
+    a cell boundary since the time before, and the norms of the true error over the times by quantity, None where it is
+    not known. ``missing`` are quantities that the file does not have."""
 
     task: dict
     times: list[float]
     counts: list[int]
+    crossed: list[int]
     norms: dict[str, list[float | None]] | None
     missing: list[str]
 
 
 def columns(dimensions: int) -> dict[str, slice]:
     """Which columns of the table (rows, width) hold what; the last one ends at its width. ``field`` has two for each
-    quantity: a component for a plot and its deviation from the exact one. Sizes of errors go by quantity."""
-    widths = {"position": dimensions, "displacement": dimensions, "error": len(QUANTITIES),
+    quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was in
+    another cell at the time before. Sizes of errors go by quantity."""
+    widths = {"position": dimensions, "displacement": dimensions, "crossed": 1, "error": len(QUANTITIES),
               "estimate": len(QUANTITIES), "difference": len(QUANTITIES), "field": 2 * len(QUANTITIES)}
     ends = np.cumsum([0, *widths.values()]).tolist()
     return {name: slice(start, end) for name, start, end in zip(widths, ends[:-1], ends[1:], strict=True)}
@@ -76,11 +79,11 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
     try:
         _show(asked, tell)
     except FileError as error:
-        tell({"refused": f"{asked.name} {error.sentence}"})
+        tell({"refused": f"The file {asked.name} {error.sentence}"})
     except SceneError as error:
-        tell({"refused": f"{asked.name} cannot be judged with these settings: {error}"})
+        tell({"refused": f"The file {asked.name} cannot be judged with these settings: {error}"})
     except MemoryError:
-        tell({"refused": f"{asked.name} {TOO_LARGE}"})
+        tell({"refused": f"The file {asked.name} {TOO_LARGE}"})
 
 
 def _show(asked: Question, tell: Callable[[dict], None]) -> None:
@@ -103,10 +106,10 @@ def _show(asked: Question, tell: Callable[[dict], None]) -> None:
     else:  # whether its origin is right cannot be told before
         companions, estimated = _estimated(own, grid)
         checked(own, grid, estimated)
-    lacking = [q for q in ("v", "sigma") if any(_lacks(own, frame, q) for frame in grid.frames)]
-    tell({"frames": asdict(Shown(task_of(_shown(own)).to_dict(), grid.times.tolist(),
-                                 [len(frame.number) for frame in grid.frames], _listed(true) if true else None,
-                                 lacking))})
+    counts = [len(frame.number) for frame in grid.frames]
+    missing = [q for q in ("v", "sigma") if any(_lacks(own, frame, q) for frame in grid.frames)]
+    tell({"frames": asdict(Shown(task_of(_shown(own)).to_dict(), grid.times.tolist(), counts, table.crossed,
+                                 _listed(true) if true else None, missing))})
     if true:
         companions, estimated = _estimated(own, grid)
         table.put("difference", [{q: mine[q] - theirs[q] for q in mine}
@@ -151,8 +154,8 @@ def _check_watched(scene: Scene, grid: Grid, asked: Question) -> None:
 
 def _shown(scene: Scene) -> Scene:
     """The scene as it is shown: judged by the companion."""
-    return replace(scene, estimators=("companion",), effects=("truth", "estimate"), remedies=(), dt=None, cfl=None,
-                   t_end=None, periods=None, sample_every=None)
+    return replace(scene, estimators=("companion",), effects=("truth", "estimate", "crossings"), remedies=(),
+                   dt=None, cfl=None, t_end=None, periods=None, sample_every=None)
 
 
 class _Table:
@@ -162,6 +165,7 @@ class _Table:
         self._scene, self._grid, self._columns = scene, grid, columns(scene.DIMENSIONS)
         ends = np.cumsum([0, *(len(frame.number) for frame in grid.frames)]).tolist()
         self._rows = [slice(start, end) for start, end in itertools.pairwise(ends)]
+        self.crossed: list[int] = []
         width = max(part.stop for part in self._columns.values())
         self._values = np.memmap(path, np.float32, "w+", shape=(ends[-1], width))
         for name in ("error", "estimate", "difference", "field"):
@@ -169,7 +173,10 @@ class _Table:
 
     def put_frames(self) -> None:
         """Where particles are, and the component of each quantity that is plotted."""
-        for rows, frame in zip(self._rows, self._grid.frames, strict=True):
+        frames = self._grid.frames
+        for rows, frame, moved in zip(self._rows, frames, crossed(self._scene, frames), strict=True):
+            self.crossed.append(int(moved.sum()))
+            self._values[rows, self._columns["crossed"]] = moved[:, None]
             self._values[rows, self._columns["position"]] = frame.position
             self._values[rows, self._columns["displacement"]] = frame.position - frame.material_position
             first = self._columns["field"].start

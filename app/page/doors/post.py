@@ -63,6 +63,13 @@ class Post:
     def folder(self) -> Path:
         return Path(self._folder.name)
 
+    @property
+    def coming(self) -> str:
+        """What is on its way, in words; "" for nothing."""
+        parcel = self._parcel
+        return "" if parcel is None else f"The file is coming: {parcel.received / 1e6:.1f} of " \
+                                         f"{parcel.size / 1e6:.1f} MB are here"
+
     def close(self) -> None:
         """The visitor has gone: nothing of a file stays."""
         with self._lock:

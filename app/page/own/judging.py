@@ -14,7 +14,7 @@ from solvers.processes import ProcessDied, WorkerProcess
 from solvers.scene import Scene
 from solvers.study.grid import task_of
 
-PATIENCE = 120.0  # seconds that a file may take
+PATIENCE = 180.0  # seconds that a file may take
 LONGEST_NAME = 60  # letters of a file's name that are shown
 SLOTS = Slots(max(1, (os.cpu_count() or 2) // 2))  # files that are judged at once on this server
 BUSY = "Other visitors' files keep this server busy; give yours again in a while"
@@ -59,8 +59,8 @@ class Judging:
             for message in self._process.ask(asdict(question)):
                 self._say(message)
         except ProcessDied as death:
-            self._say({"refused": f"{self.name} {TOO_LONG}" if timer.finished.is_set() else
-                       f"{self.name} could not be judged: the process {death}"})
+            self._say({"refused": f"The file {self.name} {TOO_LONG}" if timer.finished.is_set() else
+                       f"The file {self.name} could not be judged: the process {death}"})
         except OSError as error:
             self._say({"refused": f"No process could be started: {error.strerror or error}"})
         finally:

@@ -27,14 +27,17 @@ class OwnRun(Courses):
     def __init__(self, name: str, shown: Shown, table: Path):
         self.scene = Task(**shown.task).scene()
         super().__init__(self.scene.period)
+        self.table = table
         self.name, self.times, self.missing = name, np.array(shown.times), shown.missing
+        self._crossed = np.array(shown.crossed)
         self._starts = np.cumsum([0, *shown.counts])
         self._columns = columns(self.scene.DIMENSIONS)
-        self._table = open_table(table, shown.counts, self.scene.DIMENSIONS)
+        self._rows = open_table(table, shown.counts, self.scene.DIMENSIONS)
         self.true = None if shown.norms is None else _arrays(shown.norms)
         self.estimate: dict[str, np.ndarray] | None = None
         self._tops: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray]] = {}
         self.verdict: dict | None = None
+        self.trouble = ""  # why there will be no verdict
 
     def __len__(self) -> int:
         return len(self.times)
@@ -56,11 +59,11 @@ class OwnRun(Courses):
 
     def frame(self, k: int, quantity: str, playing: bool) -> tuple[FrameReport, FrameArrays]:
         """The frame k, with the field of a quantity."""
-        rows = np.array(self._table[self._starts[k]:self._starts[k + 1]])
+        rows = np.array(self._rows[self._starts[k]:self._starts[k + 1]])
         part = {name: rows[:, which] for name, which in self._columns.items()}
         P, q = len(rows), KEYS.index(quantity)
         arrays = FrameArrays(part["position"], part["displacement"], np.zeros((P, 0), np.float32),
-                             np.full(P, -1, np.float32), part["error"], {JUDGE: part["estimate"]},
+                             part["crossed"][:, 0] - 1, part["error"], {JUDGE: part["estimate"]},
                              {JUDGE: part["difference"]}, part["field"][:, 2 * q:2 * q + 2])
         report = FrameReport(0, 0, "", self.scene, False, playing, P, k, float(self.times[k]), np.empty((0, 0)), None,
                              0.0, None, "", plotted=quantity)
@@ -87,13 +90,13 @@ class OwnRun(Courses):
         known = quantity, self.estimate is not None
         if known not in self._tops:
             columns = (self._columns[name].start + KEYS.index(quantity) for name in ("estimate", "error"))
-            estimated, true = (np.fmax.reduce(self._table[:, column], initial=0.0) for column in columns)
+            estimated, true = (np.fmax.reduce(self._rows[:, column], initial=0.0) for column in columns)
             self._tops[known] = np.array([estimated]), np.array([true])
         return self._tops[known]
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Nothing: between two times of a file particles may cross and come back."""
-        return np.zeros(0), np.zeros(0)
+        """Those that are known of: between two times of a file a particle may cross and come back."""
+        return self.times[1:], self._crossed[1:] / np.diff(self.times)
 
 
 def _arrays(norms: Mapping[str, Sequence[float | None]]) -> dict[str, np.ndarray]:

@@ -15,6 +15,7 @@ from app.page.own.judging import Judging
 from app.page.own.run import OwnRun
 from app.page.panels.head import BARE
 from app.page.session import Session
+from app.words import on_page
 from solvers.engine.messages import FrameReport
 from solvers.judge.reading import KINDS
 from solvers.judge.show import Shown
@@ -79,8 +80,10 @@ class OwnCode:
     def notice(self) -> Notice | None:
         """What is to be read now of a file, if anything."""
         judging, news = self._judging, self._news
+        if coming := self._post.coming:
+            return Notice("wait", f"{coming}.")
         if judging is not None and self._run is None:
-            return Notice("wait", f"{judging.name} is being read and judged.")
+            return Notice("wait", f"The file {judging.name} is being read and judged.")
         return news[1] if news and monotonic() < news[0] + TO_BE_READ else None
 
     def leave(self) -> None:
@@ -119,7 +122,7 @@ class OwnCode:
             self._forget()
             self._news = None
             self._judging = Judging(name, file, self._session.scene, self._hear)
-            self._say(f"{self._judging.name} is being read and judged …")
+            self._say(f"The file {self._judging.name} is being read and judged …")
 
     def _hear(self, judging: Judging, message: dict) -> None:
         with self._lock:
@@ -127,7 +130,10 @@ class OwnCode:
                 return
             if sentence := message.get("refused"):
                 self._refuse(sentence)
-                self._judging = None
+                if self._run is not None and self._run.table == judging.table:
+                    self._run.trouble = on_page(sentence)
+                else:
+                    self._forget()
             elif "frames" in message:
                 self._show(OwnRun(judging.name, Shown(**message["frames"]), judging.table))
             elif self._run is not None and "estimate" in message:
@@ -143,14 +149,14 @@ class OwnCode:
             self._session.play(False)
             self._asked = self._session.asked
         self._run, self._k = run, 0
-        self._say(f"{run.name} is on the stage.")
+        self._say(f"The file {run.name} is on the stage.")
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible = True
         self._play(True)
 
     def _refuse(self, sentence: str) -> None:
-        sentence = sentence.rstrip(".") + "."
+        sentence = on_page(sentence).rstrip(".") + "."
         self._news = monotonic(), Notice("refused", sentence)
         self._say(sentence)
 

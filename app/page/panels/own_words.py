@@ -35,7 +35,8 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
     """The numbers as html."""
     verdict = run.verdict or {}
     rows = [("file", f"<b>{escape(run.name)}</b>"),
-            ("time", f"{run.times[k]:.4g} s = {run.times[k] / run.scene.period:.2f} periods, {k + 1} of {len(run)}"),
+            ("frame", f"{k + 1} of {len(run)}"),
+            ("time", f"{run.times[k]:.4g} s = {run.times[k] / run.scene.period:.2f} periods"),
             ("grid", f"{run.scene.cells} cells, h = {with_unit(run.scene.spacing, 'm')}"),
             ("particles", f"{run.particles(k):,}"),
             *([("crossings", f"{verdict['crossings_at_least']:,} at least")] if verdict else []),
@@ -71,7 +72,7 @@ def _findings(run: OwnRun, quantity: str) -> str:
 def _found(run: OwnRun, quantity: str) -> list[str]:
     """What the judge says, sentence by sentence."""
     if run.verdict is None:
-        return ["The judge is still at work."]
+        return [f"There is no verdict: {run.trouble}" if run.trouble else "The judge is still at work."]
     found, worst = [], run.verdict["worst"].get(quantity)
     if worst:
         size = with_unit(worst["size"], QUANTITIES[quantity].unit)
