@@ -137,7 +137,7 @@ class Page:
             self._stands.set()
         if self._ready:
             self._slow.follow(report)
-            self._own.follow(report)
+            self._own.follow()
             self._cost.follow(report, self._session.history)
 
     def _follow_link(self, link: str) -> None:

@@ -142,9 +142,9 @@ class Session:
             return self._number
 
     @property
-    def asked(self) -> int:
-        """The number of the last wish."""
-        return self._number
+    def moves(self) -> tuple:
+        """What moves the run on: another one since the last time means that the visitor has asked for that."""
+        return self.scene, self._restarts, self._single_steps, self.playing
 
     @property
     def ended(self) -> bool:

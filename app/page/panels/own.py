@@ -16,7 +16,6 @@ from app.page.own.run import OwnRun
 from app.page.panels.head import BARE
 from app.page.session import Session
 from app.words import on_page
-from solvers.engine.messages import FrameReport
 from solvers.judge.reading import KINDS
 from solvers.judge.show import Shown
 
@@ -40,7 +39,8 @@ class OwnCode:
         self._lock = threading.RLock()
         self._judging: Judging | None = None
         self._run: OwnRun | None = None
-        self._k, self.playing, self._resumes, self._asked = 0, False, False, 0
+        self._k, self.playing, self._resumes = 0, False, False
+        self._moves: tuple = ()  # of the run that rests meanwhile
         self._turn = threading.Event()  # ends the wait of the thread that plays
         self._news: tuple[float, Notice] | None = None
         gui.add_html(f"<i class='lab-post' data-largest='{LARGEST}' data-too-large='{TOO_LARGE}.' data-busy='{BUSY}' "
@@ -51,7 +51,8 @@ class OwnCode:
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""
         with gui.add_folder("Your own code, judged", order=LAST, expand_by_default=False):
-            gui.add_html(f"<div class='lab-own'>{WHAT}</div><i class='lab-choose'></i>")
+            gui.add_html(f"<div class='lab-own'>{WHAT}</div>")
+            gui.add_html("<i class='lab-choose'></i>")
             gui.add_button("Choose a file", icon=viser.Icon.UPLOAD, hint="of particles, as any code may write them")
             self._text = gui.add_html("")
         self._folder = gui.add_folder("Your file on the stage", order=FIRST, visible=False)
@@ -70,10 +71,10 @@ class OwnCode:
         run = self._run
         return None if run is None else (run, min(self._k, len(run) - 1))
 
-    def follow(self, report: FrameReport) -> None:
-        """A frame of our run has come: if it has moved on, it is wanted."""
+    def follow(self) -> None:
+        """A frame of our run has come: if that is to move on, it is wanted."""
         with self._lock:
-            if self._run is not None and report.number >= self._asked and (report.fresh or report.playing):
+            if self._run is not None and self._session.moves != self._moves:
                 self._resumes = False
                 self.leave()
 
@@ -147,7 +148,7 @@ class OwnCode:
             self._on_begin()
             self._resumes = self._session.playing
             self._session.play(False)
-            self._asked = self._session.asked
+            self._moves = self._session.moves
         self._run, self._k = run, 0
         self._say(f"The file {run.name} is on the stage.")
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
