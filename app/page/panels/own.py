@@ -22,6 +22,7 @@ from solvers.judge.show import Shown
 TO_BE_READ = 30.0  # seconds that a refusal is said; it stays beside the button
 FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
 FIRST, LAST = -1e9, 0.9e9  # in the order of what stands in the panel
+BACK, BACK_HINT = "Back to our run", "go back to what was on the stage before"
 BUSY, ONE = "A file is still on its way; wait until it is here.", "Give one file at a time."
 WHAT = (f"Drop a file of particles anywhere on this page, or choose it ({', '.join(KINDS)}; at most {LARGEST / 1e6:g} "
         "MB): of the problem and the settings above, run with any code. It is judged, and shown on the stage. "
@@ -54,14 +55,15 @@ class OwnCode:
             gui.add_html(f"<div class='lab-own'>{WHAT}</div>")
             gui.add_html("<i class='lab-choose'></i>")
             gui.add_button("Choose a file", icon=viser.Icon.UPLOAD, hint="of particles, as any code may write them")
+            self._back = gui.add_button(BACK, icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=BACK_HINT)
             self._text = gui.add_html("")
+        self._back.on_click(lambda _: self.leave())
         self._folder = gui.add_folder("Your file on the stage", order=FIRST, visible=False)
         with self._folder:
             self._slider = gui.add_slider("Frame", 1, 2, 1, 1, hint="the times in the file, one after the other")
             gui.add_html(BARE)
-            acts = {"Play": lambda: self._play(True), "Pause": lambda: self._play(False), "Back to our run": self.leave}
-            buttons = gui.add_button_group("File", tuple(acts), hint="play the times in the file, or go back to what "
-                                           "was on the stage before")
+            acts = {"Play": lambda: self._play(True), "Pause": lambda: self._play(False), BACK: self.leave}
+            buttons = gui.add_button_group("File", tuple(acts), hint=f"play the times in the file, or {BACK_HINT}")
         self._slider.on_update(lambda event: self._go_to(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
 
@@ -93,6 +95,7 @@ class OwnCode:
             if self._run is None:
                 return
             self._end()
+            self._say("")
             if self._resumes:
                 self._session.play(True)
         self._on_view()
@@ -107,7 +110,7 @@ class OwnCode:
         """No file any more, on the stage or on its way to it."""
         self._forget()
         self._run = None
-        self.playing = self._folder.visible = False
+        self.playing = self._folder.visible = self._back.visible = False
         self._turn.set()
 
     def _forget(self) -> None:
@@ -153,7 +156,7 @@ class OwnCode:
         self._say(f"The file {run.name} is on the stage.")
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
-        self._folder.visible = True
+        self._folder.visible = self._back.visible = True
         self._play(True)
 
     def _refuse(self, sentence: str) -> None:
@@ -162,7 +165,7 @@ class OwnCode:
         self._say(sentence)
 
     def _say(self, sentence: str) -> None:
-        self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>"
+        self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>" if sentence else ""
 
     def _go_to(self, number: float) -> None:
         with self._lock:
