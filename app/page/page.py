@@ -282,9 +282,9 @@ class Page:
         controls, seen = self._controls, self._seen
         slow, pinned, history = self._slow.sentence, self._session.pinned, self._session.history
         if (own := self._own.shown) and seen is not None and seen[0].scene == own[0].scene:
-            self._worst = WorstRegions()  # of a file there may be others at every time
-            self._worst.look(*seen)
-            sentence = said_of_file(*own, seen[2], self._worst, controls.quantity)
+            worst = WorstRegions()  # of this frame: at another time a file may have other particles
+            worst.look(*seen)
+            sentence = said_of_file(*own, seen[2], worst, controls.quantity)
             self._show_sentence(sentence, at_once=not self._own.playing)
             return
         if seen is None or not history.scene == seen[0].scene == self._worst.scene:

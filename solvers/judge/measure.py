@@ -183,9 +183,9 @@ def _levelled(X: np.ndarray, error: np.ndarray) -> np.ndarray:
         plane = np.linalg.lstsq(A[kept], error[kept], rcond=None)[0]
         rest = error - A @ plane
         far = sizes(rest)
-        kept = far <= max(3 * float(np.median(far)), 1e-300)
-        if kept.sum() <= A.shape[1]:
-            break
+        before, kept = kept, far <= max(3 * float(np.median(far)), 1e-300)
+        if kept.sum() <= A.shape[1] or np.array_equal(kept, before):
+            break  # a plane through the same ones would be the same
     return rest
 
 

@@ -17,6 +17,7 @@ from solvers.study.grid import task_of
 PATIENCE = 180.0  # seconds that a file may take
 LONGEST_NAME = 60  # letters of a file's name that are shown
 SLOTS = Slots(max(1, (os.cpu_count() or 2) // 2))  # files that are judged at once on this server
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
 BUSY = "Other visitors' files keep this server busy; give yours again in a while"
 TOO_LONG = f"takes more than {PATIENCE:g} s to judge; give fewer times, or judge it with `mpm-lab judge`"
 
@@ -31,7 +32,7 @@ class Judging:
         kind = Path(name).suffix.lower()
         self._file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{id(self)}")
-        self._process, self._cancelled = WorkerProcess("solvers.judge.show:show"), threading.Event()
+        self._process, self._cancelled = WorkerProcess("solvers.judge.show:show", ONE_THREAD), threading.Event()
         threading.Thread(target=self._judge, name="judge", daemon=True).start()
 
     @property

@@ -189,6 +189,8 @@ class OwnCode:
             with self._lock:
                 if over.is_set():
                     return
+                if not self._session.watched:
+                    continue
                 self._k += 1
                 self._slider.value = self._k + 1  # type: ignore[misc]
                 self.playing = self._k < len(run) - 1
