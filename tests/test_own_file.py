@@ -16,9 +16,10 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from app.cli import main
+from app.page.cost.jobs import Slots
 from app.page.doors import post, server
 from app.page.limits import MOST_WATCHED
-from app.page.own.judging import Judging, shown
+from app.page.own.judging import BUSY, Judging, shown
 from app.page.own.run import OwnRun
 from app.page.panels.own import OwnCode
 from solvers.judge import writing
@@ -206,6 +207,20 @@ def test_a_file_that_takes_too_long_or_is_not_wanted_any_more_ends_its_process(t
     cancelled.cancel()
     until(lambda: judging.process_id is None and cancelled.process_id is None, "both processes have ended")
     assert len(heard) == 1
+
+
+def test_a_server_that_judges_enough_says_so(tmp_path):
+    """And a place that was taken is given back."""
+    heard, slots = [], Slots(1)
+    assert slots.take()
+    file = tmp_path / "coming"
+    file.write_bytes(b"id,x\n")
+    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
+    until(lambda: heard == [{"refused": BUSY}], "a sentence")
+    slots.give_back()
+    file.write_bytes(b"id,x\n")
+    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
+    until(lambda: "holds no particles" in heard[-1]["refused"] and slots.taken == 0, "another, and a free place")
 
 
 @pytest.mark.parametrize(("name", "said"), [

@@ -1,6 +1,7 @@
 """A visitor's file while it is judged: in a process that nobody else needs, for a limited time."""
 
 import os
+import secrets
 import threading
 from collections.abc import Callable
 from dataclasses import asdict
@@ -31,7 +32,7 @@ class Judging:
         self.name, self._scene, self._on_message, self._slots = shown(name), scene, on_message, slots
         kind = Path(name).suffix.lower()
         self._file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
-        self.table = file.with_name(f"table-{id(self)}")
+        self.table = file.with_name(f"table-{secrets.token_hex(4)}")
         self._process, self._cancelled = WorkerProcess("solvers.judge.show:show", ONE_THREAD), threading.Event()
         threading.Thread(target=self._judge, name="judge", daemon=True).start()
 

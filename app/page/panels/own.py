@@ -102,9 +102,9 @@ class OwnCode:
 
     def close(self) -> None:
         """The visitor has gone."""
+        self._post.close()  # first, and without the lock, for which a file that comes just now may wait
         with self._lock:
             self._end()
-            self._post.close()
 
     def _end(self) -> None:
         """No file any more, on the stage or on its way to it."""
