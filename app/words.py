@@ -102,7 +102,10 @@ def per_cell(problem: str, ppc: float) -> str:
 def on_page(sentence: str) -> str:
     """A sentence that names flags and remedies as one types them, with the words that stand beside the widgets."""
     for typed, shown in ((f"--dt {AUTO} takes", "the box \"Auto step\" takes"),
-                         ("--velocity grid", CHOICES["velocity"]["grid"])):
+                         ("--velocity grid", CHOICES["velocity"]["grid"]),
+                         ("the right --cells and --ppc", "the right cells and particles per cell"),
+                         (", or the flag --time with one time for each file", ""),
+                         (", and --cells with one number for each file of several grids", "")):
         sentence = sentence.replace(typed, shown)
     labels = {remedy.name: f"\"{remedy.label}\"" for remedy in REMEDIES.values()}
     name = "|".join(map(re.escape, labels))

@@ -97,6 +97,11 @@ class Outside(ABC):
         """F (P, D, D) at the time 0."""
         return np.broadcast_to(np.eye(X.shape[1]), (len(X), X.shape[1], X.shape[1])).copy()
 
+    @abstractmethod
+    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """The component (P,) that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x: of vectors
+        (P, D) or tensors (P, D, D) of particles at the places x that were at X."""
+
     def grid_corner(self, scene: Any) -> float:
         """Where the lines of our grid begin, in m, in each direction."""
         return 0.0

@@ -120,7 +120,8 @@ def test_every_control_takes_what_a_browser_sends(here, visitor, problem):
         label, off = visitor.label(name), widget["props"].get("disabled") or not widget["props"]["visible"]
         if label in ("Problem", "Lesson", "Motion") or off:  # by which others go
             continue
-        assert type(page_of(one)[name]) in widgets.RULES or widget["type"] == "GuiProgressBarMessage"
+        assert type(page_of(one)[name]) in widgets.RULES or widget["type"] in ("GuiProgressBarMessage",
+                                                                               "GuiUploadButtonMessage")
         for value in good_values(widget):
             before, old = page_of(one)[name].update_timestamp, page_of(one)[name].value
             visitor.set(name, value)

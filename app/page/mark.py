@@ -39,6 +39,12 @@ class Mark:
             ring.points = joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3))
             ring.visible = True
 
+    def hide(self) -> None:
+        """Something else is on the stage, of which no particle is traced."""
+        self._seen = None
+        for ring in self._rings:
+            ring.visible = False
+
     def _click(self, point: tuple[float, float]) -> None:
         if self._seen is None:
             return

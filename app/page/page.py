@@ -13,6 +13,7 @@ from app.drawing import RECTANGLE, ColourBar, enlarge
 from app.page.camera import FlatCamera
 from app.page.classroom import Classroom
 from app.page.mark import Mark
+from app.page.own.run import OwnRun
 from app.page.panels.controls import Controls
 from app.page.panels.cost import CostTab
 from app.page.panels.head import add_head, set_up
@@ -20,6 +21,8 @@ from app.page.panels.keeper import Hooks, Keeper
 from app.page.panels.lesson import Player
 from app.page.panels.looking import Looking
 from app.page.panels.measurements import Measurements
+from app.page.panels.own import OwnCode
+from app.page.panels.own_words import sentence as said_of_file
 from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.sharing import Sharing, link, parts
 from app.page.panels.slow import SlowMotion
@@ -80,6 +83,7 @@ class Page:
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
         self._slow = SlowMotion(client, self._session, self._redraw)
+        self._own = OwnCode(client, self._session, self._redraw, self._slow.end)
         self._tabs(client)
         self._controls.begin()
         if classroom.lesson:
@@ -101,6 +105,7 @@ class Page:
             with under_way:
                 pass
         self._slow.close()
+        self._own.close()
         self._player.close()
         self._session.close()
         self._cost.jobs.close()
@@ -112,6 +117,7 @@ class Page:
             self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, looking,
                                       self._slow)
             Sharing(client.gui, self._keeper, self._controls)
+            self._own.build(client.gui)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
             self._player = Player(client, lessons, self._classroom, self._controls.show, self._controls.offer,
                                   self._keep)
@@ -131,6 +137,7 @@ class Page:
             self._stands.set()
         if self._ready:
             self._slow.follow(report)
+            self._own.follow()
             self._cost.follow(report, self._session.history)
 
     def _follow_link(self, link: str) -> None:
@@ -161,6 +168,9 @@ class Page:
         if not self._ready or self._closed.is_set():
             return
         with self._drawing:
+            if own := self._own.shown:
+                self._draw_own(*own)
+                return
             if (last := self._recent.shown) is None:
                 return
             (report, arrays), back = last, self._recent.back
@@ -199,6 +209,28 @@ class Page:
             self._probe.look(stage, arrays, view.estimated, view.true, QUANTITIES[controls.quantity].unit)
             self._seen = report, arrays, view
 
+    def _draw_own(self, run: OwnRun, k: int) -> None:
+        """A frame of a visitor's own file; its colours are those of all its times."""
+        quantity, stage = self._controls.quantity, self._stages[run.scene.problem]
+        (report, arrays), unit = run.frame(k, quantity, self._own.playing), QUANTITIES[quantity].unit
+        view = run.view(arrays, quantity, self._controls.estimators.difference)
+        self._scale.forget()
+        self._scale.follow(*run.largest(quantity), 0.0)
+        self._shown = None
+        stage.pair(False)
+        stage.domains, stage.plotted, stage.magnified = False, quantity, self._controls.magnified
+        with self.client.atomic():
+            self._show_stage(run.scene.problem)
+            stage.draw(run.scene, arrays, view.left.sizes, view.right.sizes, report.time, 1.0, foreign=True)
+            stage.caption(view.left, view.right)
+            stage.name("")
+            self._mark.hide()
+            self._colour_bar.draw(view.measures, unit)
+            self.client.flush()
+        self._camera.show(stage.rectangle)
+        self._probe.look(stage, arrays, view.estimated, view.true, unit)
+        self._seen = report, arrays, view
+
     def _draw_pinned(self, pinned: PinnedRun, stage: Stage, view: View, report: FrameReport,
                      arrays: FrameArrays, other: Scene) -> None:
         scene, live = pinned.scene, self._stages[pinned.scene.problem]
@@ -223,13 +255,17 @@ class Page:
             rest = max(0.0, RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS)
 
     def _refresh(self) -> None:
-        if self._seen is not None:
-            self._worst.look(*self._seen)
-        self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst, self._recent,
-                                   self._trace.traced, self._presenter.on)
+        own = self._own.shown
+        if own:
+            self._measurements.show_own(*own, self._controls.quantity, self._probe.text, self._presenter.on)
+        else:
+            if self._seen is not None:
+                self._worst.look(*self._seen)
+            self._measurements.refresh(self._session, self._controls, self._probe.text, self._worst, self._recent,
+                                       self._trace.traced, self._presenter.on)
         if self._session.playing and not self._presenter.on and self._session.untouched > UNTOUCHED:
             self._session.rest()
-        notice = self._session.notice() or self._cost.notice()
+        notice = self._own.notice() or (None if own else self._session.notice() or self._cost.notice())
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
             f"{escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")
@@ -245,10 +281,19 @@ class Page:
         """Say what is seen, now and then; that there is something to see lifts the page's ground (``ground.html``)."""
         controls, seen = self._controls, self._seen
         slow, pinned, history = self._slow.sentence, self._session.pinned, self._session.history
+        if (own := self._own.shown) and seen is not None and seen[0].scene == own[0].scene:
+            worst = WorstRegions()  # of this frame: at another time a file may have other particles
+            worst.look(*seen)
+            sentence = said_of_file(*own, seen[2], worst, controls.quantity)
+            self._show_sentence(sentence, at_once=not self._own.playing)
+            return
         if seen is None or not history.scene == seen[0].scene == self._worst.scene:
             return  # nothing is drawn yet, or another run has begun just now
         beside = compared(history.latest, pinned.history.latest, controls.quantity) if pinned else ""
         sentence = slow or summary(*seen, self._worst, history.series, controls.quantity,
                                    controls.estimators.drawn, self._recent.ago, beside)
-        if self._pace.lets(sentence, monotonic(), bool(slow)):
+        self._show_sentence(sentence, bool(slow))
+
+    def _show_sentence(self, sentence: str, at_once: bool) -> None:
+        if self._pace.lets(sentence, monotonic(), at_once):
             self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"

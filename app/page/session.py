@@ -142,6 +142,11 @@ class Session:
             return self._number
 
     @property
+    def moves(self) -> tuple:
+        """What moves the run on: another one since the last time means that the visitor has asked for that."""
+        return self.scene, self._restarts, self._single_steps, self.playing
+
+    @property
     def ended(self) -> bool:
         """Whether the run has come to the end at which it was to stop."""
         return self.ends and not self._beyond and self.report is not None \

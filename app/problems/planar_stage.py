@@ -128,7 +128,7 @@ class PlanarStage(Stage[AnyScene]):
         """Move a label to a place counted from the body's middle."""
         label.position = (self._middle[0] + x, self._middle[1] + y, 0.0)
 
-    def _draw_grid(self, scene: AnyScene) -> None:
+    def _draw_grid(self, scene: AnyScene, at_rest: np.ndarray | None = None) -> None:
         reach = self._reach(scene)
         self._per_metre = self._size * RADIUS / reach
         end = 1.05 * reach
@@ -140,10 +140,13 @@ class PlanarStage(Stage[AnyScene]):
         axes = np.array([[-end, 0], [end, 0], [0, -end], [0, end]])
         self._planes.points = self._place(axes, -0.01).reshape(2, 2, 3)
         self._size_dots(scene.spacing / scene.ppc * self._per_metre)
-        layout = self._layout(scene)
-        self._radii = layout.radii[layout.radius]
-        self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
-        self._mark(len(layout.radius))
+        if at_rest is None:
+            layout = self._layout(scene)
+            self._radii = layout.radii[layout.radius]
+            self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
+        else:
+            self._radii, self._edges = np.linalg.norm(at_rest, axis=1), None
+        self._mark(len(self._radii))
         self._size_note.text = self._note(scene)
 
     def _first_line(self, scene: AnyScene) -> float:

@@ -58,6 +58,7 @@ class Stage(ABC, Generic[AnyScene]):
         self.plotted: str | None = None
         self.magnified = 1
         self._drawn_scene: AnyScene | None = None
+        self._foreign = False
         self._beside = beside
         self._second: Stage[AnyScene] | None = None
         self.at = f"/{self.PROBLEM}" + "/pinned" * bool(beside)
@@ -88,11 +89,12 @@ class Stage(ABC, Generic[AnyScene]):
         drawing.write(self._name, text, self.NAME_WIDTH)
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
-             t: float, speed: float) -> None:
-        """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); t in s, ``speed`` in simulated s per s."""
-        if scene != self._drawn_scene:
-            self._drawn_scene = scene
-            self._draw_grid(scene)
+             t: float, speed: float, foreign: bool = False) -> None:
+        """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); t in s, ``speed`` in simulated s per s.
+        Particles of a ``foreign`` run began anywhere and may be others at any time."""
+        if scene != self._drawn_scene or foreign or self._foreign:
+            self._drawn_scene, self._foreign = scene, foreign
+            self._draw_grid(scene, arrays.position - arrays.displacement if foreign else None)
         self._draw_frame(scene, arrays, estimated, true, t, speed)
 
     def _mark(self, particles: int) -> None:
@@ -127,8 +129,8 @@ class Stage(ABC, Generic[AnyScene]):
         """Take the place that is this run's, alone or as one of two (``_paired``, ``_beside``)."""
 
     @abstractmethod
-    def _draw_grid(self, scene: AnyScene) -> None:
-        """Draw what stays while a scene runs."""
+    def _draw_grid(self, scene: AnyScene, at_rest: np.ndarray | None = None) -> None:
+        """Draw what stays while a scene runs. Particles of a foreign one were ``at_rest`` (P, D)."""
 
     @abstractmethod
     def _draw_frame(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None,

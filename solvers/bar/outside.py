@@ -105,6 +105,9 @@ class BarOutside(Outside):
     def body_force(self, scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
         return exact.body_force(scene, X, t)
 
+    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
+        return values.reshape(len(values))
+
     def misplaced(self, scene: BarScene, X: np.ndarray) -> np.ndarray:
         return (X[:, 0] < -SLACK) | (X[:, 0] > 1 + SLACK)
 

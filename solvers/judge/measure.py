@@ -7,7 +7,7 @@ mean square over the particles that are there: as in our own runs (``solvers.sam
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -183,25 +183,31 @@ def _levelled(X: np.ndarray, error: np.ndarray) -> np.ndarray:
         plane = np.linalg.lstsq(A[kept], error[kept], rcond=None)[0]
         rest = error - A @ plane
         far = sizes(rest)
-        kept = far <= max(3 * float(np.median(far)), 1e-300)
-        if kept.sum() <= A.shape[1]:
-            break
+        before, kept = kept, far <= max(3 * float(np.median(far)), 1e-300)
+        if kept.sum() <= A.shape[1] or np.array_equal(kept, before):
+            break  # a plane through the same ones would be the same
     return rest
 
 
-def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
-    """Times that a particle was in another cell than at the time before, from where it began on: at least so many
-    crossings, for between two times it may have gone to and fro."""
-    total, before, corner = 0, None, PROBLEMS[scene.problem].outside.grid_corner(scene)
+def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
+    """Which particles (P,) of each frame are in another cell than at the time before, or than where they began."""
+    before, corner = None, PROBLEMS[scene.problem].outside.grid_corner(scene)
     for frame in frames:
         order = np.lexsort(frame.material_position.T)
         X, x = frame.material_position[order], frame.position[order]
         if before is None or before[0].shape != X.shape or not np.array_equal(before[0], X):
             before = X, X
         was, now = (np.floor((place - corner) / scene.spacing) for place in (before[1], x))
-        total += int((now != was).any(axis=1).sum())
+        moved = np.empty(len(X), bool)
+        moved[order] = (now != was).any(axis=1)
+        yield moved
         before = X, x
-    return total
+
+
+def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
+    """Times that a particle was in another cell than at the time before: at least so many crossings, for between two
+    times it may have gone to and fro."""
+    return sum(int(moved.sum()) for moved in crossed(scene, frames))
 
 
 def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray]) -> dict[str, float | None]:

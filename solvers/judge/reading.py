@@ -3,6 +3,7 @@
 import os
 import re
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,8 +20,9 @@ COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
 TIME, CELLS = ("t", "time"), ("cells",)
 
 
-def read(path: str) -> Raw:
-    """What is in a file; :class:`FileError` where it holds no particles that can be judged."""
+def read(path: str, most: int = MOST_BYTES) -> Raw:
+    """What is in a file of at most so many bytes, packed and unpacked; :class:`FileError` where it holds no particles
+    that can be judged."""
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
         raise FileError(path, f"is of no kind that is known; give a file that ends in {', '.join(KINDS)}")
@@ -30,10 +32,10 @@ def read(path: str) -> Raw:
             raise FileError(path, f"is not a file; give files that end in {', '.join(KINDS)}")
         if size == 0:
             raise FileError(path, "is empty; give a file with particles in it")
-        if size > MOST_BYTES:
-            raise FileError(path, f"has {size / 1e9:.2g} GB; give at most {MOST_BYTES / 1e9:g} GB, fewer times for "
+        if size > most:
+            raise FileError(path, f"has {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB, fewer times for "
                                   f"example")
-        return _readers()[kind](path)
+        return read_npz(path, most) if kind == ".npz" else _readers()[kind](path)
     except OSError as error:
         raise FileError(path, f"cannot be read: {(error.strerror or str(error)).lower()}; give a file that exists and "
                               "may be read") from None
@@ -41,7 +43,7 @@ def read(path: str) -> Raw:
 
 def _readers() -> dict[str, Callable[[str], Raw]]:
     from solvers.judge import vtk  # here: meshio is needed for these kinds alone
-    return {".csv": read_csv, ".npz": read_npz, **dict.fromkeys((".vtk", ".vtu", ".vtp"), vtk.read_vtk)}
+    return {".csv": read_csv, **dict.fromkeys((".vtk", ".vtu", ".vtp"), vtk.read_vtk)}
 
 
 def read_csv(path: str) -> Raw:
@@ -76,16 +78,18 @@ def read_csv(path: str) -> Raw:
     return gathered(path, columns, _number(path, said, TIME), _number(path, said, CELLS))
 
 
-def read_npz(path: str) -> Raw:
+def read_npz(path: str, most: int = MOST_BYTES) -> Raw:
     """Arrays of (P, ...) at one time, or of (T, P, ...) at the T times in ``t``; ``cells`` may say the grid."""
     try:
         with zipfile.ZipFile(path) as packed:
             size = sum(member.file_size for member in packed.infolist())
-        if size > MOST_BYTES:
-            raise FileError(path, f"unpacks to {size / 1e9:.2g} GB; give at most {MOST_BYTES / 1e9:g} GB")
+        if size > most:
+            raise FileError(path, f"unpacks to {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB")
         with np.load(path, allow_pickle=False) as packed:
             arrays = {name: packed[name] for name in packed.files}
-    except (zipfile.BadZipFile, ValueError, EOFError, KeyError) as error:
+    except FileError:
+        raise
+    except (zipfile.BadZipFile, ValueError, EOFError, KeyError, NotImplementedError, zlib.error) as error:
         raise FileError(path, f"is no .npz of plain numbers ({type(error).__name__}); write it with "
                               "numpy.savez") from None
     for name, array in arrays.items():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,11 +26,13 @@ from solvers.judge.measure import (
     truth,
     worst,
 )
-from solvers.judge.ours import Ours, compared, of_scene
 from solvers.judge.placing import SAME, grids
 from solvers.norms import finite
 from solvers.scene import Scene
 from solvers.study.fit import slope
+
+if TYPE_CHECKING:
+    from solvers.judge.ours import Ours
 
 SCHEMA = "mpm-lab/judge/1"
 OTHER_LAW = 1e-3  # of the stress: a file whose stress is farther from what its F gives has another material
@@ -154,7 +157,10 @@ def judge(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
         doubts = [companions.doubt(frame) for frame in grid.frames]
         doubt = {q: np.array([d[q] for d in doubts]) for q in QUANTITIES}
         ours = []
-        scenes = of_scene(own) if compare else []
+        scenes: list[Scene] = []
+        if compare:
+            from solvers.judge.ours import compared, of_scene  # here: nobody else waits for Taichi
+            scenes = of_scene(own)
         for n, one in enumerate(scenes):
             def tell(part: float, n: int = n, k: int = k, one: Scene = one, count: int = len(scenes)) -> None:
                 on_progress((k + (n + part) / count) / len(found), f"{one.cells} cells: our {one.method}")

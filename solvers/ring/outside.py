@@ -89,6 +89,11 @@ class RingOutside(Outside):
         R = np.linalg.norm(X, axis=1)
         return X * (exact.body_force(scene, R, t) / R)[:, None]
 
+    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Along e_R of the particle at rest."""
+        e = X / np.linalg.norm(X, axis=1)[:, None]
+        return np.einsum("pi,pij,pj->p", e, values, e) if values.ndim == 3 else np.sum(values * e, axis=1)
+
     def misplaced(self, scene: RingScene, X: np.ndarray) -> np.ndarray:
         R = np.linalg.norm(X, axis=1)
         return (R < exact.INNER - SLACK) | (R > exact.OUTER + SLACK) | (X < -SLACK).any(axis=1)

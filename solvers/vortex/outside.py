@@ -98,6 +98,13 @@ class VortexOutside(Outside):
         R = np.linalg.norm(X, axis=1)
         return turned(X / R[:, None], force_at_rest(scene, R, t))
 
+    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Along e_Theta of the particle at rest for u, along e_theta of where it is for v and a, and sigma_rt."""
+        place = X if quantity == "x" else x
+        e = place / np.linalg.norm(place, axis=1)[:, None]
+        across = np.stack([-e[:, 1], e[:, 0]], axis=1)
+        return np.einsum("pi,pij,pj->p", e, values, across) if values.ndim == 3 else np.sum(values * across, axis=1)
+
     def misplaced(self, scene: VortexScene, X: np.ndarray) -> np.ndarray:
         R = np.linalg.norm(X, axis=1)
         return (R < exact.INNER - SLACK) | (R > exact.OUTER + SLACK)

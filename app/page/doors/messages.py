@@ -9,9 +9,10 @@ from typing import Any
 
 import msgspec
 
-from app.page.doors import widgets
+from app.page.doors import post, widgets
 
 MOST_BYTES = 32_000  # of a message that is read at all; honest ones have some hundred
+LONGEST_NAME = 1000  # letters of a file's name
 FAR = 1e6  # no camera, and no place of the canvas, is further out
 LARGEST_CANVAS = 32_768  # pixels
 STEEP = 1e-6  # part of a click's ray across the stage; one along the stage never meets it
@@ -53,6 +54,10 @@ def _places(value: Any) -> bool:
     return type(value) is list and len(value) <= 2 and all(map(_numbers(2), value))
 
 
+def _file_name(value: Any) -> bool:
+    return type(value) is str and len(value) <= LONGEST_NAME
+
+
 def _value_alone(value: Any) -> bool:
     """Of all that a widget has, a visitor changes the value only."""
     return type(value) is dict and list(value) == ["value"]
@@ -69,14 +74,23 @@ FIELDS: dict[str, Fields] = {
     "ScenePointerMessage": {
         "event_type": lambda value: value in ("click", "rect-select"), "ray_origin": _or_none(_SPACE),
         "ray_direction": _or_none(_ray), "screen_pos": _places, "modifier": _or_none(_words)},
+    post.START: {
+        "source_component_uuid": _words, "transfer_uuid": _words, "filename": _file_name,
+        "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
+    post.PART: {
+        "source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),
+        "content": lambda value: type(value) is bytes},
     "FileTransferPartAck": {
         "source_component_uuid": _or_none(_words), "transfer_uuid": _words,
         "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
 
 
 def refusal(message: bytes | str, find: Callable[[str], Any]) -> str | None:
-    """Why a message is refused; None where it is not. ``find`` gives the widget with an id on the sender's page."""
-    if not isinstance(message, bytes) or len(message) > MOST_BYTES:
+    """Why a message is refused; None where it is not. ``find`` gives the widget with an id on the sender's page. A part
+    of a file is taken in by that (``post``)."""
+    part_of_file = post.kind_of(message)
+    most = post.LARGEST_PART if part_of_file == post.PART else MOST_BYTES
+    if not isinstance(message, bytes) or len(message) > most:
         return "a message that is no message of the page"
     try:
         said = msgspec.msgpack.decode(message)
@@ -86,10 +100,15 @@ def refusal(message: bytes | str, find: Callable[[str], Any]) -> str | None:
     fields = FIELDS.get(kind) if type(kind) is str else None
     if fields is None:
         return "a message of a kind that the page has no use for"
+    if kind in post.HEADS and kind != part_of_file:
+        return "a file that no page sends"
     if said.keys() != fields.keys() or not all(rule(said[name]) for name, rule in fields.items()):
         return f"a {kind} with fields that it cannot have"
     if kind == "ScenePointerMessage":
         return None if _pointer(said) else "a place that nobody can point at"
+    if part_of_file:
+        box = post.of(find(said["source_component_uuid"]))
+        return "a file that nobody has asked for" if box is None else box.take(part_of_file, said)
     if kind == "GuiUpdateMessage":
         widget = find(said["uuid"])
         return "a widget that is not there" if widget is None else widgets.refusal(widget, said["updates"]["value"])

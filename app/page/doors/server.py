@@ -19,7 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
-from app.page.doors import messages
+from app.page.doors import messages, post
 from app.page.doors.address import Addresses, is_ip, is_loopback
 from app.page.doors.bucket import Bucket
 from app.page.doors.code import ClassCode
@@ -31,6 +31,7 @@ WAITING = 4  # messages that are read ahead
 # A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
 MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
 BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
+PART_AS = 4  # and a part of a file that is taken: 25 a second, 13 MB, in the long run
 # Websockets opened, each with a page to make: a class that reloads ten times never gets there. One that is sent away
 # takes so many more, as far as there are: who comes again and again would have the server make nothing but pages.
 HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 400, 1, 30
@@ -208,7 +209,8 @@ class Doors:
                         self._keep_away(who)
                     raise
                 refusal = messages.refusal(message, lambda widget: self._widget(connection, widget))
-                rate.pay(1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if refusal else 0))
+                of_file = refusal is None and post.kind_of(message)
+                rate.pay(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if refusal else 0))
                 if rate.left > 0.25 * rate.most:
                     calm = monotonic()
                 elif monotonic() - calm > PATIENCE:
@@ -218,10 +220,11 @@ class Doors:
                     raise connection.protocol.close_exc
                 if rate.left < 0:
                     await asyncio.sleep(rate.wait(0))
-                if refusal is None:
+                if refusal is not None:
+                    self._refusals.note(refusal, who)
+                elif not of_file:
                     silent.cancel()
                     return message
-                self._refusals.note(refusal, who)
 
         connection.recv = checked
 

@@ -28,10 +28,10 @@ _STYLE = "".join((Path(__file__).parents[1] / name).read_text(encoding="utf-8")
                  for name in ("style.css", "room.css", "present.css"))
 # An image's onload is the one moment in a page's life that html alone can hook. The viewer's own buttons (its server,
 # its scene tree, its share link) are of no use to a visitor, and its warning of slow graphics, which would cover the
-# colour bar, does not hold for so light a picture.
+# colour bar, does not hold for so light a picture. How far a file has come is said where all else is.
 _HEAD = f"""<img src='{_PIXEL}' style='display:none' onload="
 new MutationObserver(()=>document.querySelectorAll('.mantine-Notification-root').forEach(n=>{{
-if(n.innerText.startsWith('Software WebGL'))n.style.display='none'}})).observe(document.body,{{childList:true,
+if(/^(Software WebGL|Uploading )/.test(n.innerText))n.style.display='none'}})).observe(document.body,{{childList:true,
 subtree:true}})">
 <style>
 :root {{ --lab-estimate: {ESTIMATE}; --lab-truth: {TRUTH}; --lab-left-panel: {MEASUREMENTS_WIDTH}px;

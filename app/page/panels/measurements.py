@@ -6,8 +6,11 @@ from html import escape
 
 import viser
 
+from app.page.own.run import JUDGE, OwnRun
 from app.page.panels.controls import Controls
 from app.page.panels.head import MEASUREMENTS_WIDTH
+from app.page.panels.own_words import lines as own_lines
+from app.page.panels.own_words import readout as own_readout
 from app.page.panels.plots import LEAST_HEIGHT, Plots
 from app.page.panels.readout import LINE, extra_lines, pinned_lines, readout
 from app.page.recent import Recent
@@ -63,6 +66,18 @@ class Measurements:
             self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity), latest, pinned, drawn)
             if traced is not None and traced.scene == history.scene:
                 self._plots.show_trace(traced, valid, quantity, latest, report.time)
+
+    def show_own(self, run: OwnRun, k: int, quantity: str, probed: str | None, presented: bool) -> None:
+        """Show the numbers of a visitor's own file at its time k, and plots of all its times."""
+        self._readout.content = own_readout(run, k, quantity, probed)
+        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * own_lines(run, quantity)
+        height = MOST_HEIGHT if presented else max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3))
+        self._plots.have((JUDGE,), height, False, False)
+        if len(run) < 2 or run.estimate is None:
+            self._plots.clear()
+        else:
+            no_index = "" if run.true is not None else "empty: no exact solution is built in"
+            self._plots.show(run, (JUDGE,), quantity, no_index, False, None, JUDGE)
 
 
 def _why_no_index(report: FrameReport, valid: tuple[str, ...], quantity: str) -> str:

@@ -6,19 +6,20 @@ when it is first used and hidden while another set runs.
 """
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 import viser
 from viser import uplot
 
 from app.colours import PINNED, TRUTH
-from app.page.history import History
 from app.page.panels.readout import TRUE, named
 from app.page.pinned import PinnedRun
 from app.page.trace import Traced
 from app.scale import BEYOND, largest
 from app.words import QUANTITIES, number, power_of_ten, power_text
 from solvers.estimators.registry import ESTIMATORS
+from solvers.scene import Scene
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
@@ -39,6 +40,21 @@ INDEX = "estimated over true error, summed over the run so far; on the grey line
 CROSSED = "particles that pass from one cell of the grid into the next, in a second of simulated time"
 TRACE = "true error and its estimates at the particle that is traced; magenta: where it crosses a cell boundary"
 HeadedPlot = tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]
+
+
+class Past(Protocol):
+    """What has been, for the plots: a live run's history, or all of a visitor's file."""
+
+    @property
+    def scene(self) -> Scene: ...
+
+    @property
+    def series(self) -> dict[str, np.ndarray]: ...
+
+    @property
+    def latest(self) -> dict[str, np.ndarray]: ...
+
+    def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]: ...
 
 
 class Plots:
@@ -65,7 +81,7 @@ class Plots:
         for plot, label_height in zip((self._trace[1], *self._plots), (0, 0, 0, LABEL_HEIGHT), strict=True):
             plot.height = height + label_height
 
-    def show(self, history: History, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
+    def show(self, history: Past, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
              pinned: PinnedRun | None, drawn: str | None) -> None:
         """Draw a run, or its ``latest`` periods: the truth and the ``valid`` ones of its estimators; ``no_index`` says
         why there is no index. A ``pinned`` run is drawn in grey, with the estimator ``drawn`` on the stage."""
@@ -127,7 +143,7 @@ class Plots:
                     self._plot("error index", (*grey[1:], perfect, *lines), height, _RATIOS, _RATIO_MARKS),
                     self._plot("grid crossings per second", (*grey[:1], crossings), height, x_label="t / s")]
 
-    def _show_crossings(self, history: History, series: dict[str, np.ndarray], grey: list[np.ndarray]) -> None:
+    def _show_crossings(self, history: Past, series: dict[str, np.ndarray], grey: list[np.ndarray]) -> None:
         time, rate = history.crossings_per_second(series)
         time = np.append(series["time"][:1], time)  # from where the other plots begin, and the first rate counts too
         power = power_of_ten(max(map(largest, (*grey, rate))))
@@ -150,7 +166,7 @@ class Plots:
             height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0))
 
 
-def grey_curves(pinned: PinnedRun | None, history: History, series: dict[str, np.ndarray], quantity: str,
+def grey_curves(pinned: PinnedRun | None, history: Past, series: dict[str, np.ndarray], quantity: str,
                 drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
     """A pinned run's curves in each of the three plots, at the times of the other run's ``series``: norms of its true
     and estimated error, index, crossings. Where the periods differ, at the same number of them."""

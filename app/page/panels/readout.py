@@ -87,7 +87,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
         off, wrong = (spin_drift(series, series[against]) for against in ("torque", "exact_spin"))
         rows.append(("turning", f"balance {_percent(off)}, error {_percent(wrong)}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
-    return _table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+    return table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
 
 
 def _percent(share: float | None) -> str:
@@ -116,20 +116,20 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
     a pinned run."""
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("norm", "index", "distance"))
-    rows = [_row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
+    rows = [row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
     for name, silence in _silences(report, series, key).items():
         if len(silence) > SHORT:
-            rows.append(_row("", f"<span class='lab-name'>{named(name)}</span>: {html.escape(silence)}"))
+            rows.append(row("", f"<span class='lab-name'>{named(name)}</span>: {html.escape(silence)}"))
         elif silence:
-            rows.append(_row("", named(name), html.escape(silence)))
+            rows.append(row("", named(name), html.escape(silence)))
         elif name == TRUE:
-            rows.append(_row("", named(name), _norm(series, f"error_{key}", unit), "", ""))
+            rows.append(row("", named(name), _norm(series, f"error_{key}", unit), "", ""))
         else:
-            rows.append(_row("", named(name), _norm(series, f"{name}/estimate_{key}", unit),
+            rows.append(row("", named(name), _norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
         rows.append(_pinned(session.pinned, _said(session.pinned, report), key, drawn))
-    return _table("".join(rows), "lab-numbers lab-estimates")
+    return table("".join(rows), "lab-numbers lab-estimates")
 
 
 def _said(run: PinnedRun, report: FrameReport) -> str:
@@ -145,8 +145,8 @@ def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
     if trouble := run.shortfall():
         said = f"{said}; {trouble}"
     ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
-    return _row("", name, _norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
-        + _row("", f"<span class='lab-name'>pinned: {html.escape(said)}</span>")
+    return row("", name, _norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
+        + row("", f"<span class='lab-name'>pinned: {html.escape(said)}</span>")
 
 
 def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
@@ -166,9 +166,9 @@ def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     by = [(drawn, worst.by_estimate)] if drawn else []
     heads = "".join(f"<td>{head}</td>" for head in ("estim.", "true"))
     rows = [f"<tr class='lab-head' title='{HINTS['worst']}'><td colspan='2'>worst region</td>{heads}</tr>",
-            *(_row("", html.escape(name), *_region(region, QUANTITIES[quantity].unit))
+            *(row("", html.escape(name), *_region(region, QUANTITIES[quantity].unit))
               for name, region in (*by, (TRUE, worst.by_truth)))]
-    return _table("".join(rows), "lab-numbers lab-worst")
+    return table("".join(rows), "lab-numbers lab-worst")
 
 
 def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
@@ -179,11 +179,12 @@ def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
                                         for value in (region.estimated, region.true)))
 
 
-def _table(rows: str, kind: str = "") -> str:
+def table(rows: str, kind: str = "") -> str:
+    """Rows as a table of a kind (``style.css``)."""
     return f"<table class='{kind}'>{rows}</table>"
 
 
-def _row(kind: str, *cells: str) -> str:
+def row(kind: str, *cells: str) -> str:
     """A row of four cells; a last one that stands for several takes their room."""
     span = 5 - len(cells)
     first = "".join(f"<td>{cell}</td>" for cell in cells[:-1])

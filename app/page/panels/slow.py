@@ -98,6 +98,10 @@ class SlowMotion:
             if self._phase > 0:
                 self._phase, self._s = self._phase - 1, 1.0
 
+    def end(self) -> None:
+        """Something else takes the stage."""
+        self._switch(False)
+
     def close(self) -> None:
         """The visitor has gone."""
         self._over.set()

@@ -80,8 +80,7 @@ class BarStage(Stage[BarScene]):
         drawing.put_few(self._flashes, drawing.in_plane(x[shown], CROSSINGS_AT, 0.02),
                         drawing.flash_colours(since[shown]))
         if self.plotted:
-            X = (np.arange(scene.particles) + 0.5) / scene.particles
-            self._field.draw(scene, self.plotted, self.magnified, X, arrays.plotted, t, shown)
+            self._field.draw(scene, self.plotted, self.magnified, self._at_rest, arrays.plotted, t, shown)
 
     def _arrange(self) -> None:
         if self._beside:
@@ -90,12 +89,13 @@ class BarStage(Stage[BarScene]):
             self.root.position = (0.0, -NAME_LINE * self._paired, 0.0)
             self._plot.root.position = (0.0, -LOWER * self._paired, 0.0)
 
-    def _draw_grid(self, scene: BarScene) -> None:
+    def _draw_grid(self, scene: BarScene, at_rest: np.ndarray | None = None) -> None:
         edges = np.arange(scene.cells + 1) * scene.spacing
         self._cells.points = drawing.joined(drawing.in_plane(edges, TRUTH_LANE - 0.7 * LANE_HEIGHT, -0.01),
                                             drawing.in_plane(edges, ESTIMATE_LANE + 0.7 * LANE_HEIGHT, -0.01))
-        self._lanes = _Lanes(scene.particles)
-        self._mark(scene.particles)
+        self._at_rest = (np.arange(scene.particles) + 0.5) / scene.particles if at_rest is None else at_rest[:, 0]
+        self._lanes = _Lanes(len(self._at_rest))
+        self._mark(len(self._at_rest))
         self._cloud.point_size = TIGHT * self._lanes.size / 2
 
 
