@@ -21,7 +21,7 @@ def regions(X: np.ndarray) -> Regions:
 VORTEX = ProblemView(
     "vortex", regions, f"the ring into {ANGLES} angles from the x axis on and {len(FIFTHS)} fifths of the wall",
     picture=(15.0, 1.3), speed=0.1,
-    reach=Reach((12, 96, 2), (1, 6), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
+    reach=Reach((12, 96, 2), (1, 3), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
     amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
                    "is seven times as much",
     details={"layout": "where particles begin: Cartesian rims are staircases",
