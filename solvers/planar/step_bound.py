@@ -27,7 +27,8 @@ def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,
     (i, S, dS), (j, R, dR) = axes
     pairs = [a[:, :, None] * b[:, None, :] for a, b in ((S, R), (dS, R), (S, dR))]
     P = len(x)
-    return number(i[:, :, None], j[:, None, :]).reshape(P, 9), pairs[0].reshape(P, 9), _sizes(pairs[1], pairs[2], metric).reshape(P, 9)
+    nodes = number(i[:, :, None], j[:, None, :])
+    return nodes.reshape(P, 9), pairs[0].reshape(P, 9), _sizes(pairs[1], pairs[2], metric).reshape(P, 9)
 
 
 def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, number: Number,

@@ -28,8 +28,8 @@ def least(scene: VortexScene) -> float:
     while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     layout, instants = particle_layout(scene), np.linspace(0, 0.25 * scene.period, INSTANTS)
-    quarter = (layout.position > 0).all(axis=1)
-    X, volume, edges = layout.position[quarter], layout.volume[quarter], layout.edges[quarter]
+    kept = a_quarter(layout.position)
+    X, volume, edges = layout.position[kept], layout.volume[kept], layout.edges[kept]
     return min(_at(scene, X, volume, edges, t) for t in instants) * fine.spacing / scene.spacing
 
 
@@ -43,15 +43,10 @@ def _at(scene: VortexScene, X: np.ndarray, volume: np.ndarray, edges: np.ndarray
     else:
         x, metric = exact.position(scene, X, t), mu * F @ F.transpose(0, 2, 1) + (lam + mu) * np.eye(2)
     metric = metric.reshape(-1, 4)[:, [0, 1, 3]]
-    odd = scene.cells % 2  # the middle of the grid is then the middle of a cell, and not a node
-    x = x + 0.5 * odd * scene.spacing
+    x = x + 0.5 * (scene.cells % 2) * scene.spacing  # nodes are numbered from the middle, or from half a cell beside it
 
     def number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
-        """That of the image in the quarter with i > 0 and j >= 0, counted in halves of a cell."""
-        a, b = 2 * i - odd, 2 * j - odd
-        crossed = (a * b < 0) | (a == 0)
-        along, up = np.abs(np.where(crossed, b, a)), np.abs(np.where(crossed, a, b))
-        return along + 4 * scene.cells * up
+        return image_in_a_quarter(i, j, scene.cells)
 
     if scene.method == "cpdi":
         nodes, S, gradients = corners(scene, x, F.reshape(-1, 4), edges, number, metric)
@@ -59,3 +54,16 @@ def _at(scene: VortexScene, X: np.ndarray, volume: np.ndarray, edges: np.ndarray
         nodes, S, gradients = boxes(scene, x, box_stretch(scene.method, F), number, metric)
     mass = np.bincount(nodes.ravel(), (scene.density * volume[:, None] * S).ravel())
     return bound(nodes, gradients, volume, mass)
+
+
+def a_quarter(X: np.ndarray) -> np.ndarray:
+    """Which of the particles (P, 2) are at rest in the first quadrant; none is on an axis."""
+    return (X[:, 0] > 0) & (X[:, 1] > 0)
+
+
+def image_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> np.ndarray:
+    """The number of the node that (i, j) falls on by quarters of a turn: the one with i > 0 and j >= 0, both counted in
+    halves of a cell from the middle of the grid, which is the middle of a cell where the number of cells is odd."""
+    a, b = 2 * i - cells % 2, 2 * j - cells % 2
+    crossed = (a * b < 0) | (a == 0)
+    return np.abs(np.where(crossed, b, a)) + 4 * cells * np.abs(np.where(crossed, a, b))

@@ -19,7 +19,7 @@ LOOKED_AT = 101  # circles, for the fastest wave
 
 
 def crossing_rate(scene: Any) -> float:
-    """How many radians a wave runs around the ring in the time in which one runs a metre at rest, on the fastest circle.
+    """How many radians a wave on the fastest circle runs while one runs a metre at rest.
 
     With F = [[1, 0], [g, 1]] the stiffest tangent along e_Theta, at rest, is mu + (lambda + mu) (1 + g^2), and there
     g/R = A |h'|. Where the shear is largest, circles are wider than the inner rim.

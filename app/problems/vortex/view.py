@@ -27,5 +27,8 @@ VORTEX = ProblemView(
     details={"layout": "where particles begin: Cartesian rims are staircases",
              "body_force": "which force acts", "velocity": "the velocity that moves the particles"},
     modulus_hint="Young's modulus: the body force sees to it that the motion stays the same, the errors do not",
+    material={"poisson_ratio": ("Poisson's ratio ν", -0.5, 0.49, 0.01,
+                                "resistance to a change of volume: not in the exact motion, which has none, but in the "
+                                "errors and, with the speed of waves, in the time step")},
     domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
                  "particles")
