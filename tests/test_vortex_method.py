@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import taichi as ti
 
+from solvers import runtime
 from solvers.arrays import aligned
-from solvers.kinds import quads
+from solvers.kinds import quads, reals
 from solvers.planar import phases
 from solvers.planar.layout import box_stretch, half_edges
 from solvers.run import build, run
 from solvers.vortex import exact
-from solvers.vortex.material import forces
+from solvers.vortex.material import FAR, forces, logarithms
 from solvers.vortex.phases import TRAITS
 from solvers.vortex.scene import VortexScene
 from solvers.vortex.solver import VortexSolver
@@ -37,6 +38,16 @@ def map_back(vortex: VortexState, value: quads, by_x: quads, by_y: quads, on: ti
     ti.loop_config(serialize=True)
     for p in range(vortex.particles):
         value[p], by_x[p], by_y[p] = phases.gather(vortex, p, vortex.node_motion, on)
+
+
+@ti.kernel
+def take_logarithms(values: reals, fours: ti.i32):
+    ti.loop_config(serialize=True)
+    for k in range(fours):
+        J = ti.Vector([values[4 * k], values[4 * k + 1], values[4 * k + 2], values[4 * k + 3]])
+        logarithm = logarithms(J)
+        for i in ti.static(range(4)):
+            values[4 * k + i] = logarithm[i]
 
 
 def stirred(scene: VortexScene) -> VortexSolver:
@@ -97,6 +108,21 @@ def test_sums_at_the_nodes_are_the_particles(method):
     assert np.abs(force.sum(0) - (m * b).sum(0)).max() < scale
     assert np.abs(force.T @ node_places(scene) - (m * b).T @ x + kirchhoff.sum(0)).max() < scale
     assert np.abs(kirchhoff.sum(0)).max() > 1e3 * scale
+
+
+def test_logarithms_are_good_to_rounding():
+    """Of J - 1 too, by the series and where that ends; what is no volume any more ends the run, not the program."""
+    runtime.start("cpu", 1)
+    edge = (1 + FAR) / (1 - FAR)
+    near = np.concatenate([1 + np.geomspace(1e-15, edge - 1, 100), 1 - np.geomspace(1e-15, 1 - 1 / edge, 100)])
+    far = np.concatenate([np.geomspace(1e-200, 1 / edge, 100), np.geomspace(edge, 1e10, 100)])
+    J = np.concatenate([near, far])
+    found = aligned(J)
+    take_logarithms(found, len(J) // 4)
+    np.testing.assert_allclose(found, np.concatenate([np.log1p(near - 1), np.log(far)]), rtol=4 * ROUNDING)
+    broken = aligned(np.array([1.0, -1.0, 0.0, np.nan]))
+    take_logarithms(broken, 1)
+    assert broken[0] == 0 and broken[1] < -600 and broken[2] < -600
 
 
 def test_boxes_follow_the_spatial_stretch():

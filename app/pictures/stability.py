@@ -7,6 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from app.pictures import study_parts as parts
+from app.words import unit_of
 from solvers.problems import PROBLEMS
 from solvers.study.series import measured
 from solvers.study.stability import TREATMENTS, held, survived, treatment_of
@@ -51,7 +52,7 @@ def stability_figure(rows: Sequence[dict]) -> Figure:
     for panel, method in zip(axes[:, 0], methods, strict=True):
         panel.set_ylabel(f"{method}\ncfl")
     for panel in axes[-1]:
-        panel.set_xlabel("A (m)")
+        panel.set_xlabel(f"A ({unit_of(kind, 'amplitude')})")
     figure.colorbar(axes[0, 0].images[0], ax=list(axes.ravel()), location="bottom", aspect=60, pad=0.02,
                     label="periods")
     return figure

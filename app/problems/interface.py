@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +34,10 @@ class Reach:
     speed: tuple[float, float]
 
 
+#: (label, low, high, step, hint) of a slider whose steps are even.
+LinearSlider = tuple[str, float, float, float, str]
+
+
 @dataclass(frozen=True)
 class Regions:
     """``names`` of the regions, and for each of P particles the ``number`` of the one where it was at rest."""
@@ -52,12 +56,11 @@ class Regions:
 class Motion:
     """How the page lets one choose what a problem does: ``hint`` of the choice, and ``change(scene, motion, usual)``,
     the scene in which that happens, with the ``usual`` estimators where its own would say nothing. ``sliders`` are the
-    fields that only a motion without swings has: (label, low, high, step, hint) of each; ``speed`` and ``quantity`` is
-    what such a motion begins with."""
+    fields that only a motion without swings has; ``speed`` and ``quantity`` is what such a motion begins with."""
 
     hint: str
     change: Callable[[Any, str, tuple[str, ...]], Any]
-    sliders: Mapping[str, tuple[str, float, float, float, str]]
+    sliders: Mapping[str, LinearSlider]
     speed: float
     quantity: str
 
@@ -70,7 +73,7 @@ class ProblemView:
     bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and that of its lower row over the
     upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the fields of the scene
     among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can outline domains.
-    ``motion`` is there where the scene has several motions.
+    ``motion`` is there where the scene has several motions, ``material`` are fields of the material beside the modulus.
     """
 
     problem: str
@@ -84,6 +87,7 @@ class ProblemView:
     domains_hint: str = ""
     motion: Motion | None = None
     modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
+    material: Mapping[str, LinearSlider] = field(default_factory=dict)
 
     @property
     def about(self) -> str:

@@ -9,7 +9,8 @@ from solvers.scene import Scene
 from solvers.step_bound import stencil
 
 Links = tuple[np.ndarray, np.ndarray, np.ndarray]  # nodes, weights and sizes of gradients (P, M)
-Number = Callable[[np.ndarray], np.ndarray]  # from a node's place, in cells from x = 0, to its number, 0 or more
+#: From nodes' places in x and y, in cells, to their numbers, 0 or more; images of each other may have the same.
+Number = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,
@@ -22,11 +23,11 @@ def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,
         if scene.method not in ("mpm", "ugimp"):
             half_width = np.clip(half_width * stretch[:, axis], 1e-6, MOST_HALF_WIDTH)
         first, S, dS = stencil(scene.method, x[:, axis] / scene.spacing, half_width)
-        axes.append((number(first[:, None] + np.arange(3)), S, dS / scene.spacing))
+        axes.append((first[:, None] + np.arange(3), S, dS / scene.spacing))
     (i, S, dS), (j, R, dR) = axes
     pairs = [a[:, :, None] * b[:, None, :] for a, b in ((S, R), (dS, R), (S, dR))]
-    nodes = i[:, :, None] + (i.max() + 1) * j[:, None, :]
     P = len(x)
+    nodes = number(i[:, :, None], j[:, None, :])
     return nodes.reshape(P, 9), pairs[0].reshape(P, 9), _sizes(pairs[1], pairs[2], metric).reshape(P, 9)
 
 
@@ -51,8 +52,8 @@ def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, numbe
                 at = (np.arange(P), offset[:, 0] + i, offset[:, 1] + j)
                 S[at] += 0.25 * N
                 gradients[at] += N[:, None] * normal
-    lines = number(start[:, :, None] + np.arange(W))
-    nodes = lines[:, 0, :, None] + (lines[:, 0].max() + 1) * lines[:, 1, None, :]
+    lines = start[:, :, None] + np.arange(W)
+    nodes = number(lines[:, 0, :, None], lines[:, 1, None, :])
     return nodes.reshape(P, -1), S.reshape(P, -1), _sizes(gradients[..., 0], gradients[..., 1], metric).reshape(P, -1)
 
 

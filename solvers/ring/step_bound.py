@@ -39,9 +39,13 @@ def _at(scene: RingScene, layout, size: float) -> float:
         F = np.stack([radial * c * c + hoop * s * s, (radial - hoop) * c * s, (radial - hoop) * c * s,
                       radial * s * s + hoop * c * c], axis=1)
         x, stretch = X * (1 + size * w / R)[:, None], np.maximum(radial, hoop)
-    # Nodes are numbered from the planes on, so that mirror images have one number.
-    nodes, S, gradients = corners(scene, x, F, layout.edges, np.abs) if scene.method == "cpdi" \
-        else boxes(scene, x, F[:, [0, 3]], np.abs)
+
+    def number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """From the planes on, so that mirror images have one number."""
+        return np.abs(i) + 2 * scene.cells * np.abs(j)
+
+    nodes, S, gradients = corners(scene, x, F, layout.edges, number) if scene.method == "cpdi" \
+        else boxes(scene, x, F[:, [0, 3]], number)
     stiffness = 0.5 * scene.modulus * (1 + stretch**2) * layout.volume
     mass = np.bincount(nodes.ravel(), (scene.density * layout.volume[:, None] * S).ravel())
     return bound(nodes, gradients, stiffness, mass)

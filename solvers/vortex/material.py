@@ -4,6 +4,7 @@ import taichi as ti
 
 from solvers.vortex.exact import SECOND_FREQUENCY, SECOND_SIZE
 
+FAR, TERMS = 1 / 7, 9  # |J-1|/|J+1| up to which so many terms give ln J to rounding: J from 3/4 to 4/3
 FLATTEST = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
 
 
@@ -29,11 +30,31 @@ def cauchy_stress(vortex: ti.template(), p):
 
 @ti.func
 def prepare(vortex: ti.template(), start, end):
-    """Find lambda ln J of the particles from ``start`` to ``end``: a loop of its own, for a call of the logarithm among
-    the sums at the nodes would cost a third of the step."""
-    for p in range(start, end):
-        J = determinant(vortex.deformation_gradient[p])
-        vortex.volumetric[p] = vortex.lame_modulus * ti.log(ti.max(J, FLATTEST))
+    """Find lambda ln J of the particles from ``start`` to ``end``: in a loop of its own, for a call of the logarithm
+    among the sums at the nodes would cost a third of the step. Of four particles at a time, for a processor does sums
+    and products of so many at once; the last one is found again where there are not four.
+    """
+    for group in range((end - start + 3) // 4):
+        J, first = ti.Vector([0.0] * 4), start + 4 * group
+        for k in ti.static(range(4)):
+            J[k] = determinant(vortex.deformation_gradient[ti.min(first + k, end - 1)])
+        logarithm = logarithms(J)
+        for k in ti.static(range(4)):
+            vortex.volumetric[ti.min(first + k, end - 1)] = vortex.lame_modulus * logarithm[k]
+
+
+@ti.func
+def logarithms(J):
+    """ln of four numbers: near 1, where a sound run has its J, by the series of 2 artanh((J-1)/(J+1)), to rounding."""
+    s = (J - 1) / (J + 1)
+    square, series = s * s, ti.Vector([0.0] * 4)
+    for k in ti.static(range(TERMS)):
+        series = series * square + 1 / (2 * (TERMS - k) - 1)
+    logarithm = 2 * s * series
+    if not square.max() <= FAR * FAR:  # true for NaN too
+        for k in ti.static(range(4)):
+            logarithm[k] = ti.log(ti.max(J[k], FLATTEST))
+    return logarithm
 
 
 @ti.func

@@ -1,5 +1,6 @@
 """Widgets that are bound to the session: what a visitor changes is wished of the scene."""
 
+import functools
 import threading
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -11,6 +12,7 @@ from app.page.panels.head import WIDE_LABEL
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
 from app.page.session import Session
+from app.problems.interface import LinearSlider
 from solvers.effects import Effect
 from solvers.remedies import Remedy
 from solvers.rules import field_label
@@ -55,6 +57,17 @@ class BoundWidgets:
         widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
             else self._gui.add_checkbox(label, value, hint=hint)
         self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
+
+    def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
+        """A slider for each of the scene's fields."""
+        values = self._session.scene.to_dict()
+        for field, (label, low, high, step, hint) in sliders.items():
+            value = values[field]
+            slider = self._gui.add_slider(label, min(low, value), max(high, value), step, value, hint=hint)
+            self.follow(slider, functools.partial(self._set, field))
+
+    def _set(self, field: str, value: float) -> None:
+        self._session.set(**{field: value})
 
     def size(self, size: Size, value: float, act: Callable[[float], None]) -> SizeControl:
         """A slider and a text for a number of any size."""

@@ -188,6 +188,7 @@ class Controls:
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
                             view.modulus_hint),
                        scene.modulus, lambda value: session.set(modulus=value))
+            self._bound.sliders(view.material)
         with self._part("step"):
             self._step()
 

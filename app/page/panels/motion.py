@@ -1,6 +1,5 @@
 """What a problem does, where it can do several things: the choice, and the sliders of a motion that does not swing."""
 
-import functools
 from collections.abc import Callable
 
 import viser
@@ -43,11 +42,5 @@ class MotionControls:
 
     def build_sliders(self) -> None:
         """What only a motion that does not swing has."""
-        motion, values = self._motion, self._session.scene.to_dict()
-        for field, (label, low, high, step, hint) in (motion.sliders if motion else {}).items():
-            value = values[field]
-            slider = self._gui.add_slider(label, min(low, value), max(high, value), step, value, hint=hint)
-            self._bound.follow(slider, functools.partial(self._set, field))
-
-    def _set(self, field: str, value: float) -> None:
-        self._session.set(**{field: value})
+        if self._motion:
+            self._bound.sliders(self._motion.sliders)

@@ -21,11 +21,14 @@ def regions(X: np.ndarray) -> Regions:
 VORTEX = ProblemView(
     "vortex", regions, f"the ring into {ANGLES} angles from the x axis on and {len(FIFTHS)} fifths of the wall",
     picture=(15.0, 1.3), speed=0.1,
-    reach=Reach((12, 96, 2), (1, 6), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
+    reach=Reach((12, 96, 2), (1, 3), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
     amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
                    "is seven times as much",
     details={"layout": "where particles begin: Cartesian rims are staircases",
              "body_force": "which force acts", "velocity": "the velocity that moves the particles"},
     modulus_hint="Young's modulus: the body force sees to it that the motion stays the same, the errors do not",
+    material={"poisson_ratio": ("Poisson's ratio ν", -0.5, 0.49, 0.01,
+                                "resistance to a change of volume: not in the exact motion, which has none, but in the "
+                                "errors and, with the speed of waves, in the time step")},
     domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
                  "particles")

@@ -1,8 +1,8 @@
 """The recovered estimator on the vortex (see ``solvers.planar.estimators.recovered``): a whole turn, and lambda.
 
 P = mu F + (lambda ln J - mu) F^-T. Its reference moves by an explicit method in the material frame, where waves along a
-circle that is sheared by g run sqrt(1 + g^2) times as fast as at rest (nearly, see ``stretched_speed``), and its steps
-are as much shorter: in a vortex with A = 1 as short as the run's, and then it costs more than the run.
+circle that is sheared by g run sqrt(1 + g^2) times as fast as at rest (nearly, see ``crossing_rate``), and its steps
+are as much shorter: in a vortex with A = 1 hardly longer than the run's, and then it costs more than the run.
 """
 
 import numpy as np
@@ -57,8 +57,9 @@ def lines(scene):
 
 def interval(scene):
     """Steps of the run to one of the estimator's."""
-    length = recovered.WAVE_CFL * recovered.shortest_side(*lines(scene), exact.INNER)
-    return recovery.steps_between(scene, length / validity.stretched_speed(scene))
+    angle, radius = lines(scene)
+    side = min(1 / angle.per_element / validity.crossing_rate(scene), 1 / radius.per_element)
+    return recovery.steps_between(scene, recovered.WAVE_CFL * side)
 
 
 def allocate(scene):
