@@ -62,8 +62,9 @@ def test_spin_is_an_effect_of_the_vortex_alone():
         assert PROBLEMS[problem].scene.choices("effects") == tuple(EFFECTS)
 
 
-def test_the_page_begins_with_half_a_period():
-    assert first_scene("vortex").end_time == 1 and not first_scene("vortex").warnings()
+def test_the_page_begins_with_half_a_period_and_an_estimate_that_holds():
+    first = first_scene("vortex")
+    assert first.end_time == 1 and not first.warnings() and first.estimators[0] == "companion"
 
 
 def test_regions_divide_the_whole_ring():

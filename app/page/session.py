@@ -4,7 +4,7 @@ import math
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, closing
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from time import monotonic
 
 from app.page.health import Tally
@@ -14,7 +14,6 @@ from app.page.notice import Notice, doubt
 from app.page.pinned import PinnedRun
 from app.problems.views import VIEWS
 from app.words import on_page
-from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import EnginePool, Listener, SessionLink
@@ -23,7 +22,6 @@ from solvers.rules import SceneError
 from solvers.samples import QUANTITIES
 from solvers.scene import Scene
 
-FIRST_SCENE = BarScene(periods=1, estimators=("recovered", "transport"))  # the first is the one that is drawn
 TO_BE_READ = 8.0  # seconds that what has happened is said
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
 CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told of those who share the computer
@@ -31,8 +29,12 @@ CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told o
 
 def first_scene(problem: str) -> Scene:
     """What the page shows of a problem at first."""
-    return FIRST_SCENE if problem == FIRST_SCENE.problem else PROBLEMS[problem].scene(
-        periods=min(1, PROBLEMS[problem].scene.DEFAULT_PERIODS))
+    kind = PROBLEMS[problem].scene
+    scene = kind(periods=min(1, kind.DEFAULT_PERIODS))
+    return replace(scene, estimators=VIEWS[problem].estimators or scene.estimators)
+
+
+FIRST_SCENE = first_scene(next(iter(PROBLEMS)))
 
 
 class PageLinks(ExitStack):

@@ -74,6 +74,7 @@ class ProblemView:
     upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the fields of the scene
     among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can outline domains.
     ``motion`` is there where the scene has several motions, ``material`` are fields of the material beside the modulus.
+    ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
     """
 
     problem: str
@@ -88,6 +89,7 @@ class ProblemView:
     motion: Motion | None = None
     modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
+    estimators: tuple[str, ...] = ()
 
     @property
     def about(self) -> str:

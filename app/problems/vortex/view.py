@@ -31,4 +31,5 @@ VORTEX = ProblemView(
                                 "resistance to a change of volume: not in the exact motion, which has none, but in the "
                                 "errors and, with the speed of waves, in the time step")},
     domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
-                 "particles")
+                 "particles",
+    estimators=("companion", "transport"))  # else the first picture would show nothing but an estimate that fails
