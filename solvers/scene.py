@@ -74,7 +74,7 @@ class Scene(Usual, ABC, Remembered):
                                       "left out costs nothing", hint="all")
     remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
                                        "between", hint="none")
-    arch: str = option("cpu", "Processor to run on", choices=("cpu", "gpu"))
+    arch: str = option("cpu", "Processor to run on", choices=("cpu", "gpu", "cuda", "vulkan"))
     threads: int = option(1, "Processor threads, at most")
     sample_every: int | None = option(None, "Steps between two samples of the errors",
                                       hint="about {scene.SAMPLES_A_PERIOD} samples a period")

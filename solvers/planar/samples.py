@@ -42,6 +42,15 @@ def squared_parts(motion, sigma, a):
 @ti.func
 def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: ti.template()):
     """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
+    sample_sums(body, row, step, measures, on)
+    if ti.static(on.soundness):
+        if looks:
+            measures.look(body, row)
+
+
+@ti.func
+def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
+    """The same without contradictions."""
     crossings, work = 0.0, 0.0
     for slab in range(body.slabs):
         crossings += body.totals[ti.static(TOTALS) * slab]
@@ -55,9 +64,6 @@ def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: t
         sample_estimates(body, row, step, measures, on)
     for q in ti.static(range(column("apart"), column("margin") + 1)):
         body.samples[row, q] = ti.math.nan
-    if ti.static(on.soundness):
-        if looks:
-            measures.look(body, row)
     if ti.static(on.energy):
         sample_energy(body, row, measures)
     measures.more(body, row, step, on)

@@ -2,6 +2,7 @@
 
 import taichi as ti
 
+from solvers.elementary import cos, log, sin
 from solvers.planar.samples import Measures
 from solvers.ring.exact import C1, C2, C3, INNER
 from solvers.ring.layout import GHOSTS
@@ -16,8 +17,8 @@ def moment(ring: ti.template(), step):
     """T and T' of the exact solution at the step, and T at the step before, whose acceleration was used."""
     angle = ring.angular_frequency * ring.dt * step
     before = ti.max(0.0, angle - ring.angular_frequency * ring.dt)  # at the start both a are 0
-    return ti.Vector([ring.amplitude * ti.sin(angle), ring.amplitude * ring.angular_frequency * ti.cos(angle),
-                      ring.amplitude * ti.sin(before)])
+    return ti.Vector([ring.amplitude * sin(angle), ring.amplitude * ring.angular_frequency * cos(angle),
+                      ring.amplitude * sin(before)])
 
 
 @ti.func
@@ -80,7 +81,7 @@ def strain_energy(ring: ti.template(), p):
     F, mass = ring.deformation_gradient[p], ring.mass[p]
     J = ti.max(F[0] * F[3] - F[1] * F[2], 1e-300)
     return 0.5 * ring.shear_modulus * mass / ring.density \
-        * (F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * ti.log(J))
+        * (F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * log(J))
 
 
 @ti.func

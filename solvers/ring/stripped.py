@@ -9,13 +9,14 @@ import taichi as ti
 
 from solvers.arrays import part_of, part_types
 from solvers.planar import cpdi
+from solvers.planar.check import check
 from solvers.planar.phases import EMPTY, fold_sums
 from solvers.ring.layout import GHOSTS
 from solvers.ring.material import radial_force_at
 from solvers.ring.phases import TRAITS, fold, mirror_records
 from solvers.ring.solver import RingSolver
 from solvers.ring.state import WatchedRing
-from solvers.ring.step import check
+from solvers.ring.step import outside
 from solvers.solver import SOUND
 from solvers.turn import CHECK_EVERY
 
@@ -88,7 +89,7 @@ def advance(start: ti.i32, steps: ti.i32, ring: StrippedRingState, on: ti.templa
             update_nodes(ring)
             nodes_to_particles(ring, on)
             if (step + 1) % CHECK_EVERY == 0:
-                check(ring, step + 1)
+                check(ring, step + 1, outside)
 
 
 class StrippedRing(RingSolver):

@@ -2,6 +2,7 @@
 
 import taichi as ti
 
+from solvers.elementary import cos, log, sin
 from solvers.vortex.exact import SECOND_FREQUENCY, SECOND_SIZE
 
 FLATTEST = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
@@ -16,7 +17,7 @@ def determinant(F):
 def kirchhoff_stress(vortex: ti.template(), p):
     """J sigma = lambda ln J I + mu (F F^T - I) as (xx, xy, yy): neo-Hookean."""
     F = vortex.deformation_gradient[p]
-    mu, bulk = vortex.shear_modulus, vortex.lame_modulus * ti.log(ti.max(determinant(F), FLATTEST))
+    mu, bulk = vortex.shear_modulus, vortex.lame_modulus * log(ti.max(determinant(F), FLATTEST))
     return ti.Vector([mu * (F[0] * F[0] + F[1] * F[1] - 1) + bulk, mu * (F[0] * F[2] + F[1] * F[3]),
                       mu * (F[2] * F[2] + F[3] * F[3] - 1) + bulk])
 
@@ -33,7 +34,7 @@ def prepare(vortex: ti.template(), start, end):
     the sums at the nodes would cost a third of the step."""
     for p in range(start, end):
         J = determinant(vortex.deformation_gradient[p])
-        vortex.volumetric[p] = vortex.lame_modulus * ti.log(ti.max(J, FLATTEST))
+        vortex.volumetric[p] = vortex.lame_modulus * log(ti.max(J, FLATTEST))
 
 
 @ti.func
@@ -58,14 +59,14 @@ def force_at(vortex: ti.template(), known, t, on: ti.template()):
     w^2 A/2 R h sin(1.7 wt) around the ring, for which no exact solution is built in.
     """
     R, w, mu = known[0], vortex.angular_frequency, vortex.shear_modulus / vortex.density
-    g = vortex.amplitude * ti.sin(w * t)
-    rate = vortex.amplitude * w * ti.cos(w * t) * known[1]
+    g = vortex.amplitude * sin(w * t)
+    rate = vortex.amplitude * w * cos(w * t) * known[1]
     alpha, slope, curvature = g * known[1], g * known[2], g * known[3]
     along = R * (mu * slope * slope - rate * rate)
     around = -w * w * R * alpha - mu * (3 * slope + R * curvature)
     if ti.static(on.body_force == "two-tone"):
-        around += SECOND_SIZE * w * w * vortex.amplitude * R * known[1] * ti.sin(SECOND_FREQUENCY * w * t)
-    c, s = ti.cos(alpha), ti.sin(alpha)
+        around += SECOND_SIZE * w * w * vortex.amplitude * R * known[1] * sin(SECOND_FREQUENCY * w * t)
+    c, s = cos(alpha), sin(alpha)
     return ti.Vector([c * along - s * around, s * along + c * around])
 
 
@@ -90,7 +91,7 @@ def tangent(vortex: ti.template(), p, on: ti.template()):
     mu I + (lambda + mu - lambda ln J) C^-1. See ``solvers.vortex.step_bound``."""
     mu, lam, F = vortex.shear_modulus, vortex.lame_modulus, vortex.deformation_gradient[p]
     J = determinant(F)
-    rest = lam + mu - lam * ti.log(ti.max(J, FLATTEST))
+    rest = lam + mu - lam * log(ti.max(J, FLATTEST))
     metric = mu * ti.Vector([F[0] * F[0] + F[1] * F[1], F[0] * F[2] + F[1] * F[3], F[2] * F[2] + F[3] * F[3]]) \
         + rest * ti.Vector([1.0, 0.0, 1.0])
     if ti.static(on.frozen):
