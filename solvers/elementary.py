@@ -66,15 +66,16 @@ def log(x):
 
 @ti.func
 def _turned(x, quarters):
-    """sin(x + quarters pi/2)."""
+    """sin(x + quarters pi/2). Choices are made with whole numbers: on Vulkan, Taichi 1.7.4 loses what is true or false
+    on the way from one loop of a kernel to the next."""
     turns = ti.floor(x / (HALF_PI + HALF_PI_NEXT) + 0.5)
     y = ((x - turns * HALF_PI) - turns * HALF_PI_NEXT) - turns * HALF_PI_LAST
     square = y * y
     quadrant = (ti.cast(turns, ti.i32) + quarters) & 3
-    value = y + y * _polynomial(square, SIN)
-    if quadrant % 2 == 1:
-        value = 1 - (0.5 * square - square * _polynomial(square, COS))
-    return -value if quadrant >= 2 else value
+    odd, sign = quadrant & 1, 1 - (quadrant & 2)
+    sine = y + y * _polynomial(square, SIN)
+    cosine = 1 - (0.5 * square - square * _polynomial(square, COS))
+    return sign * ((1 - odd) * sine + odd * cosine)
 
 
 @ti.func

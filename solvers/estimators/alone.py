@@ -42,18 +42,18 @@ class Lost(ArithmeticError):
 
 
 class March:
-    """A body on its way from t = 0, at rest in shape: ``u`` and ``v`` (N, D) are those of the ``time`` to which it was
-    brought last."""
+    """A body on its way from t = 0, at rest in shape, by steps of at most ``longest`` seconds: ``u``, ``v`` and ``a``
+    (N, D) are those of the ``time`` to which it was brought last."""
 
-    def __init__(self, body: Body):
-        self.body, self.time = body, 0.0
+    def __init__(self, body: Body, longest: float = math.inf):
+        self.body, self.time, self.longest = body, 0.0, min(longest, SAFE / body.frequency)
         self.u, self.v = np.zeros_like(body.velocity), body.velocity.copy()
         self.a = body.accelerations(self.u, 0.0)
 
     def to(self, time: float) -> None:
         """Go on to a time that is not earlier. Raises :class:`Lost` where the motion breaks down."""
         u, v, k1, body = self.u, self.v, self.a, self.body
-        steps = math.ceil((time - self.time) * body.frequency / SAFE)
+        steps = math.ceil((time - self.time) / self.longest)
         for step in range(steps):
             H, t = (time - self.time) / steps, self.time + step * (time - self.time) / steps
             k2 = body.accelerations(u + 0.5 * H * v + 0.125 * H * H * k1, t + 0.5 * H)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from solvers.estimators.alone import Body, Lost, March
-from solvers.estimators.companion import NOW
+from solvers.estimators.companion import MOST_INTERVAL, NOW
 
 KEPT = 8  # instants to which it can go back, as for timings, which take some steps again and again; and the start
 
@@ -17,7 +17,7 @@ class Beside:
 
     def __init__(self, body: Body, memory: Mapping[str, np.ndarray], dt: float):
         self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
-        self._kept = [March(body)]
+        self._kept = [March(body, MOST_INTERVAL * dt)]
 
     def bring_to(self, step: int) -> None:
         """Fill the layer ``NOW`` of ``companion_nodes``: u and v after so many steps, and a one step before; not a

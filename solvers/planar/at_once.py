@@ -40,7 +40,7 @@ def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures,
     def to_nodes(step: ti.i32, body: State, on: ti.template()):
         """The first half of the step after ``step`` steps: particles to nodes, and the nodes' new motion."""
         count = phases.moving(body)
-        side = ti.select(count > 0, body.active, 0)  # a run gone bad keeps its last nodes
+        side = body.active * ti.min(count, 1)  # a run gone bad keeps its last nodes
         for place in range(side * side):
             body.node_sums[place // body.active * body.row + place % body.active] = ti.Vector([0.0] * 8)
         TRAITS.forces(body, step * body.dt, on)
@@ -98,7 +98,7 @@ def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures,
     @ti.kernel
     def find_margin(body: State, on: ti.template()):
         """Find the margin of the step."""
-        margin.step_margin(body, TRAITS, on)
+        margin.step_margin_at_once(body, TRAITS, on)
 
     return KernelsAtOnce(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, look, report,
                          freeze, find_margin)

@@ -7,7 +7,7 @@ from solvers.solver import CRUSHED, ESCAPED, INVERTED
 
 FLATTEST = 1e-3  # det F below which a particle counts as crushed
 NO_NUMBER = -1e300  # stands for a det F that is not a number: flatter than any
-SAME = 1e-12  # by which one det F, found twice by compilers that round otherwise, may differ from itself, of its size
+SAME = 1e-12  # of itself, by which a det F may differ when it is found twice, in loops that are compiled otherwise
 
 
 @ti.func

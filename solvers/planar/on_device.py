@@ -31,7 +31,8 @@ class OnDevice:
                  beside: Beside | None):
         self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
         members, types = arrays.members(), State.members
-        self._own = {name: _copy(value, types[name]) for name, value in members.items() if isinstance(value, np.ndarray)}
+        self._own = {name: _copy(value, types[name]) for name, value in members.items()
+                     if isinstance(value, np.ndarray)}
         self.pack = pack = State(**{**members, **self._own})
         self._kernels = KernelsAtOnce(*(Launch(kernel, pack, on) for kernel in kernels))
         if on.frozen:
@@ -53,7 +54,7 @@ class OnDevice:
             kernels.report.compile(0)
 
     def run(self, before: int, steps: int) -> None:
-        """Take steps after ``before`` of them; in a run that goes bad those after the check that found it do nothing."""
+        """Take steps after ``before`` of them; after a check that finds the run gone bad the others do nothing."""
         kernels, scene, line = self._kernels, self._scene, 0
         for step in range(before + 1, before + steps + 1):
             kernels.to_nodes(step - 1)

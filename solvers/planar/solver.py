@@ -3,7 +3,7 @@
 import time
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
@@ -62,8 +62,8 @@ class PlanarSolver(Solver):
 
     def _beside(self) -> Beside | None:
         """The estimator that the processor carries on while a GPU steps the particles."""
-        [*names] = self._switches.estimators
-        return Beside(self.HOOKS[names[0]].alone(self.scene), self._memory, self.scene.time_step) if names else None
+        bodies = [hooks.alone(self.scene) for name in self._switches.estimators if (hooks := self.HOOKS[name]).alone]
+        return Beside(bodies[0], self._memory, self.scene.time_step) if bodies else None
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on = self._arrays, self._switches
@@ -95,7 +95,7 @@ class PlanarSolver(Solver):
 
     def without_estimators(self) -> Solver:
         self._stepping.fetch()
-        other = super().without_estimators()
+        other = cast(PlanarSolver, super().without_estimators())
         other._stepping.push()
         return other
 

@@ -6,7 +6,7 @@ import taichi as ti
 from solvers import runtime
 from solvers.samples import column
 
-SAME = 1e-12  # by which one distance, found twice by compilers that round otherwise, may differ from itself, of its size
+SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
 
 
 @ti.func
