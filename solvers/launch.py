@@ -46,6 +46,8 @@ class Launch:
     def forget(self) -> None:
         """Keep nothing that Taichi has made: it is about to end."""
         self._kept = None
+        if not runtime.on_processor():
+            self._arguments = ()  # its arrays too
 
     def _queue(self, numbers: tuple[int, ...]) -> None:
         """Have a GPU do it after what it was told before; returns at once."""

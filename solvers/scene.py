@@ -76,8 +76,8 @@ class Scene(Usual, ABC, Remembered):
                                       "left out costs nothing", hint="all")
     remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
                                        "between", hint="none")
-    arch: str = option("cpu", "Where to run: on the processor or, problems in the plane alone, on a GPU, whichever there "
-                       "is or by name", choices=("cpu", "gpu", "cuda", "vulkan"))
+    arch: str = option("cpu", "Where to run: on the processor, or what is in the plane on a GPU, found or by name",
+                       choices=("cpu", "gpu", "cuda", "vulkan"))
     threads: int = option(1, "Processor threads, at most")
     sample_every: int | None = option(None, "Steps between two samples of the errors",
                                       hint="about {scene.SAMPLES_A_PERIOD} samples a period")

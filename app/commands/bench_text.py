@@ -53,7 +53,7 @@ def _gpu(gpu: dict) -> str:
         rates = row["rates"]
         lines.append(_line(_scene(row), f"{row['particles']:,}", _rate(rates["gpu"]),
                            NOTHING if row["share"] is None else f"{100 * row['share']:.0f} %",
-                           *(NOTHING if rates[plan] is None else _rate(rates[plan]) for plan in ("serial", "parallel"))))
+                           *(formatted(rates[plan], ".1f") for plan in ("serial", "parallel"))))
     return "\n".join([*lines, "  limit: what the memory allows, each particle's numbers moved once in each phase\n"
                       "  serial, parallel: the processor's plans, on one thread and on all"])
 

@@ -3,13 +3,14 @@
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
+from solvers import runtime
 from solvers.estimators.beside import Beside
 from solvers.estimators.interface import NEVER
 from solvers.launch import Launch
 from solvers.planar import remedies
 from solvers.planar.at_once import KernelsAtOnce
+from solvers.planar.device_arrays import DeviceArrays
 from solvers.planar.state import WatchedBody
 from solvers.scene import Scene
 from solvers.solver import MEASURE, REPORT
@@ -30,13 +31,18 @@ class OnDevice:
     def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: WatchedBody, on: Switches,
                  beside: Beside | None):
         self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
-        members, types = arrays.members(), State.members
-        self._own = {name: _copy(value, types[name]) for name, value in members.items()
-                     if isinstance(value, np.ndarray)}
-        self.pack = pack = State(**{**members, **self._own})
-        self._kernels = KernelsAtOnce(*(Launch(kernel, pack, on) for kernel in kernels))
+        members = arrays.members()
+        self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]
+        self._own = DeviceArrays({name: members[name] for name in self._names}, State.members)
+        self.pack = State(**{**members, **self._own.copies})
+        self._kernels = KernelsAtOnce(*(Launch(kernel, self.pack, on) for kernel in kernels))
+        runtime.holders.add(self)
         if on.frozen:
             self._kernels.freeze()
+
+    def forget(self) -> None:
+        """Keep nothing that Taichi has made: it is about to end."""
+        self.pack = None
 
     def compile(self) -> None:
         """Compile what steps and samples, without stepping."""
@@ -66,7 +72,7 @@ class OnDevice:
             if step % scene.sample_interval == 0:
                 self._sample(step, line, step % scene.look_interval == 0)
                 line += 1
-        self._fetch(WATCHED)
+        self._own.fetch(*WATCHED)
 
     def look(self, step: int, purpose: int) -> None:
         """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
@@ -76,27 +82,20 @@ class OnDevice:
             self._report(step)
         else:
             self._sample(step, 0, True)
-            self._fetch(WATCHED)
+            self._own.fetch(*WATCHED)
 
     def find_margin(self) -> None:
         """Find the margin of the step."""
         self._kernels.find_margin()
-        self._fetch(WATCHED)
+        self._own.fetch(*WATCHED)
 
     def fetch(self) -> None:
         """Bring the arrays up to date."""
-        self._fetch(self._own)
+        self._own.fetch(*self._names)
 
     def push(self) -> None:
         """Have the GPU go on from the arrays as they are here."""
-        for name, copy in self._own.items():
-            copy.from_numpy(self._arrays.members()[name])
-
-    def _fetch(self, names: Any) -> None:
-        members = self._arrays.members()
-        for name in names:
-            if name in self._own:
-                members[name][...] = self._own[name].to_numpy()
+        self._own.push(*self._names)
 
     def _mend(self) -> None:
         self._kernels.begin_remedies()
@@ -114,12 +113,5 @@ class OnDevice:
         """Bring the estimates up to date. The processor carries its part on while the GPU has work in its queue."""
         if self._beside and self._arrays.estimate_intervals[0] != NEVER:
             self._beside.bring_to(step)
-            self._own[NODES].from_numpy(self._arrays.members()[NODES])
+            self._own.push(NODES)
             self._kernels.report(step)
-
-
-def _copy(array: np.ndarray, kind: Any) -> Any:
-    """A copy of an array on the GPU."""
-    copy = ti.ndarray(kind.dtype, array.shape[:kind.ndim])
-    copy.from_numpy(array)
-    return copy

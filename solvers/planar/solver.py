@@ -57,8 +57,13 @@ class PlanarSolver(Solver):
         else:
             self._stepping = OnProcessor(self.KERNELS, self.STATE, scene, self._arrays, self._switches,
                                          self.plan == "parallel", self.threads)
-        self._pack, self._find_margin = self._stepping.pack, self._stepping.find_margin
+        self._find_margin = self._stepping.find_margin
         self.setup_seconds = time.perf_counter() - begun
+
+    @property
+    def _pack(self) -> Any:
+        """The state, as the kernels' argument."""
+        return self._stepping.pack
 
     def _beside(self) -> Beside | None:
         """The estimator that the processor carries on while a GPU steps the particles."""
