@@ -183,11 +183,6 @@ class Scene(Usual, ABC, Remembered):
         return of_scene(self)
 
     @property
-    def for_gpu(self) -> bool:
-        """Whether it is to run on a GPU, if there is one: what it may be does not depend on that."""
-        return self.arch != "cpu" and self.DIMENSIONS > 1
-
-    @property
     def frozen(self) -> bool:
         """Whether the weights are computed once and for all, at the material positions."""
         return FROZEN in self.remedies

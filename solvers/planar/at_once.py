@@ -44,7 +44,8 @@ def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures,
         for place in range(side * side):
             body.node_sums[place // body.active * body.row + place % body.active] = ti.Vector([0.0] * 8)
         TRAITS.forces(body, step * body.dt, on)
-        phases.map_to_nodes(body, 0, count, 0, TRAITS, on)
+        for p in range(count):
+            phases.map_to_nodes(body, p, p + 1, 0, TRAITS, on)
         TRAITS.fold(body, phases.fold_sums)
         least = phases.EMPTY * body.density * body.spacing * body.spacing
         for place in range(side * side):
