@@ -39,7 +39,8 @@ class Usual:
     def _check_plan(self) -> None:
         """Refuse a plan that does not go with the threads or with a GPU."""
         if self.plan == "serial" and self.threads > 1:
-            raise SceneError("threads", self.threads, "the serial plan runs on one; give 1, or the plan parallel or auto")
+            raise SceneError("threads", self.threads,
+                             "the serial plan runs on one; give 1, or the plan parallel or auto")
         if self.for_gpu and self.plan != "auto":
             raise SceneError("plan", self.plan, "is for processors, and a GPU has a plan of its own; give auto, or "
                              "--arch cpu")

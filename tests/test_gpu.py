@@ -3,11 +3,9 @@
 Vulkan runs these tests without a GPU, by Mesa's driver, which plays one on the processor (``tests.gpus``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -20,6 +18,7 @@ from solvers.bar.scene import BarScene
 from solvers.bench import gpu
 from solvers.kinds import quads, reals
 from solvers.remedies import COUPLED, FILTER, FROZEN
+from solvers.result import Snapshot
 from solvers.ring.scene import RingScene
 from solvers.rules import SceneError
 from solvers.run import build, run
@@ -31,8 +30,7 @@ from tests.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=40)
 VORTEX = VortexScene(cells=24, amplitude=0.5, estimators=("companion",), arch=ARCH, sample_every=40)
-METHODS = [replace(scene, method=method) for scene in (RING, VORTEX) for method in scene.choices("method")
-           if not (scene is VORTEX and method == "mpm")]  # which breaks, and is below
+METHODS = [replace(scene, method=method) for scene in (RING, VORTEX) for method in scene.choices("method")]
 OTHERS = [replace(RING, method="cpgimp", remedies=(FILTER, COUPLED), velocity="particle"),
           replace(RING, method="mpm", remedies=(FROZEN,), layout="cartesian", body_force="two-tone"),
           replace(VORTEX, remedies=(FILTER,), body_force="two-tone", layout="cartesian"),
@@ -53,23 +51,33 @@ def named(scene: Scene) -> str:
     return "-".join((scene.problem, scene.method, *scene.remedies))
 
 
-def taken(scene: Scene, steps: int) -> tuple[Solver, dict[str, np.ndarray]]:
-    """A solver after so many steps, and its samples with one at the start and one at the end."""
+class Taken(NamedTuple):
+    """A run after some steps. Of a solver itself nothing is left to ask once another kind of processor has started."""
+
+    solver: Solver
+    shot: Snapshot
+    series: dict[str, np.ndarray]
+    not_valid: dict[str, str]
+
+
+def taken(scene: Scene, steps: int) -> Taken:
+    """After so many steps, with samples as they are due, one at the start and one at the end."""
     solver = build(scene)
     solver.compile()
     rows = np.concatenate([solver.measure(), solver.advance(steps), solver.measure()])
-    return solver, samples.read(rows, scene.active_estimators, len(solver.snapshot().position), scene.time_step)
+    shot = solver.snapshot()
+    series = samples.read(rows, scene.active_estimators, len(shot.position), scene.time_step)
+    return Taken(solver, shot, series, solver.not_valid())
 
 
-def assert_same_state(one: Solver, other: Solver, steps: int) -> None:
+def assert_same_state(mine: Snapshot, theirs: Snapshot) -> None:
     """Positions, velocities and deformation gradients, but for rounding; crossings and their steps."""
-    a, b = one.snapshot(), other.snapshot()
-    assert one.step == other.step
+    assert mine.step == theirs.step
     for name in ("position", "velocity", "deformation_gradient"):
-        mine, theirs = getattr(a, name), getattr(b, name)
-        assert np.abs(mine - theirs).max() <= steps * ROUNDING * np.abs(theirs).max(), name
-    if one.scene.has("crossings"):
-        np.testing.assert_array_equal(a.last_crossing, b.last_crossing)
+        one, other = getattr(mine, name), getattr(theirs, name)
+        assert np.abs(one - other).max() <= mine.step * ROUNDING * np.abs(other).max(), name
+    if theirs.last_crossing is not None:
+        np.testing.assert_array_equal(mine.last_crossing, theirs.last_crossing)
 
 
 def assert_same_samples(mine: dict[str, np.ndarray], theirs: dict[str, np.ndarray], scene: Scene) -> None:
@@ -129,44 +137,44 @@ def test_sine_cosine_and_logarithm_in_double_precision():
 @pytest.mark.parametrize("scene", METHODS, ids=named)
 def test_every_method_is_the_processors(scene):
     require_gpu()
-    mine, my_samples = taken(scene, STEPS)
-    assert (mine.arch, mine.plan, mine.threads, mine.sound) == (ARCH, "gpu", 1, True)
-    theirs, their_samples = taken(on_processor(scene), STEPS)
-    assert_same_state(mine, theirs, STEPS)
-    assert_same_samples(my_samples, their_samples, scene)
-    assert_same_estimates(my_samples, their_samples)
-    assert mine.not_valid() == theirs.not_valid()
+    mine, theirs = taken(scene, STEPS), taken(on_processor(scene), STEPS)
+    assert (mine.solver.arch, mine.solver.plan, mine.solver.threads, mine.solver.sound) == (ARCH, "gpu", 1, True)
+    assert_same_state(mine.shot, theirs.shot)
+    assert_same_samples(mine.series, theirs.series, scene)
+    assert_same_estimates(mine.series, theirs.series)
+    assert mine.not_valid == theirs.not_valid
 
 
 @pytest.mark.parametrize("scene", OTHERS, ids=named)
 def test_remedies_layouts_and_forces_are_the_processors(scene):
     """40 steps have ten turns of the remedies."""
     require_gpu()
-    (mine, my_samples), (theirs, their_samples) = taken(scene, 40), taken(on_processor(scene), 40)
-    assert_same_state(mine, theirs, 40)
-    assert_same_samples(my_samples, their_samples, scene)
+    mine, theirs = taken(scene, 40), taken(on_processor(scene), 40)
+    assert_same_state(mine.shot, theirs.shot)
+    assert_same_samples(mine.series, theirs.series, scene)
 
 
 def test_a_run_can_be_put_back_taken_apart_and_taken_in_pieces():
     """To the bit what it was when it was bookmarked; a step taken apart is the processor's; pieces are the whole."""
     require_gpu()
     scene = replace(RING, method="ugimp", sample_every=4)
-    mine, theirs, whole = build(scene), build(on_processor(scene)), build(scene)
+    mine, whole = build(scene), build(scene)
     rows = np.concatenate([mine.advance(n) for n in (1, 7, 16)])
     assert len(rows) == 24 // scene.sample_interval == len(whole.advance(24))
-    theirs.advance(24)
-    assert_same_state(mine, theirs, 24)
-    assert_same_state(whole, theirs, 24)
-    bookmark, before = mine.bookmark(), mine.state()
-    (_, anatomy), (_, expected) = mine.dissect(5), theirs.dissect(5)
-    for name, values in vars(expected).items():
-        if isinstance(values, np.ndarray):
-            np.testing.assert_allclose(getattr(anatomy, name), values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
+    shots, bookmark, before = (mine.snapshot(), whole.snapshot()), mine.bookmark(), mine.state()
+    anatomy = mine.dissect(5)[1]
     bookmark()
     step, arrays = mine.state()
     assert step == before[0] == 24
     for name, values in before[1].items():
         np.testing.assert_array_equal(arrays[name], values, err_msg=name)
+    theirs = build(on_processor(scene))
+    theirs.advance(24)
+    for shot in shots:
+        assert_same_state(shot, theirs.snapshot())
+    for name, values in vars(theirs.dissect(5)[1]).items():
+        if isinstance(values, np.ndarray) and values.dtype.kind == "f":
+            np.testing.assert_allclose(getattr(anatomy, name), values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
 
 
 #: What is wrong with which particles, and what the check must find.
@@ -196,28 +204,29 @@ def test_the_check_finds_the_particle_that_the_processors_finds(scene, kind):
     assert found[0] == found[1] and not found[0][0]
 
 
-@pytest.mark.parametrize("scene", [replace(RING, method="ugimp", cfl=1.2, effects=("truth",), estimators=()),
+@pytest.mark.parametrize("scene", [replace(RING, method="ugimp", cfl=0.85, effects=("truth",), estimators=()),
                                    replace(VORTEX, method="mpm", amplitude=1.0, estimators=())], ids=named)
 def test_an_unstable_run_ends_as_on_the_processor(scene):
     """With the same verdict at the same step; nothing moves after it, though the GPU had been given more steps."""
     require_gpu()
-    mine, theirs = build(scene), build(on_processor(scene))
-    for solver in (mine, theirs):
-        solver.advance(BREAKING)
-    verdicts = [solver._arrays.verdict for solver in (mine, theirs)]
-    assert not mine.sound and mine.step == theirs.step < BREAKING
-    assert verdicts[0][0] == verdicts[1][0] and verdicts[0][1] == verdicts[1][1]
+    mine = build(scene)
+    mine.advance(BREAKING)
     before = mine.snapshot()
     mine.advance(8)
     np.testing.assert_array_equal(mine.snapshot().position, before.position)
+    theirs = build(on_processor(scene))
+    theirs.advance(BREAKING)
+    assert not mine.sound and mine.step == theirs.step < BREAKING
+    assert list(mine._arrays.verdict[:2]) == list(theirs._arrays.verdict[:2])
 
 
-def test_a_lost_run_is_lost_from_the_same_time_on():
+def test_a_run_that_is_lost_before_it_breaks_is_lost_from_the_same_time_on():
     require_gpu()
     scene = RingScene(method="mpm", cells=8, cfl=0.3, periods=2, effects=("truth", "soundness"), estimators=(),
                       amplitude=0.2, arch=ARCH)
     mine, theirs = run(scene, prices=False), run(on_processor(scene), prices=False)
-    assert theirs.status != "ok" and mine.status == theirs.status and mine.broken_at == theirs.broken_at
+    assert theirs.status == "unstable" and theirs.broken_at < 0.5 * theirs.time
+    assert (mine.status, mine.broken_at, mine.steps) == (theirs.status, theirs.broken_at, theirs.steps)
 
 
 def row_scenes(cells: tuple[int, ...], end: float) -> list[Scene]:
@@ -310,7 +319,7 @@ def test_a_run_for_any_gpu_goes_to_the_processor_where_there_is_none(nothing_the
 
 
 def test_so_many_particles_need_the_gpu(nothing_there):
-    with pytest.raises(SceneError, match="no GPU was found for these 1,137,778 particles; at most 1,000,000"):
+    with pytest.raises(SceneError, match="no GPU was found for these 1,136,889 particles; at most 1,000,000"):
         build(RingScene(cells=1600, arch="gpu", estimators=()))
 
 
@@ -335,8 +344,7 @@ def test_what_is_found_is_known_by_name_and_a_search_that_fails_finds_nothing():
 def test_the_bench_of_a_gpu():
     """Its parts are there and make sense, at sizes that software can do; and its table says what it is."""
     require_gpu()
-    found = gpu.measured(ARCH, {"ring": (24,), "vortex": (24,)}, copied=100_000)
-    runtime.start()
+    found = gpu.measured(ARCH, {"ring": (24,), "vortex": (12,)}, copied=100_000)
     assert found["arch"] == ARCH and found["bandwidth"] > 0 and found["missing"] is None
     assert [(row["problem"], row["method"]) for row in found["rows"]] == [
         (problem, method) for problem in ("ring", "vortex") for method in gpu.METHODS]
