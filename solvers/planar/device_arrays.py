@@ -1,7 +1,7 @@
 """Arrays on a GPU, which take their memory with them when they go.
 
-Of Taichi 1.7.4: it frees no array of vectors that is let go of, and others when Python comes to it, by their address, at
-which the next program may have put another. So both are told here, in time.
+Taichi 1.7.4 by itself frees no array of vectors that is let go of, and other arrays when Python comes to it, by their
+address, at which the next program may have put another by then. So all are freed here, in time.
 """
 
 from typing import Any
