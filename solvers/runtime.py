@@ -37,11 +37,12 @@ def leave() -> NoReturn:
 
 
 def start(arch: str = "cpu", threads: int = 1) -> str:
-    """Start Taichi once for this process and return the architecture that really runs ("x64", "cuda", ...).
+    """Start Taichi once for this process on ``arch``, "cpu", "cuda" or "vulkan", and return the architecture that
+    really runs ("x64", "cuda", ...).
 
     Taichi falls back to the CPU with only a warning when a GPU is asked for and none is there, so the answer
-    may differ from the question. A GPU means CUDA: the others lack double precision, and probing for them can crash
-    a machine without a display. All calls must come from one thread; a call with other settings restarts
+    may differ from the question: ``solvers.devices`` finds out beforehand, in a process of its own. All calls must come
+    from one thread; a call with other settings restarts
     Taichi. ``fast_math`` stays off: it gains nothing in the bar and hides NaN from the stability check.
 
     On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM puts back together only
@@ -53,8 +54,8 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     if _started != (arch, threads):
         _let_go()
         with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
-            ti.init(arch=ti.cuda if arch == "gpu" else ti.cpu, default_fp=ti.f64, cpu_max_num_threads=threads,
-                    fast_math=False, real_matrix_scalarize=arch == "gpu", log_level=ti.ERROR, verbose=False, **_options)
+            ti.init(arch=getattr(ti, arch), default_fp=ti.f64, cpu_max_num_threads=threads,
+                    fast_math=False, real_matrix_scalarize=arch != "cpu", log_level=ti.ERROR, verbose=False, **_options)
         _started = (arch, threads)
     return running_arch()
 

@@ -17,13 +17,15 @@ from typing import Any, ClassVar
 
 from solvers.effects import ALL, EFFECTS
 from solvers.estimators import registry
+from solvers.estimators.validity import PROCESSOR_REASON
 from solvers.remedies import FROZEN
 from solvers.remembered import Remembered
 from solvers.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
 from solvers.step_bound import SAFE, of_scene
 from solvers.usual import Usual
 
-MOST_PARTICLES = 1_000_000
+MOST_PARTICLES = 1_000_000  # on a processor
+MOST_ON_GPU = 50_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
 MOST_SAMPLES = 1_000_000
 DEFAULT_CFL = 0.05
@@ -74,7 +76,8 @@ class Scene(Usual, ABC, Remembered):
                                       "left out costs nothing", hint="all")
     remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
                                        "between", hint="none")
-    arch: str = option("cpu", "Processor to run on", choices=("cpu", "gpu"))
+    arch: str = option("cpu", "Where to run: on the processor, or what is in the plane on a GPU, found or by name",
+                       choices=("cpu", "gpu", "cuda", "vulkan"))
     threads: int = option(1, "Processor threads, at most")
     sample_every: int | None = option(None, "Steps between two samples of the errors",
                                       hint="about {scene.SAMPLES_A_PERIOD} samples a period")
@@ -231,6 +234,9 @@ class Scene(Usual, ABC, Remembered):
     def not_valid(self) -> dict[str, str]:
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
         reasons = {name: rule(self) for name in self.estimators if (rule := self.VALIDITY.get(name))}
+        if self.for_gpu:
+            reasons |= {name: PROCESSOR_REASON.format(name=name) for name in self.estimators
+                        if not registry.ESTIMATORS[name].beside}
         return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
 
     @functools.cached_property
@@ -277,9 +283,10 @@ class Scene(Usual, ABC, Remembered):
         self._check_amplitude()
         require_number("modulus", self.modulus, 1e-6, 1e12)
         require_number("density", self.density, 1e-6, 1e12)
-        if self.particles > MOST_PARTICLES:
+        most = MOST_ON_GPU if self.for_gpu else MOST_PARTICLES
+        if self.particles > most:
             raise SceneError("ppc", self.ppc, f"{self.cells} cells with so many particles each make "
-                             f"{self.particles:,} particles; at most {MOST_PARTICLES:,} are allowed")
+                             f"{self.particles:,} particles; at most {most:,} are allowed")
 
     def _check_time(self) -> None:
         for one, other in (("dt", "cfl"), ("t_end", "periods")):

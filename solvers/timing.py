@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solvers.runtime import PROCESSORS
+from solvers.scene import MOST_PARTICLES
 from solvers.solver import Solver
 
 SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
@@ -84,7 +85,7 @@ def estimator_shares(solver: Solver) -> dict[str, float]:
     Samples are included. The state is put back, to the bit.
     """
     names = solver.scene.active_estimators
-    if not names or not solver.sound:
+    if not names or not solver.sound or solver.scene.particles > MOST_PARTICLES:  # to have them twice
         return {}
     stretch = Stretch(solver, SHARE_SECONDS, LONGEST_SHARE_SECONDS)
     bare = Stretch(solver.without_estimators(), steps=stretch.steps)

@@ -42,14 +42,17 @@ def test_nothing_is_kept_when_taichi_starts_anew():
     """With other threads: the old solver's launches let go first, or the process would die when they do."""
     solver = build(replace(RING, plan="serial"))
     solver.advance(3)
-    assert solver._advance._kept is not None
+    launch = solver._stepping._advance
+    assert launch._kept is not None
     other = build(replace(RING, plan="parallel", threads=2))
-    assert solver._advance._kept is None
+    assert launch._kept is None
     other.advance(3)
-    assert other._step._kept is not None
+    step = other._stepping._step
+    assert step._kept is not None
     again = build(replace(RING, plan="serial"))
     again.advance(3)
-    assert other._step._kept is None and again._advance._kept is not None and again._advance in runtime.holders
+    launch = again._stepping._advance
+    assert step._kept is None and launch._kept is not None and launch in runtime.holders
 
 
 @pytest.mark.parametrize("scene", ["BarScene(cells=8)", "RingScene(cells=8, plan='parallel', threads=2)"])

@@ -6,7 +6,7 @@ from app.commands.run_text import NOTHING, formatted
 def bench_table(values: dict) -> str:
     """Rates, prices, what is paid for effects that are off, start-up, and the example."""
     return "\n\n".join([
-        _heading(values), _rates(values["rates"], values["example"]),
+        _heading(values), _rates(values["rates"], values["example"]), _gpu(values["gpu"]),
         _prices("price of an estimator: time of a step with it over a bare one", values["estimators"]),
         _prices("price of an effect: time of a step with it over one without", values["effects"]),
         _off(values["off"]), _start(values["start"])])
@@ -40,6 +40,22 @@ def _example(example: dict) -> list[str]:
         return [f"{name}: {example['missing']}"]
     return [f"{name}, {example['particles']:,} particles: {_rate(example['rate'])}",
             f"  a yardstick, not a rival: {example['precision']} precision, another method ({example['method']})"]
+
+
+def _gpu(gpu: dict) -> str:
+    title = "rate on a GPU, million particle-steps per second of wall time, nothing but the method"
+    if gpu["missing"]:
+        return f"{title}: {gpu['missing']}"
+    name = f", {gpu['name']}" if gpu["name"] else ""
+    lines = [title, f"  {gpu['arch']}{name}; a copy moves {gpu['bandwidth']:.0f} GB/s",
+             _line("", "particles", "GPU", "of the limit", "serial", "parallel")]
+    for row in gpu["rows"]:
+        rates = row["rates"]
+        lines.append(_line(_scene(row), f"{row['particles']:,}", _rate(rates["gpu"]),
+                           NOTHING if row["share"] is None else f"{100 * row['share']:.0f} %",
+                           *(formatted(rates[plan], ".1f") for plan in ("serial", "parallel"))))
+    return "\n".join([*lines, "  limit: what the memory allows, each particle's numbers moved once in each phase\n"
+                      "  serial, parallel: the processor's plans, on one thread and on all"])
 
 
 def _prices(title: str, rows: list[dict]) -> str:

@@ -46,7 +46,8 @@ class Output:
             say(f"warning: {sentence}")
         result = _run(scene, self.quiet, keeper)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
-            say(f"no GPU was found: this ran on the processor ({result.arch})")
+            why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
+            say(f"{why}: this ran on the processor ({result.arch})")
         report(result.to_dict(), target, run_table)
         if keeper:
             keeper.write()

@@ -146,6 +146,9 @@ class BarScene(Scene):
             patch.check_alone(self)
         else:
             patch.check_absent(self)
+        if self.arch not in ("cpu", "gpu"):
+            raise SceneError("arch", self.arch, "is for problems in the plane; the bar, of few particles and many "
+                             "steps, runs on the processor: give cpu")
         if self.velocity == "corners" and self.method != "cpgimp":
             raise SceneError("velocity", "corners", "moves the corners of convected domains and needs "
                              "the method cpgimp; with other methods give grid or particle")

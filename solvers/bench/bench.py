@@ -11,6 +11,7 @@ from typing import Any
 from solvers import runtime
 from solvers.bench import measure
 from solvers.bench.example import example
+from solvers.bench.gpu import gpu
 from solvers.bench.start import start_times
 from solvers.problems import PROBLEMS
 
@@ -21,13 +22,13 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
     """Measure everything. ``command`` is what a person starts, and ends at once; ``on_progress`` gets 0 to 1."""
     begun, effort = time.perf_counter(), measure.QUICK if quick else measure.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
-        ("start", partial(start_times, command)), ("example", example),
+        ("start", partial(start_times, command)), ("example", example), ("gpu", partial(gpu, quick)),
         *(("rates", partial(measure.rates, name, method, effort))
           for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
         *(("estimators", partial(measure.estimator_prices, name, effort)) for name in PROBLEMS),
         *(("effects", partial(measure.effect_prices, name, effort)) for name in PROBLEMS),
         *(("off", partial(measure.off, name, effort)) for name, problem in PROBLEMS.items() if problem.stripped)]
-    found: dict[str, list] = {name: [] for name in ("start", "example", "rates", "estimators", "effects", "off")}
+    found: dict[str, list] = {name: [] for name in ("start", "example", "gpu", "rates", "estimators", "effects", "off")}
     for done, (name, task) in enumerate(tasks):
         on_progress(done / len(tasks))
         found[name].append(task())
@@ -39,4 +40,5 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
     return {"schema": SCHEMA, "quick": quick, "machine": machine, "precision": "double", "threads": 1,
             "arch": runtime.running_arch(), "unit": "million particle-steps per second of processor time",
             **flat, "off": found["off"], "start": found["start"][0], "example": found["example"][0],
+            "gpu": found["gpu"][0],
             "seconds": time.perf_counter() - begun}

@@ -41,26 +41,40 @@ class Lost(ArithmeticError):
         super().__init__(f"lost before t = {time:g} s")
 
 
-def solve(body: Body, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Displacement and velocity of the nodes, (N, D) each, at the times, which do not fall and begin at 0 or later.
+class March:
+    """A body on its way from t = 0, at rest in shape, by steps of at most ``longest`` seconds: ``u``, ``v`` and ``a``
+    (N, D) are those of the ``time`` to which it was brought last."""
 
-    Raises :class:`Lost` where the motion breaks down.
-    """
-    u, v, now, found = np.zeros_like(body.velocity), body.velocity.copy(), 0.0, []
-    k1 = body.accelerations(u, 0.0)
-    for time in times:
-        steps = math.ceil((time - now) * body.frequency / SAFE)
+    def __init__(self, body: Body, longest: float = math.inf):
+        self.body, self.time, self.longest = body, 0.0, min(longest, SAFE / body.frequency)
+        self.u, self.v = np.zeros_like(body.velocity), body.velocity.copy()
+        self.a = body.accelerations(self.u, 0.0)
+
+    def to(self, time: float) -> None:
+        """Go on to a time that is not earlier. Raises :class:`Lost` where the motion breaks down."""
+        u, v, k1, body = self.u, self.v, self.a, self.body
+        steps = math.ceil((time - self.time) / self.longest)
         for step in range(steps):
-            H, t = (time - now) / steps, now + step * (time - now) / steps
+            H, t = (time - self.time) / steps, self.time + step * (time - self.time) / steps
             k2 = body.accelerations(u + 0.5 * H * v + 0.125 * H * H * k1, t + 0.5 * H)
             k3 = body.accelerations(u + H * v + 0.5 * H * H * k2, t + H)
             u = u + H * (v + H / 6 * (k1 + 2 * k2))
             v = v + H / 6 * (k1 + 4 * k2 + k3)
             k1 = body.accelerations(u, t + H)
-        now = time
+        self.u, self.v, self.a, self.time = u, v, k1, time
         if not (np.isfinite(u) & np.isfinite(v)).all():
             raise Lost(time)
-        found.append((u, v))
+
+
+def solve(body: Body, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Displacement and velocity of the nodes, (N, D) each, at the times, which do not fall and begin at 0 or later.
+
+    Raises :class:`Lost` where the motion breaks down.
+    """
+    march, found = March(body), []
+    for time in times:
+        march.to(time)
+        found.append((march.u, march.v))
     return found
 
 

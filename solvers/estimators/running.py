@@ -42,3 +42,11 @@ def report(state: ti.template(), step, estimators: ti.template(), on: ti.templat
             if state.estimate_intervals[e] != NEVER:
                 estimators[on.estimators[e]].report(
                     with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)
+
+
+@ti.func
+def report_at_once(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
+    """The same on a GPU, from a kernel itself: every estimate of what the processor has brought to ``step`` steps."""
+    for e in ti.static(range(len(on.estimators))):
+        estimators[on.estimators[e]].report_at_once(
+            with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)

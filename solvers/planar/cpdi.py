@@ -8,7 +8,7 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 import taichi as ti
 
 from solvers.planar.layout import CORNERS
-from solvers.planar.records import force_moment, force_record
+from solvers.planar.records import add, force_moment, force_record
 
 
 @ti.func
@@ -75,8 +75,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
             N = hats(places, c)
             first = grid + cells[c]
             for k in ti.static(range(4)):
-                node = first + (k // 2) * body.row + k % 2
-                body.node_sums[node] = body.node_sums[node] + N[k] * sums
+                add(body.node_sums, first + (k // 2) * body.row + k % 2, N[k] * sums)
 
 
 @ti.func
@@ -106,5 +105,4 @@ def scatter(body: ti.template(), p, carried, values: ti.template()):
     for c in ti.static(range(4)):
         N = hats(places, c)
         for k in ti.static(range(4)):
-            node = cells[c] + (k // 2) * body.row + k % 2
-            values[node] = values[node] + 0.25 * N[k] * carried
+            add(values, cells[c] + (k // 2) * body.row + k % 2, 0.25 * N[k] * carried)

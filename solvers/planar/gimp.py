@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.planar.layout import MOST_HALF_WIDTH
-from solvers.planar.records import force_moment, force_record
+from solvers.planar.records import add, force_moment, force_record
 from solvers.shapes import outer_weights, stencil
 
 
@@ -63,9 +63,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
             level = R[j] * carried + dR[j] * along_y
             slope = R[j] * along_x
             for i in ti.static(range(3)):
-                node = first + j * body.row + i
-                # Not +=, which would be an atomic addition where slabs run side by side; each has its own nodes.
-                body.node_sums[node] = body.node_sums[node] + (S[i] * level + dS[i] * slope)
+                add(body.node_sums, first + j * body.row + i, S[i] * level + dS[i] * slope)
 
 
 @ti.func
@@ -92,5 +90,4 @@ def scatter(body: ti.template(), p, carried, values: ti.template()):
     first = body.first_node[p]
     for j in ti.static(range(3)):
         for i in ti.static(range(3)):
-            node = first + j * body.row + i
-            values[node] = values[node] + S[i] * R[j] * carried
+            add(values, first + j * body.row + i, S[i] * R[j] * carried)

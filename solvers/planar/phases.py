@@ -6,7 +6,9 @@ that no two threads ever write to one place and no atomic operation is needed. A
 
 import taichi as ti
 
+from solvers import runtime
 from solvers.planar import cpdi, gimp
+from solvers.solver import SOUND
 
 EMPTY = 1e-12  # share of a particle's mass below which a node carries nothing
 TOTALS = 3  # of a slab, so far: grid crossings, work and impulse of the torque of the body force
@@ -24,6 +26,15 @@ def update_grid(body: ti.template(), t, traits: ti.template(), on: ti.template()
 
 
 @ti.func
+def moving(body: ti.template()):
+    """How many particles take part in a step. A GPU has steps waiting for it when a run goes bad: none in those."""
+    count = body.particles
+    if ti.static(not runtime.on_processor()):
+        count *= 1 - ti.min(body.verdict[0] - SOUND, 1)  # a condition would get lost (``solvers.elementary``)
+    return count
+
+
+@ti.func
 def particles_to_nodes(body: ti.template(), slab, traits: ti.template(), on: ti.template()):
     """Clear the slab's grid, find its particles' weights, and add mass, momentum and force to the grid.
 
@@ -34,6 +45,12 @@ def particles_to_nodes(body: ti.template(), slab, traits: ti.template(), on: ti.
     for j in range(body.active):
         for node in range(grid + j * body.row, grid + j * body.row + body.active):
             body.node_sums[node] = ti.Vector([0.0] * 8)
+    map_to_nodes(body, start, end, grid, traits, on)
+
+
+@ti.func
+def map_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
+    """The same of the particles from ``start`` to ``end``, for a grid that has been cleared."""
     if ti.static(not on.frozen):
         find_weights(body, start, end, on)
     traits.prepare(body, start, end)
@@ -57,7 +74,7 @@ def find_weights(body: ti.template(), start, end, on: ti.template()):
 @ti.func
 def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), on: ti.template()):
     """v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F with L = sum v_i grad S."""
-    start, end = slab_range(body.particles, slab, body.slabs)
+    start, end = slab_range(moving(body), slab, body.slabs)
     dt, jumps, work, spun = body.dt, 0.0, 0.0, 0.0
     for p in range(start, end):
         here, by_x, by_y = gather(body, p, body.node_motion, on)
@@ -130,13 +147,19 @@ def update_nodes(body: ti.template(), j, traits: ti.template(), on: ti.template(
     """a_i = f_i/m_i and v_i += dt a_i in row j; nothing moves across a symmetry plane."""
     least = EMPTY * body.density * body.spacing * body.spacing
     for i in range(traits.first, body.active):
-        node = j * body.row + i
-        sums = body.node_sums[node]
-        mass = sums[4]
-        if ti.static(on.truth or on.margin or on.filtered or on.coupled or len(on.estimators) > 0):
-            body.node_mass[node] = mass  # for samples, estimators and remedies
-        motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
-        if mass > least:
-            q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass
-            motion = traits.pin(i, j, ti.Vector([q[0] + body.dt * q[2], q[1] + body.dt * q[3], q[2], q[3]]))
-        body.node_motion[node] = motion
+        update_node(body, i, j, least, traits, on)
+
+
+@ti.func
+def update_node(body: ti.template(), i, j, least, traits: ti.template(), on: ti.template()):
+    """The same of node i in row j; with ``least`` mass or less it carries nothing."""
+    node = j * body.row + i
+    sums = body.node_sums[node]
+    mass = sums[4]
+    if ti.static(on.truth or on.margin or on.filtered or on.coupled or len(on.estimators) > 0):
+        body.node_mass[node] = mass  # for samples, estimators and remedies
+    motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if mass > least:
+        q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass
+        motion = traits.pin(i, j, ti.Vector([q[0] + body.dt * q[2], q[1] + body.dt * q[3], q[2], q[3]]))
+    body.node_motion[node] = motion

@@ -2,6 +2,10 @@
 
 import taichi as ti
 
+from solvers import runtime
+
+CARRIED = 5  # numbers of a node's record that are not always zero
+
 
 @ti.func
 def force_moment(body: ti.template(), p, traits: ti.template(), on: ti.template()):
@@ -18,3 +22,17 @@ def force_moment(body: ti.template(), p, traits: ti.template(), on: ti.template(
 def force_record(x, y):
     """The record of a node on which nothing but a force acts."""
     return ti.Vector([0.0, 0.0, x, y, 0.0, 0.0, 0.0, 0.0])
+
+
+@ti.func
+def add(records: ti.template(), place, record):
+    """Add to one of many records: of nodes, as particles do, or of circles.
+
+    On a processor nobody else adds there (slabs have grids of their own), and an atomic addition, which += would be,
+    costs three times as much. On a GPU all particles add at once.
+    """
+    if ti.static(runtime.on_processor()):
+        records[place] = records[place] + record
+    else:
+        for c in ti.static(range(min(CARRIED, record.n))):
+            ti.atomic_add(records[place][c], record[c])

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import taichi as ti
 
+from solvers import runtime
 from solvers.planar.phases import TOTALS
 from solvers.samples import BASE, EACH, column
 
@@ -42,6 +43,15 @@ def squared_parts(motion, sigma, a):
 @ti.func
 def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: ti.template()):
     """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
+    sample_sums(body, row, step, measures, on)
+    if ti.static(on.soundness):
+        if looks:
+            measures.look(body, row)
+
+
+@ti.func
+def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
+    """The same without contradictions."""
     crossings, work = 0.0, 0.0
     for slab in range(body.slabs):
         crossings += body.totals[ti.static(TOTALS) * slab]
@@ -55,9 +65,6 @@ def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: t
         sample_estimates(body, row, step, measures, on)
     for q in ti.static(range(column("apart"), column("margin") + 1)):
         body.samples[row, q] = ti.math.nan
-    if ti.static(on.soundness):
-        if looks:
-            measures.look(body, row)
     if ti.static(on.energy):
         sample_energy(body, row, measures)
     measures.more(body, row, step, on)
@@ -84,24 +91,33 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
 def sample_estimates(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth."""
     moment = measures.moment(body, step)
-    for e in range(ti.static(len(on.estimators))):
-        squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-        for p in range(body.particles):
-            motion, stress = body.estimate[e * body.particles + p], body.estimate_stress[e * body.particles + p]
-            sigma = ti.Vector([stress[0], stress[1], stress[2]])
-            a = body.estimate_acceleration[e * body.particles + p]
-            squares += squared_parts(motion, sigma, a)
-            if ti.static(on.truth):
-                true_motion, true_a = measures.vector_errors(body, p, moment, on)
-                if step == 0:  # none has been computed, and so none can be wrong
-                    true_a = ti.Vector([0.0, 0.0])
-                missed += squared_parts(motion - true_motion, sigma - measures.stress_error(body, p, moment),
-                                        a - true_a)
-        at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
-        for q in ti.static(range(4)):
-            body.samples[row, at + q] = squares[q]
-            if ti.static(on.truth and (q < 3 or on.acceleration)):
-                body.samples[row, at + 4 + q] = missed[q]
+    if ti.static(runtime.on_processor()):
+        for e in range(ti.static(len(on.estimators))):
+            sample_estimate(body, row, step, e, moment, measures, on)
+    else:
+        for e in ti.static(range(len(on.estimators))):
+            sample_estimate(body, row, step, e, moment, measures, on)
+
+
+@ti.func
+def sample_estimate(body: ti.template(), row, step, e, moment, measures: ti.template(), on: ti.template()):
+    """The same of estimator number e."""
+    squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(body.particles):
+        motion, stress = body.estimate[e * body.particles + p], body.estimate_stress[e * body.particles + p]
+        sigma = ti.Vector([stress[0], stress[1], stress[2]])
+        a = body.estimate_acceleration[e * body.particles + p]
+        squares += squared_parts(motion, sigma, a)
+        if ti.static(on.truth):
+            true_motion, true_a = measures.vector_errors(body, p, moment, on)
+            if step == 0:  # none has been computed, and so none can be wrong
+                true_a = ti.Vector([0.0, 0.0])
+            missed += squared_parts(motion - true_motion, sigma - measures.stress_error(body, p, moment), a - true_a)
+    at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
+    for q in ti.static(range(4)):
+        body.samples[row, at + q] = squares[q]
+        if ti.static(on.truth and (q < 3 or on.acceleration)):
+            body.samples[row, at + 4 + q] = missed[q]
 
 
 @ti.func

@@ -2,25 +2,31 @@
 
 import time
 from abc import abstractmethod
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from solvers import runtime
-from solvers.launch import Launch
+from solvers import devices, runtime
+from solvers.anatomy import Anatomy, Carried
+from solvers.estimators.beside import Beside
 from solvers.planar.errors import Fields, difference, estimated_fields, sizes
+from solvers.planar.on_device import OnDevice
+from solvers.planar.on_processor import OnProcessor
 from solvers.planar.state import WatchedBody
 from solvers.planar.step import Kernels
 from solvers.result import Snapshot
-from solvers.solver import MEASURE, REPORT, SOUND, STEP, Solver
+from solvers.rules import SceneError
+from solvers.scene import MOST_PARTICLES
+from solvers.solver import MEASURE, REPORT, Solver
 from solvers.switches import switches
-from solvers.turn import CHECK_EVERY
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
 
 
 class PlanarSolver(Solver):
-    """Owns the arrays of one body. Two plans: one serial kernel for many steps, or slabs side by side.
+    """Owns the arrays of one body. Three plans: one serial kernel for many steps, slabs side by side, or, on a GPU, all
+    particles at once.
 
     The scene of such a problem has a field ``plan``. A problem names its kernels and the type of their argument.
     """
@@ -32,25 +38,42 @@ class PlanarSolver(Solver):
 
     def __init__(self, scene: Any):
         super().__init__(scene)
+        where = devices.place(scene.arch)
+        if where == devices.CPU and scene.particles > MOST_PARTICLES:
+            raise SceneError("arch", scene.arch, f"no GPU was found for these {scene.particles:,} particles; at most "
+                                                 f"{MOST_PARTICLES:,} are allowed on a processor")
         large = scene.threads > 1 and scene.particles >= PARALLEL_FROM
         self.plan = ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
+        if where != devices.CPU:
+            self.plan = "gpu"
         self.threads = scene.threads if self.plan == "parallel" else 1
-        self.arch = runtime.start(scene.arch, self.threads)
+        self.arch = runtime.start(where, self.threads)
         begun = time.perf_counter()
         self._switches = switches(scene)
         self._arrays = self._allocate(self.threads)
-        self._pack = self.STATE(**self._arrays.members())
-        kernels = self.KERNELS
-        self._advance, self._step, self._inspect, self._find_margin = (
-            Launch(kernel, self._pack, self._switches)
-            for kernel in (kernels.advance, kernels.step_in_slabs, kernels.inspect, kernels.find_margin))
-        if self._switches.frozen:
-            kernels.freeze(self._pack, self._switches)
+        if self.plan == "gpu":
+            self._stepping: OnProcessor | OnDevice = OnDevice(
+                self.KERNELS.at_once, self.STATE, scene, self._arrays, self._switches, self._beside())
+        else:
+            self._stepping = OnProcessor(self.KERNELS, self.STATE, scene, self._arrays, self._switches,
+                                         self.plan == "parallel", self.threads)
+        self._find_margin = self._stepping.find_margin
         self.setup_seconds = time.perf_counter() - begun
+
+    @property
+    def _pack(self) -> Any:
+        """The state, as the kernels' argument."""
+        return self._stepping.pack
+
+    def _beside(self) -> Beside | None:
+        """The estimator that the processor carries on while a GPU steps the particles."""
+        bodies = [hooks.alone(self.scene) for name in self._switches.estimators if (hooks := self.HOOKS[name]).alone]
+        return Beside(bodies[0], self._memory, self.scene.time_step) if bodies else None
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on = self._arrays, self._switches
-        self._look(REPORT)
+        self._stepping.look(self.step, REPORT)
+        self._stepping.fetch()
         F = a.deformation_gradient.reshape(-1, 2, 2)
         true = self._true_fields() if on.truth else None
         estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
@@ -63,34 +86,37 @@ class PlanarSolver(Solver):
                         plotted=None if plotted is None else self._field(plotted))
 
     def compile(self) -> None:
-        super().compile()
-        if self.plan == "parallel":
-            self._step(0, 0)
-            self._inspect(0, -1, REPORT)
+        self._stepping.compile()
+        if self.scene.has("margin"):
+            self._find_margin()
+
+    def state(self) -> tuple[int, dict[str, np.ndarray]]:
+        self._stepping.fetch()
+        return super().state()
+
+    def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
+        super().put(step, arrays)
+        self._stepping.push()
+
+    def without_estimators(self) -> Solver:
+        self._stepping.fetch()
+        other = cast(PlanarSolver, super().without_estimators())
+        other._stepping.push()
+        return other
 
     def _run(self, steps: int) -> None:
-        if self.plan == "serial":
-            self._advance(self.step, steps, STEP)
-            return
-        interval, row = self.scene.sample_interval, 0
-        for step in range(self.step, self.step + steps):
-            self._step(step, self.threads)
-            sampled = (step + 1) % interval == 0
-            if sampled or (step + 1) % CHECK_EVERY == 0:
-                self._inspect(step + 1, row if sampled else -1, STEP)
-                row += sampled
-            if self._arrays.verdict[0] != SOUND:
-                break
+        self._stepping.run(self.step, steps)
 
     def _measure(self) -> None:
-        self._look(MEASURE)
+        self._stepping.look(self.step, MEASURE)
 
-    def _look(self, purpose: int) -> None:
-        """Launch what samples the state into line 0."""
-        if self.plan == "serial":
-            self._advance(self.step, 1, purpose)
-        else:
-            self._inspect(self.step, 0, purpose)
+    def _carried(self) -> Carried:
+        self._stepping.fetch()
+        return self._carried_now()
+
+    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+        self._stepping.fetch()
+        return self._anatomy_now(particle, before)
 
     @abstractmethod
     def _allocate(self, slabs: int) -> WatchedBody:
@@ -103,3 +129,11 @@ class PlanarSolver(Solver):
     @abstractmethod
     def _field(self, quantity: str) -> np.ndarray:
         """A quantity of the particles and how far it is from the exact one (P, 2), for a plot."""
+
+    @abstractmethod
+    def _carried_now(self) -> Carried:
+        """What the particles carry, as the arrays have it."""
+
+    @abstractmethod
+    def _anatomy_now(self, particle: int, before: Carried) -> Anatomy:
+        """The last step taken apart, as the arrays have it."""

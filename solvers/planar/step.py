@@ -1,6 +1,7 @@
-"""Steps of a plane body by two plans that run the same phases, and the other kernels of a run.
+"""Steps of a plane body by plans that run the same phases, and the other kernels of a run.
 
-``advance`` puts any number of steps into one kernel on one thread, ``step_in_slabs`` does one step on several.
+``advance`` puts any number of steps into one kernel on one thread, ``step_in_slabs`` does one step on several;
+``solvers.planar.at_once`` has those of a GPU.
 """
 
 from collections.abc import Callable
@@ -10,6 +11,8 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.planar import margin, phases, remedies
+from solvers.planar.at_once import KernelsAtOnce, kernels_at_once
+from solvers.planar.check import check
 from solvers.planar.samples import Measures, sample
 from solvers.planar.traits import Traits
 from solvers.read_once import read_once
@@ -27,11 +30,12 @@ class Kernels(NamedTuple):
     inspect: Any  # (step, line, purpose, state, on)
     freeze: Any  # (state, on)
     find_margin: Any  # (state, on)
+    at_once: KernelsAtOnce  # those for a GPU
 
 
-def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, check: Callable) -> Kernels:
+def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, outside: Callable) -> Kernels:
     """The kernels of a problem: the type of its state, its estimators, its own part of the phases and of the samples,
-    and ``check(state, step)``, which stops a run that has gone bad."""
+    and ``outside(state, p)``, which says that a particle is where none of a sound run can be."""
 
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):
@@ -46,7 +50,11 @@ def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, check: 
     def sample_it(body: ti.template(), row, step, looks, on: ti.template()):
         sample(body, row, step, looks, MEASURES, on)
 
-    in_turn = Phases(one_step, check, sample_it, HOOKS)
+    @ti.func
+    def check_it(body: ti.template(), step):
+        check(body, step, outside)
+
+    in_turn = Phases(one_step, check_it, sample_it, HOOKS)
 
     @ti.kernel
     def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
@@ -92,7 +100,7 @@ def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, check: 
         ti.loop_config(serialize=True)
         for _ in range(1):
             if purpose != REPORT and body.verdict[0] == SOUND:
-                check(body, step)
+                check(body, step, outside)
             if line >= 0:
                 running.report(body, step, HOOKS, on)
             if line >= 0 and purpose != REPORT:
@@ -112,4 +120,5 @@ def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, check: 
         for _ in range(1):
             margin.step_margin(body, TRAITS, on)
 
-    return Kernels(advance, step_in_slabs, inspect, freeze, find_margin)
+    return Kernels(advance, step_in_slabs, inspect, freeze, find_margin,
+                   kernels_at_once(State, HOOKS, TRAITS, MEASURES, outside))

@@ -10,6 +10,7 @@ import taichi as ti
 
 from solvers.arrays import part_of, part_types
 from solvers.planar import cpdi
+from solvers.planar.check import check
 from solvers.planar.phases import EMPTY, fold_sums
 from solvers.planar.solver import PlanarSolver
 from solvers.planar.state import WatchedBody
@@ -31,11 +32,11 @@ class Bare(NamedTuple):
 
 
 def stripped(Own: type[PlanarSolver], state: type[WatchedBody], members: tuple[str, ...], TRAITS: Traits,
-             check: Callable) -> type[PlanarSolver]:
+             outside: Callable) -> type[PlanarSolver]:
     """The problem's own solver with the stripped step; its rows of samples hold nothing.
 
     ``state`` is the kind of its arrays, of which its part of the step asks for ``members`` beside :data:`MEMBERS`;
-    ``check(state, step)`` stops a run that has gone bad.
+    ``outside(state, p)`` says that a particle is where none of a sound run can be.
     """
     State = part_types(state, (*MEMBERS, *members))
 
@@ -50,7 +51,7 @@ def stripped(Own: type[PlanarSolver], state: type[WatchedBody], members: tuple[s
                 update_nodes(body, TRAITS)
                 nodes_to_particles(body, on)
                 if (step + 1) % CHECK_EVERY == 0:
-                    check(body, step + 1)
+                    check(body, step + 1, outside)
 
     class Stripped(Own):
         def __init__(self, scene: Scene):

@@ -2,6 +2,7 @@
 
 import taichi as ti
 
+from solvers.elementary import cos, sin
 from solvers.ring.exact import INNER, OUTER, SECOND_FREQUENCY, SECOND_SIZE
 
 
@@ -34,7 +35,7 @@ def radial_force_at(ring: ti.template(), known, t, on: ti.template()):
     for which no exact solution is built in: there an estimate has to stand alone.
     """
     R, shape, slope, curvature = known[0], known[1], known[2], known[3]
-    T = ring.amplitude * ti.sin(ring.angular_frequency * t)
+    T = ring.amplitude * sin(ring.angular_frequency * t)
     mu, w, per_R = ring.shear_modulus, ring.angular_frequency, 1 / R
     radial = 1 + T * slope
     hoop = 1 + T * shape * per_R
@@ -43,8 +44,8 @@ def radial_force_at(ring: ti.template(), known, t, on: ti.template()):
     bending = mu * (1 + per_radial * per_radial) * T * curvature
     force = -w * w * T * shape - (bending + difference * per_R) / ring.density
     if ti.static(on.body_force == "two-tone"):
-        across = ti.cos(ti.math.pi * (R - INNER) / (OUTER - INNER))
-        force += SECOND_SIZE * w * w * ring.amplitude * across * ti.sin(SECOND_FREQUENCY * w * t)
+        across = cos(ti.math.pi * (R - INNER) / (OUTER - INNER))
+        force += SECOND_SIZE * w * w * ring.amplitude * across * sin(SECOND_FREQUENCY * w * t)
     return force
 
 

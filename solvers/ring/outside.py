@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.estimators.alone import Body, Polar
-from solvers.estimators.spectral import Elements
+from solvers.estimators.alone import Body
 from solvers.outside import Outside, Start, Texts
 from solvers.ring import exact
 from solvers.ring.layout import particle_layout
@@ -99,34 +98,10 @@ class RingOutside(Outside):
         return (R < exact.INNER - SLACK) | (R > exact.OUTER + SLACK) | (X < -SLACK).any(axis=1)
 
     def companion(self, scene: RingScene, fine: bool) -> Body:
-        return RingBody(scene, *(FINE if fine else COARSE))
-
-
-class RingBody(Polar):
-    """The quarter ring, its surfaces free, held across the planes of symmetry."""
-
-    def __init__(self, scene: RingScene, across: int, around: int, order: int):
         # here: the page of text and the table of a problem must not wait for Taichi
-        from solvers.ring.estimators.companion_mesh import directions, free, unit_frequency
+        from solvers.ring.estimators.companion_alone import RingAlone
 
-        radial = Elements(exact.INNER, exact.OUTER, across, order)
-        angular = Elements(0.0, 0.5 * np.pi, around, order)
-        # strain stiffens: the tangent of the exact motion is at most mu (1 + 1/s^2), s the least stretch
-        stretches = [np.min(exact.stretches(scene, radial.nodes, s * scene.period / 4)) for s in (1, 3)]
-        stiffest = 0.5 * (1 + 1 / max(0.1, min(stretches)) ** 2)
-        super().__init__(radial, angular, directions(angular), free(radial, angular), scene.density,
-                         scene.wave_speed * unit_frequency(radial, angular) * float(np.sqrt(stiffest)))
-        self._scene = scene
-        self.velocity = exact.velocity(scene, self.places, 0.0) * free(radial, angular).reshape(-1, 2)
-        self._directions = np.broadcast_to(directions(angular), (self.rows, self.row, 2)).reshape(-1, 2)
-
-    def piola(self, F: np.ndarray) -> np.ndarray:
-        J = F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0]
-        turned = np.stack([F[..., 1, 1], -F[..., 1, 0], -F[..., 0, 1], F[..., 0, 0]], axis=-1).reshape(F.shape)
-        return 0.5 * self._scene.modulus * (F - turned / J[..., None, None])
-
-    def force(self, t: float) -> np.ndarray:
-        return np.repeat(exact.body_force(self._scene, self.radial.nodes, t), self.row)[:, None] * self._directions
+        return RingAlone(scene, *(FINE if fine else COARSE))
 
 
 OUTSIDE = RingOutside()

@@ -127,9 +127,7 @@ class RingScene(Scene):
         if COUPLED in self.remedies and self.method == "cpdi":
             raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
                              "follow the deformation; give null-space-filter or frozen-weights")
-        if self.plan == "serial" and self.threads > 1:
-            raise SceneError("threads", self.threads,
-                             "the serial plan runs on one; give 1, or the plan parallel or auto")
+        self._check_plan()
 
 
 def polar_counts(cells: int, ppc: int) -> tuple[int, int]:

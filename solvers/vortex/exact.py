@@ -39,6 +39,13 @@ class Vortex(Protocol):
     def density(self) -> float: ...
 
 
+class ForcedVortex(Vortex, Protocol):
+    """One with a body force by name."""
+
+    @property
+    def body_force(self) -> str: ...
+
+
 class Turn(NamedTuple):
     """alpha at some radii and its derivatives in time and radius, each (K,)."""
 
@@ -158,3 +165,31 @@ def body_force(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
     """Body force per mass (P, 2), in m/s^2, on the material points X that makes x = Q X the solution."""
     R, E = _polar(X)
     return _vectors(_turned(E, turn(scene, R, t).angle), *polar_force(scene, R, t))
+
+
+def force_at_rest(scene: ForcedVortex, R: np.ndarray, t: float) -> np.ndarray:
+    """Body force per mass (K, 2) at the radii R, in m/s^2, along e_R and e_Theta of the particle at rest."""
+    if scene.body_force == "none":
+        return np.zeros((len(R), 2))
+    along, around = polar_force(scene, R, t)
+    if scene.body_force == "two-tone":
+        w = scene.angular_frequency
+        around = around + SECOND_SIZE * w * w * scene.amplitude * R * shape(R)[0] * np.sin(
+            SECOND_FREQUENCY * w * t)
+    angle = turn(scene, R, t).angle
+    return turned(np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([along, around], axis=1))
+
+
+def on_axis(R: np.ndarray) -> np.ndarray:
+    """Points (K, 2) of the radii R on the x axis, where e_R and e_Theta are the axes."""
+    return np.stack([R, np.zeros_like(R)], axis=1)
+
+
+def right(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 2) turned by 90 degrees to the right."""
+    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
+
+
+def turned(e: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (P, 2), along and across directions e (P, 2), along the axes."""
+    return vectors[:, :1] * e - vectors[:, 1:] * right(e)

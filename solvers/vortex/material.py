@@ -2,6 +2,7 @@
 
 import taichi as ti
 
+from solvers.elementary import cos, log, sin
 from solvers.vortex.exact import SECOND_FREQUENCY, SECOND_SIZE
 
 FAR, TERMS = 1 / 7, 9  # |J-1|/|J+1| up to which so many terms give ln J to rounding: J from 3/4 to 4/3
@@ -17,7 +18,7 @@ def determinant(F):
 def kirchhoff_stress(vortex: ti.template(), p):
     """J sigma = lambda ln J I + mu (F F^T - I) as (xx, xy, yy): neo-Hookean."""
     F = vortex.deformation_gradient[p]
-    mu, bulk = vortex.shear_modulus, vortex.lame_modulus * ti.log(ti.max(determinant(F), FLATTEST))
+    mu, bulk = vortex.shear_modulus, vortex.lame_modulus * log(ti.max(determinant(F), FLATTEST))
     return ti.Vector([mu * (F[0] * F[0] + F[1] * F[1] - 1) + bulk, mu * (F[0] * F[2] + F[1] * F[3]),
                       mu * (F[2] * F[2] + F[3] * F[3] - 1) + bulk])
 
@@ -53,7 +54,7 @@ def logarithms(J):
     logarithm = 2 * s * series
     if not square.max() <= FAR * FAR:  # true for NaN too
         for k in ti.static(range(4)):
-            logarithm[k] = ti.log(ti.max(J[k], FLATTEST))
+            logarithm[k] = log(ti.max(J[k], FLATTEST))
     return logarithm
 
 
@@ -79,14 +80,14 @@ def force_at(vortex: ti.template(), known, t, on: ti.template()):
     w^2 A/2 R h sin(1.7 wt) around the ring, for which no exact solution is built in.
     """
     R, w, mu = known[0], vortex.angular_frequency, vortex.shear_modulus / vortex.density
-    g = vortex.amplitude * ti.sin(w * t)
-    rate = vortex.amplitude * w * ti.cos(w * t) * known[1]
+    g = vortex.amplitude * sin(w * t)
+    rate = vortex.amplitude * w * cos(w * t) * known[1]
     alpha, slope, curvature = g * known[1], g * known[2], g * known[3]
     along = R * (mu * slope * slope - rate * rate)
     around = -w * w * R * alpha - mu * (3 * slope + R * curvature)
     if ti.static(on.body_force == "two-tone"):
-        around += SECOND_SIZE * w * w * vortex.amplitude * R * known[1] * ti.sin(SECOND_FREQUENCY * w * t)
-    c, s = ti.cos(alpha), ti.sin(alpha)
+        around += SECOND_SIZE * w * w * vortex.amplitude * R * known[1] * sin(SECOND_FREQUENCY * w * t)
+    c, s = cos(alpha), sin(alpha)
     return ti.Vector([c * along - s * around, s * along + c * around])
 
 
@@ -111,7 +112,7 @@ def tangent(vortex: ti.template(), p, on: ti.template()):
     mu I + (lambda + mu - lambda ln J) C^-1. See ``solvers.vortex.step_bound``."""
     mu, lam, F = vortex.shear_modulus, vortex.lame_modulus, vortex.deformation_gradient[p]
     J = determinant(F)
-    rest = lam + mu - lam * ti.log(ti.max(J, FLATTEST))
+    rest = lam + mu - lam * log(ti.max(J, FLATTEST))
     metric = mu * ti.Vector([F[0] * F[0] + F[1] * F[1], F[0] * F[2] + F[1] * F[3], F[2] * F[2] + F[3] * F[3]]) \
         + rest * ti.Vector([1.0, 0.0, 1.0])
     if ti.static(on.frozen):

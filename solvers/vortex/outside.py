@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.estimators.alone import Body
-from solvers.estimators.spectral import Elements
 from solvers.outside import Outside, Start, Texts
 from solvers.vortex import exact
+from solvers.vortex.exact import force_at_rest, on_axis, turned
 from solvers.vortex.layout import particle_layout
 from solvers.vortex.scene import SIDE, VortexScene
 
 SLACK = 1e-6  # m, by which a material point may lie beyond a rim: single precision rounds
 FINE, COARSE = (8, 6), (6, 5)  # of the companion: elements across the ring, their order
-STIFFENED = 1.3  # of the companion's steps: how much stiffer than at rest the vortex may grow, as a frequency
 
 TURN = (r"$$\alpha(R,t) = A \sin(\omega t)\,h(R),\quad h(R) = 1 - 32\,(R-1)^2 + 256\,(R-1)^4$$ "
         r"($R$ in metres; $h$ and $h'$ vanish at both rims)")
@@ -113,75 +112,10 @@ class VortexOutside(Outside):
         return -0.5 * SIDE
 
     def companion(self, scene: VortexScene, fine: bool) -> Body:
-        return VortexBody(scene, *(FINE if fine else COARSE))
-
-
-class VortexBody(Body):
-    """Two functions of the radius, on a line of elements: with every angle the same, they tell all (why, and the
-    equations, are in ``solvers.vortex.estimators.companion``). The unknowns are the displacement of the particles on
-    the x axis, along it and across it."""
-
-    def __init__(self, scene: VortexScene, count: int, order: int):
         # here: the page of text and the table of a problem must not wait for Taichi
-        from solvers.vortex.estimators.companion_mesh import masses, unit_frequency
+        from solvers.vortex.estimators.companion_alone import VortexAlone
 
-        self._scene, self._elements = scene, Elements(exact.INNER, exact.OUTER, count, order)
-        self._R, self._lame = self._elements.nodes, exact.lame(scene)
-        self._inverse_mass = 1 / (scene.density * masses(self._elements))[:, None]
-        self.velocity = exact.velocity(scene, on_axis(self._R), 0.0)
-        self.frequency = STIFFENED * scene.wave_speed * unit_frequency(self._elements)
-
-    def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        (lam, mu), node, D = self._lame, self._elements.of_node, self._elements.derivative
-        local, R, weight = u[node], self._R[node][..., None], self._elements.weights[:, None]
-        along = np.einsum("ki,eic->ekc", D, local) + np.array([1.0, 0.0])  # F e_R, then F e_Theta
-        around = right(-local) / R + np.array([0.0, 1.0])
-        J = along[..., :1] * around[..., 1:] - along[..., 1:] * around[..., :1]
-        with np.errstate(all="ignore"):  # a motion that is lost, which its end tells
-            back = (lam * np.log(J) - mu) / J
-        radial = mu * along + back * right(around)  # P e_R
-        hoop = mu * around - back * right(along)  # P e_Theta
-        pull = np.einsum("ki,ekc->eic", D, weight * R * radial) + weight * right(hoop)
-        total = np.zeros_like(u)
-        np.add.at(total, node, pull)
-        return force_at_rest(self._scene, self._R, t) - self._inverse_mass * total
-
-    def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        R = np.linalg.norm(X, axis=1)
-        e = X / R[:, None]
-        element, values, slopes = self._elements.locate(R)
-        local = u[self._elements.of_node[element]]
-        there, slope = (np.einsum("pi,pic->pc", basis, local) for basis in (values, slopes))
-        outward, around = turned(e, slope), turned(e, right(-there) / R[:, None])
-        return turned(e, there), outward[:, :, None] * e[:, None] + around[:, :, None] * right(-e)[:, None]
-
-
-def force_at_rest(scene: VortexScene, R: np.ndarray, t: float) -> np.ndarray:
-    """Body force per mass (K, 2) at the radii R, in m/s^2, along e_R and e_Theta of the particle at rest."""
-    if scene.body_force == "none":
-        return np.zeros((len(R), 2))
-    along, around = exact.polar_force(scene, R, t)
-    if scene.body_force == "two-tone":
-        w = scene.angular_frequency
-        around = around + exact.SECOND_SIZE * w * w * scene.amplitude * R * exact.shape(R)[0] * np.sin(
-            exact.SECOND_FREQUENCY * w * t)
-    angle = exact.turn(scene, R, t).angle
-    return turned(np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([along, around], axis=1))
-
-
-def on_axis(R: np.ndarray) -> np.ndarray:
-    """Points (K, 2) of the radii R on the x axis, where e_R and e_Theta are the axes."""
-    return np.stack([R, np.zeros_like(R)], axis=1)
-
-
-def right(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (..., 2) turned by 90 degrees to the right."""
-    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
-
-
-def turned(e: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors (P, 2), along and across directions e (P, 2), along the axes."""
-    return vectors[:, :1] * e - vectors[:, 1:] * right(e)
+        return VortexAlone(scene, *(FINE if fine else COARSE))
 
 
 OUTSIDE = VortexOutside()

@@ -7,6 +7,7 @@ step before, whose acceleration was used. See ``solvers.vortex.exact``.
 
 import taichi as ti
 
+from solvers.elementary import cos, log, sin
 from solvers.planar.phases import TOTALS
 from solvers.planar.samples import Measures
 from solvers.samples import column
@@ -23,10 +24,10 @@ def moment(vortex: ti.template(), step):
     before = ti.max(0.0, now - w * vortex.dt)
     for k in range(vortex.radius_count):
         R, h, slope = vortex.radii[k][0], vortex.radii[k][1], vortex.radii[k][2]
-        alpha, earlier = A * ti.sin(now) * h, A * ti.sin(before) * h
+        alpha, earlier = A * sin(now) * h, A * sin(before) * h
         vortex.turns[k] = ti.Vector([
-            ti.cos(alpha), ti.sin(alpha), A * w * ti.cos(now) * h, A * ti.sin(now) * R * slope,
-            ti.cos(earlier), ti.sin(earlier), A * w * ti.cos(before) * h, -A * w * w * ti.sin(before) * h])
+            cos(alpha), sin(alpha), A * w * cos(now) * h, A * sin(now) * R * slope,
+            cos(earlier), sin(earlier), A * w * cos(before) * h, -A * w * w * sin(before) * h])
     return ti.Vector([A, w, before])
 
 
@@ -70,9 +71,9 @@ def node_acceleration_error(vortex: ti.template(), now, on: ti.template()):
             square = (ti.min(ti.max(ti.sqrt(x * x + y * y), INNER), OUTER) - MIDDLE) ** 2
             h = 1 + (BEND + RISE * square) * square
             if ti.static(on.frozen):  # the node stands for where it is at rest
-                c, s = ti.cos(A * ti.sin(angle) * h), ti.sin(A * ti.sin(angle) * h)
+                c, s = cos(A * sin(angle) * h), sin(A * sin(angle) * h)
                 x, y = c * x - s * y, s * x + c * y
-            rate, gain = A * w * ti.cos(angle) * h, -A * w * w * ti.sin(angle) * h
+            rate, gain = A * w * cos(angle) * h, -A * w * w * sin(angle) * h
             motion = vortex.node_motion[node]
             miss_x, miss_y = motion[2] + rate * rate * x + gain * y, motion[3] + rate * rate * y - gain * x
             total += miss_x * miss_x + miss_y * miss_y
@@ -84,9 +85,9 @@ def node_acceleration_error(vortex: ti.template(), now, on: ti.template()):
 def strain_energy(vortex: ti.template(), p):
     """mu/2 (F:F - 2 - 2 ln J) + lambda/2 ln^2 J per reference volume."""
     F = vortex.deformation_gradient[p]
-    log = ti.log(ti.max(determinant(F), 1e-300))
+    growth = log(ti.max(determinant(F), 1e-300))
     return 0.5 * vortex.mass[p] / vortex.density * (vortex.shear_modulus * (
-        F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * log) + vortex.lame_modulus * log * log)
+        F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * growth) + vortex.lame_modulus * growth * growth)
 
 
 @ti.func
@@ -98,7 +99,7 @@ def sample_spin(vortex: ti.template(), row, step, on: ti.template()):
     if ti.static(on.spin):
         spin, expected, torque = 0.0, 0.0, 0.0
         angle = vortex.angular_frequency * vortex.dt * (step - 0.5)
-        rate = vortex.amplitude * vortex.angular_frequency * ti.cos(angle)
+        rate = vortex.amplitude * vortex.angular_frequency * cos(angle)
         for p in range(vortex.particles):
             q, known = vortex.motion[p], vortex.radii[vortex.radius[p]]
             spin += vortex.mass[p] * (q[0] * q[3] - q[1] * q[2])

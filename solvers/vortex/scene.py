@@ -119,9 +119,7 @@ class VortexScene(Scene):
         if self.frozen and len(self.remedies) > 1:
             raise SceneError("remedies", " ".join(self.remedies), "frozen-weights stands alone: the filter mends what "
                              "comes of particles that move through the grid; leave one of the two out")
-        if self.plan == "serial" and self.threads > 1:
-            raise SceneError("threads", self.threads,
-                             "the serial plan runs on one; give 1, or the plan parallel or auto")
+        self._check_plan()
 
 
 def _share(R: float) -> float:

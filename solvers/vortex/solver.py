@@ -33,10 +33,10 @@ class VortexSolver(PlanarSolver):
     def _field(self, quantity: str) -> np.ndarray:
         return field(self.scene, self._arrays, quantity, self.time)
 
-    def _carried(self) -> Carried:
+    def _carried_now(self) -> Carried:
         return carried(self._arrays)
 
-    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+    def _anatomy_now(self, particle: int, before: Carried) -> Anatomy:
         return anatomy(self.scene, self._arrays, particle, self.step, before)
 
     def _escape(self) -> str:

@@ -6,6 +6,7 @@ as a whole: differences along it are errors, whatever the true motion is.
 
 import taichi as ti
 
+from solvers.planar.records import add
 from solvers.planar.soundness import look_at_neighbours
 from solvers.samples import column
 
@@ -23,9 +24,8 @@ def look(vortex: ti.template(), row):
     for p in range(vortex.particles):
         X, e, motion = vortex.material_position[p], vortex.direction[p], vortex.motion[p]
         u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
-        k = vortex.radius[p]
-        vortex.circles[k] = vortex.circles[k] + ti.Vector([
-            1.0, u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1], u[0] * u[0] + u[1] * u[1]])
+        add(vortex.circles, vortex.radius[p], ti.Vector([
+            1.0, u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1], u[0] * u[0] + u[1] * u[1]]))
     scatter = 0.0
     for k in range(vortex.radius_count):
         sums = vortex.circles[k]

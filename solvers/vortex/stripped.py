@@ -4,6 +4,6 @@ from solvers.planar.stripped import stripped
 from solvers.vortex.phases import TRAITS
 from solvers.vortex.solver import VortexSolver
 from solvers.vortex.state import WatchedVortex
-from solvers.vortex.step import check
+from solvers.vortex.step import outside
 
-SOLVER = stripped(VortexSolver, WatchedVortex, ("lame_modulus", "volumetric", "polar_force"), TRAITS, check)
+SOLVER = stripped(VortexSolver, WatchedVortex, ("lame_modulus", "volumetric", "polar_force"), TRAITS, outside)

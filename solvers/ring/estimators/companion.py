@@ -12,10 +12,12 @@ which leaves both rims free of traction; u_y = 0 on theta = 0 and u_x = 0 on the
 import numpy as np
 import taichi as ti
 
+from solvers import runtime
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
 from solvers.kinds import integer_quads, integers, matrix, pairs, quads, reals
 from solvers.ring import exact
+from solvers.ring.estimators.companion_alone import RingAlone
 from solvers.ring.estimators.companion_mesh import directions, free, masses, mesh, read_particles, unit_frequency
 from solvers.ring.material import kirchhoff_stress, radial_force_at
 
@@ -114,21 +116,37 @@ def report(ring: ti.template(), base, step, on: ti.template()):
 
 
 @ti.func
+def report_at_once(ring: ti.template(), base, step, on: ti.template()):
+    """The same on a GPU, whose nodes are at ``step`` already; each particle reads its own part of its arc."""
+    squares = 0.0
+    for n in range(ring.particles):
+        squares += particle_error(ring, base, ring.companion_places[ring.radius_count + 1 + n], step, on)
+    ring.companion_numbers[shared.SQUARE] = squares / ring.particles
+
+
+@ti.func
 def reduce_to_arc(ring: ti.template(), k):
     """u, v, a and u_R on the arc of the k-th particle radius, at the nodes' angles."""
-    n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
-    start = shared.NOW * ring.companion_counts[shared.NODES] + ring.companion_places[k][1]
     arc = shared.LAYERS * ring.companion_counts[shared.NODES]
-    for j in range(row):
-        total = ti.Vector([0.0] * 8)
-        for i in range(n):
-            now, basis = start + i * row + j, ring.companion_basis[k * n + i]
-            for c in ti.static(range(6)):
-                total[c] += basis[0] * ring.companion_nodes[now, c]
-            for c in ti.static(range(2)):
-                total[6 + c] += basis[1] * ring.companion_nodes[now, c]
+    for j in range(ring.companion_counts[shared.ROW]):
+        total = arc_node(ring, k, j)
         for c in ti.static(range(8)):
             ring.companion_nodes[arc + j, c] = total[c]
+
+
+@ti.func
+def arc_node(ring: ti.template(), k, j):
+    """The same of node j of that arc."""
+    n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
+    start = shared.NOW * ring.companion_counts[shared.NODES] + ring.companion_places[k][1]
+    total = ti.Vector([0.0] * 8)
+    for i in range(n):
+        now, basis = start + i * row + j, ring.companion_basis[k * n + i]
+        for c in ti.static(range(6)):
+            total[c] += basis[0] * ring.companion_nodes[now, c]
+        for c in ti.static(range(2)):
+            total[6 + c] += basis[1] * ring.companion_nodes[now, c]
+    return total
 
 
 @ti.func
@@ -140,10 +158,15 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
     turn = ti.Vector([0.0, 0.0])  # u_theta/R
     for j in range(ring.companion_counts[shared.ORDER] + 1):
         arc, basis = place[1] + j, ring.companion_basis[place[2] + j]
-        for c in ti.static(range(8)):
-            f[c] += basis[0] * ring.companion_nodes[arc, c]
-        for c in ti.static(range(2)):
-            turn[c] += basis[1] * ring.companion_nodes[arc, c]
+        if ti.static(runtime.on_processor()):
+            for c in ti.static(range(8)):
+                f[c] += basis[0] * ring.companion_nodes[arc, c]
+            for c in ti.static(range(2)):
+                turn[c] += basis[1] * ring.companion_nodes[arc, c]
+        else:  # particles of many radii are at work, and there is room for one arc
+            value = arc_node(ring, ring.radius[p], arc - shared.LAYERS * ring.companion_counts[shared.NODES])
+            f += basis[0] * value
+            turn += basis[1] * ti.Vector([value[0], value[1]])
     turn /= ring.radii[ring.radius[p]][0]
     e, X, q = ring.direction[p], ring.material_position[p], ring.motion[p]
     xx, xy = 1 + f[6] * e[0] - turn[0] * e[1], f[6] * e[1] + turn[0] * e[0]  # F = I + u_R e_R + u_theta/R e_theta
@@ -183,6 +206,12 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_basis": basis, "companion_places": places}
 
 
+def alone(scene) -> RingAlone:
+    """The same solve by itself, on the same elements."""
+    radial, angular = mesh(scene.cells)
+    return RingAlone(scene, radial.count, angular.count, radial.order)
+
+
 def verdict(scene, memory) -> str | None:
     """Why not to trust what was reported last.
 
@@ -213,4 +242,4 @@ HOOKS = EstimatorHooks(
     },
     allocate=allocate,
     interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
-    after_step=after_step, report=report, verdict=verdict)
+    after_step=after_step, report=report, verdict=verdict, alone=alone, report_at_once=report_at_once)

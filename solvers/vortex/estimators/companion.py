@@ -26,10 +26,12 @@ initial velocity or in the law of the material.
 import numpy as np
 import taichi as ti
 
+from solvers.elementary import log
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
 from solvers.kinds import integers, matrix, octets, pairs, quads, reals
 from solvers.vortex import exact
+from solvers.vortex.estimators.companion_alone import VortexAlone
 from solvers.vortex.estimators.companion_mesh import masses, mesh, read_radii, unit_frequency
 from solvers.vortex.layout import particle_layout
 from solvers.vortex.material import cauchy_stress, force_at
@@ -106,6 +108,12 @@ def report(vortex: ti.template(), base, step, on: ti.template()):
     """Every particle's error at ``step``: computed minus the companion's, at its material point; the companion is read
     once for all particles of a radius."""
     shared.read_nodes(vortex, step)
+    report_at_once(vortex, base, step, on)
+
+
+@ti.func
+def report_at_once(vortex: ti.template(), base, step, on: ti.template()):
+    """The same with nodes that are at ``step`` already, as on a GPU."""
     n = vortex.companion_counts[shared.ORDER] + 1
     for k in range(vortex.radius_count):
         now = shared.NOW * vortex.companion_counts[shared.NODES] + vortex.companion_first[k]
@@ -155,7 +163,7 @@ def circle_stress(vortex: ti.template(), f, R):
     """sigma = lambda ln J/J I + mu/J (F F^T - I) of a circle (u, v, a, u'), as RR, Rt, tt of the frame at rest."""
     along, around = polar_gradient(ti.Vector([f[6], f[7]]), ti.Vector([f[0], f[1]]), R)
     per_J = 1 / (along[0] * around[1] - along[1] * around[0])
-    mu, bulk = vortex.shear_modulus * per_J, -vortex.lame_modulus * ti.log(per_J) * per_J
+    mu, bulk = vortex.shear_modulus * per_J, -vortex.lame_modulus * log(per_J) * per_J
     return ti.Vector([mu * (along[0] * along[0] + around[0] * around[0] - 1) + bulk,
                       mu * (along[0] * along[1] + around[0] * around[1]),
                       mu * (along[1] * along[1] + around[1] * around[1] - 1) + bulk])
@@ -180,6 +188,12 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_first": first, "companion_basis": basis, "companion_circles": np.zeros((len(radii), 8))}
 
 
+def alone(scene) -> VortexAlone:
+    """The same solve by itself, on the same elements."""
+    elements = mesh()
+    return VortexAlone(scene, elements.count, elements.order)
+
+
 def verdict(scene, memory) -> str | None:
     """Why not to trust what was reported last."""
     elements = mesh()
@@ -200,4 +214,4 @@ HOOKS = EstimatorHooks(
     },
     allocate=allocate,
     interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
-    after_step=after_step, report=report, verdict=verdict)
+    after_step=after_step, report=report, verdict=verdict, alone=alone, report_at_once=report_at_once)

@@ -1,0 +1,123 @@
+"""What a GPU gains, where there is one: rates of its plan, beside those of a processor's plans and of its memory.
+
+Everything is measured in one fresh process, which starts Taichi anew for each plan. A step moves at least what its
+phases read and write of each particle, so that the memory's bandwidth, measured here by a copy, sets a limit to the
+rate; nodes, of which there is one for several particles, are left out of it.
+"""
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+import numpy as np
+import taichi as ti
+
+from solvers import devices, runtime
+from solvers.bench.measure import bare
+from solvers.kinds import quads
+from solvers.norms import finite
+from solvers.processes import ProcessDied, ask_fresh
+from solvers.run import build
+from solvers.scene import MOST_PARTICLES, Scene
+from solvers.solver import Solver
+
+#: Cells that make about 1e4, 1e5, 1e6 and 1e7 particles, of which a quick bench takes the first two.
+CELLS: Mapping[str, Sequence[int]] = {"ring": (150, 474, 1500, 4743), "vortex": (66, 207, 654, 2067)}
+METHODS = ("ugimp", "cpdi")
+QUICK_SIZES = 2
+SECONDS, TURNS = 0.2, 3  # of a stretch, at least, and stretches, of which the fastest counts
+PATIENCE = 1200.0  # seconds, for all of it
+COPIED = 20_000_000  # vectors of four numbers, to find the bandwidth
+
+#: Bytes that a step moves of each particle: x and v, and F, each read three times and written once; mass, radius and
+#: direction; the weights written once and read twice, with the first node or, for CPDI, those of four corners; and
+#: the corners' edges, read in each of the three phases.
+MOVED = 32 * 4 + 32 * 3 + 8 + 4 + 16 + 64 * 3
+MORE = {"ugimp": 4 * 3, "cpdi": 16 * 3 + 32 * 3 + 32}
+
+
+def gpu(quick: bool) -> dict:
+    """The GPU that ``gpu`` takes, its bandwidth in GB/s and a row for each problem, method and size; None and no rows,
+    with a reason, where there is none or the process fails."""
+    where = devices.place(devices.GPU)
+    nothing = {"arch": None, "name": "", "bandwidth": None, "rows": []}
+    if where == devices.CPU:
+        return {**nothing, "missing": "no GPU was found"}
+    try:
+        return ask_fresh(f"{__name__}:{'measure_quick' if quick else 'measure_full'}", patience=PATIENCE)
+    except ProcessDied as error:
+        return {**nothing, "missing": f"could not be measured: {error}"}
+
+
+def measure_full(question: dict, answer: Callable[[dict], None]) -> None:
+    """What the fresh process does."""
+    answer(measured(devices.place(devices.GPU), CELLS))
+
+
+def measure_quick(question: dict, answer: Callable[[dict], None]) -> None:
+    """What it does for a quick bench."""
+    answer(measured(devices.place(devices.GPU), {name: cells[:QUICK_SIZES] for name, cells in CELLS.items()}))
+
+
+def measured(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIED) -> dict:
+    """The measurements on one kind of GPU, of scenes with so many cells of each problem."""
+    runtime.start(where)
+    limit = bandwidth(copied)
+    rows = [row(bare(problem, n, method=method), where, limit)
+            for problem, cells in sizes.items() for method in METHODS for n in cells]
+    return {"arch": where, "name": devices.found(where)["name"], "missing": None, "bandwidth": 1e-9 * limit,
+            "rows": rows}
+
+
+def row(scene: Scene, where: str, limit: float) -> dict:
+    """Rates of a scene, in million particle-steps a second, by the GPU and by the processor's plans, as far as these
+    take so many particles; and the share that the first is of what the bandwidth allows."""
+    plans = {"gpu": {"arch": where}, "serial": {}, "parallel": {"plan": "parallel", "threads": os.cpu_count() or 1}}
+    rates = {plan: rate(build(_with(scene, inputs))) if plan == "gpu" or scene.particles <= MOST_PARTICLES else None
+             for plan, inputs in plans.items()}
+    moved = MOVED + MORE[scene.method]
+    share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * moved / limit
+    return {"problem": scene.problem, "method": scene.method, "cells": scene.cells, "particles": scene.particles,
+            "rates": rates, "share": share}
+
+
+def _with(scene: Scene, inputs: Mapping) -> Scene:
+    return type(scene)(**{"cells": scene.cells, "method": scene.method, "effects": (), "estimators": (),
+                          "amplitude": scene.amplitude, "arch": "cpu", **inputs})
+
+
+def rate(solver: Solver) -> float | None:
+    """Million particle-steps a second of wall time, while the run goes on; None if it goes bad."""
+    solver.compile()
+    steps, most = 1, solver.longest_advance
+    while (took := _seconds(partial(solver.advance, steps))) < SECONDS and 2 * steps <= most:
+        steps *= 2
+    took = min(took, *(_seconds(partial(solver.advance, steps)) for _ in range(TURNS)))
+    return finite(1e-6 * solver.scene.particles * steps / took) if solver.sound else None
+
+
+def bandwidth(vectors: int) -> float:
+    """Bytes a second that the GPU reads and writes when it copies so many vectors of four numbers."""
+    one, other = (ti.ndarray(quads.dtype, vectors) for _ in range(2))
+    copy(one, other)
+    took = [_seconds(partial(_copied, one, other)) for _ in range(TURNS)]
+    return 2 * 32 * vectors / float(np.min(took))
+
+
+@ti.kernel
+def copy(one: quads, other: quads):
+    """The one into the other."""
+    for k in range(one.shape[0]):
+        other[k] = one[k]
+
+
+def _copied(one: ti.Ndarray, other: ti.Ndarray) -> None:
+    copy(one, other)
+    ti.sync()
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    begun = time.perf_counter()
+    work()
+    return time.perf_counter() - begun

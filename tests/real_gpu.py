@@ -1,0 +1,42 @@
+"""What can only be seen on a machine with a GPU: ``python -m tests.real_gpu``. Prints what it finds.
+
+The tests of ``tests/test_gpu.py`` on that GPU, then how fast it is, then a ring on 768 cells for a period with the
+companion beside it, on the GPU and on the processor: estimates, index, errors and the seconds of both.
+"""
+
+import os
+import sys
+from dataclasses import replace
+
+import pytest
+
+from app.commands.bench_text import _gpu
+from solvers import devices
+from solvers.bench import gpu
+from solvers.ring.scene import RingScene
+from solvers.run import run
+
+RING = RingScene(method="cpdi", cells=768, periods=1, estimators=("companion",), effects=("truth", "estimate"))
+
+
+def main() -> int:
+    for kind in devices.KINDS:
+        print(kind, devices.found(kind))
+    where = devices.place(devices.GPU)
+    if where == devices.CPU:
+        print("no GPU was found")
+        return 1
+    os.environ["MPM_LAB_TEST_GPU"] = where
+    failed = pytest.main(["-n", "0", "-q", "--slow", "tests/test_gpu.py"])
+    print(_gpu(gpu.gpu(quick=False)))
+    scenes = {"GPU": replace(RING, arch=where), "processor": replace(RING, threads=os.cpu_count() or 1)}
+    for name, scene in scenes.items():
+        result = run(scene, prices=False)
+        print(f"{name}: {scene.particles:,} particles, {result.steps:,} steps in {result.seconds.run:.1f} s, "
+              f"{result.rate:.4g} million particle-steps/s, {result.status}, {result.not_valid or 'companion valid'}")
+        print("  errors", result.errors(), "\n  index", result.index("companion"))
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
