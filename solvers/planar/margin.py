@@ -66,8 +66,8 @@ def take_gradient(body: ti.template(), traits: ti.template(), metric, node):
 @ti.func
 def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, node):
     """|grad S|/sqrt(m) at a node, 0 where it carries nothing."""
-    along, across, both = gradient[0] * gradient[0], gradient[1] * gradient[1], gradient[0] * gradient[1]
-    size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * both))
+    along, across = gradient[0] * gradient[0], gradient[1] * gradient[1]
+    size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * gradient[0] * gradient[1]))
     mass = body.node_mass[traits.image(body, node)]
     scaled = 0.0
     if size > 0 and mass > 0:
