@@ -16,6 +16,7 @@ from solvers.ring.scene import RingScene
 from solvers.run import run
 
 LESSONS = Path(__file__).parents[1] / "lessons"
+LONG = ("07", "09")  # lessons that run what tests of the Cost tab and of each estimator run, for half a minute each
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,8 @@ def outcomes():
     found.close()
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name[:2] in LONG else name
+                                  for name in names()])
 def test_every_claim_of_a_lesson_holds(name, outcomes):
     lesson = lessons()[name]
     outcomes.prepare(scene_texts(lesson, lesson.variants[0]), lambda done, total: None)

@@ -90,7 +90,7 @@ def test_the_bars_error_is_met(case, cells, force, simulate):
 
 
 @pytest.mark.parametrize("cells", [12, 24, 48])
-@pytest.mark.parametrize("method", ["ugimp", "cpgimp", "cpdi"])
+@pytest.mark.parametrize("method", ["ugimp", pytest.param("cpgimp", marks=pytest.mark.slow), "cpdi"])
 def test_the_rings_error_is_met(method, cells, simulate):
     result = simulate(replace(RING, method=method, cells=cells))
     index, distance = result.index("recovered"), result.distance("recovered")

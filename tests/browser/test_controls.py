@@ -111,6 +111,7 @@ def test_numbers_of_the_ring(page):
         tick(page, "Auto step")
 
 
+@pytest.mark.slow
 def test_choices_and_boxes_of_the_ring(page):
     """Without a body force there is no truth to compute, and less to compile."""
     to_the_ring(page)
