@@ -150,3 +150,13 @@ def test_what_is_usual_is_compiled_unasked():
         last = pool.process_ids[0]
         pool.close()
     assert not os.path.exists(f"/proc/{last}")
+
+
+def test_a_successor_whose_parent_has_ended_says_nothing(monkeypatch, capfd):
+    """As Ctrl-C while the server warms up leaves one: it ends, without a word."""
+    monkeypatch.setattr(successor, "_compile", len)
+    left = successor.fork([SCENE], asked_for=True)
+    left.pipe.close()
+    until(lambda: ended(left._process_id), "its end")
+    os.waitpid(left._process_id, 0)
+    assert capfd.readouterr().err == ""
