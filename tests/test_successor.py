@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -156,8 +156,8 @@ def test_what_is_usual_is_compiled_unasked():
 def test_a_successor_whose_parent_has_ended_says_nothing(monkeypatch, capfd):
     """As Ctrl-C while the server warms up leaves one: it ends, without a word."""
     monkeypatch.setattr(successor, "_compile", len)
-    told = SimpleNamespace(exception=lambda *_: os.write(2, b"what it would log"))  # the log of a test goes elsewhere
-    monkeypatch.setattr(successor.logging, "getLogger", lambda _: told)
+    log = logging.getLogger(successor.__name__)
+    monkeypatch.setattr(log, "exception", lambda *_: os.write(2, b"what it would log"))  # elsewhere in a test
     left = successor.fork([SCENE], asked_for=True)
     left.pipe.close()
     until(lambda: ended(left._process_id), "its end")
