@@ -97,6 +97,11 @@ def series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
     return {q: np.array([rms(e[q]) if q in e else np.nan for e in errors]) for q in QUANTITIES}
 
 
+def listed(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
+    """Norms over time as JSON has them, None where one is not known."""
+    return {q: [finite(value) for value in values] for q, values in norms.items()}
+
+
 def summarised(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
     """Final, largest and mean norms over the times after the start, as those of our runs."""
     later = times > 0 if (times > 0).any() else np.ones(len(times), bool)

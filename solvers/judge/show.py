@@ -20,10 +20,9 @@ from typing import Any
 import numpy as np
 
 from solvers.judge.frames import FileError, Frame, Grid, Raw
-from solvers.judge.measure import Companions, Errors, apart, checked, crossed, series, sizes, stress, truth
+from solvers.judge.measure import Companions, Errors, apart, checked, crossed, listed, series, sizes, stress, truth
 from solvers.judge.placing import grids
 from solvers.judge.reading import read
-from solvers.norms import finite
 from solvers.problems import PROBLEMS
 from solvers.rules import SceneError
 from solvers.samples import QUANTITIES
@@ -109,13 +108,13 @@ def _show(asked: Question, tell: Callable[[dict], None]) -> None:
     counts = [len(frame.number) for frame in grid.frames]
     missing = [q for q in ("v", "sigma") if any(_lacks(own, frame, q) for frame in grid.frames)]
     tell({"frames": asdict(Shown(task_of(_shown(own)).to_dict(), grid.times.tolist(), counts, table.crossed,
-                                 _listed(true) if true else None, missing))})
+                                 listed(series(true)) if true else None, missing))})
     if true:
         companions, estimated = _estimated(own, grid)
         table.put("difference", [{q: mine[q] - theirs[q] for q in mine}
                                  for mine, theirs in zip(estimated, true, strict=True)])
     table.put("estimate", estimated)
-    tell({"estimate": _listed(estimated)})
+    tell({"estimate": listed(series(estimated))})
     doubts = [companions.doubt(frame) for frame in grid.frames]
     doubt = {q: np.array([one[q] for one in doubts]) for q in doubts[0]}
     alone = apart(own, grid.frames, true or estimated)
@@ -129,10 +128,6 @@ def _estimated(scene: Scene, grid: Grid) -> tuple[Companions, list[Errors]]:
 
 def _lacks(scene: Scene, frame: Frame, quantity: str) -> bool:
     return (frame.velocity if quantity == "v" else stress(scene, frame)) is None
-
-
-def _listed(errors: Sequence[Errors]) -> dict[str, list[float | None]]:
-    return {q: [finite(value) for value in values] for q, values in series(errors).items()}
 
 
 def _check_amount(raw: Raw) -> None:

@@ -21,6 +21,7 @@ from solvers.judge.measure import (
     distances,
     index,
     law_kept,
+    listed,
     series,
     summarised,
     truth,
@@ -71,8 +72,8 @@ class GridJudgement:
             "cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
             "particles": len(frames[-1].number), "times": times.tolist(), "notes": list(self.notes()),
             "error": None if true is None else summarised(times, true),
-            "norms": None if true is None else _listed(true),
-            "estimate": {"companion": summarised(times, estimates), "norms": _listed(estimates),
+            "norms": None if true is None else listed(true),
+            "estimate": {"companion": summarised(times, estimates), "norms": listed(estimates),
                          "own_error": {q: finite(float(np.max(self.doubt[q]))) for q in QUANTITIES},
                          "index": None if true is None else index(estimates, true),
                          "distance": None if true is None else distances(self.estimated, self.true)},
@@ -91,10 +92,6 @@ class GridJudgement:
                          f"problem's "
                          "law: another material, or another measure of stress")
         return notes
-
-
-def _listed(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
-    return {q: [finite(value) for value in values] for q, values in norms.items()}
 
 
 NAMES = {"x": "position", "v": "velocity", "sigma": "stress (nor F)"}

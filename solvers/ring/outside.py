@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.estimators.alone import Body
-from solvers.outside import Outside, Start, Texts
+from solvers.outside import Texts
+from solvers.planar.layout import Layout
+from solvers.planar.outside import SLACK, PlanarOutside
 from solvers.ring import exact
 from solvers.ring.layout import particle_layout
 from solvers.ring.scene import RingScene
 
-SLACK = 1e-6  # m, by which a material point may lie beyond a surface: single precision rounds
 FINE, COARSE = (2, 4, 5), (2, 3, 4)  # of the companion: elements across the ring and around it, their order
 
 SHAPE = r"$$w(R) = C_1 R + C_2 R^2 + C_3 R^3$$"
@@ -22,31 +23,26 @@ WHERE = ("The force belongs to material points: a particle that began at $X$ fee
          "$e_R = X/R$, wherever it is now. A code that has the force only in space may invert $x = X + u(X,t)$.")
 
 
-class RingOutside(Outside):
+class RingOutside(PlanarOutside):
     """The expanding ring."""
 
-    axes = ("x", "y")
+    EXACT = exact
 
-    def start(self, scene: RingScene) -> Start:
-        layout = particle_layout(scene)
-        names = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
-        return Start(layout.position, layout.volume, dict(zip(names, layout.edges.T, strict=True)))
+    def layout(self, scene: RingScene) -> Layout:
+        return particle_layout(scene)
 
     def texts(self, scene: RingScene) -> Texts:
         w, A = f"{scene.angular_frequency:.15g}", f"{scene.amplitude:.15g}"
         cubic = (f"{SHAPE} with $C_1 = {exact.C1:.15g}$ 1/m, $C_2 = {exact.C2:.15g}$ 1/m², $C_3 = {exact.C3:.15g}$ "
-                 f"1/m³: "
-                 "$w(0.6) = 1$ and $w'(0.4) = w'(0.6) = 0$")
+                 "1/m³: $w(0.6) = 1$ and $w'(0.4) = w'(0.6) = 0$")
         numbers = rf"$A = {A}$ m, $\omega = {w}$ 1/s"
         force = {"material": f"Radial: {FORCE}; {numbers}, $w$ as in the exact solution, in m/s². {WHERE}",
                  "two-tone": f"Radial, the sum of {FORCE} and of {SECOND} {numbers}, $w$ as below, in m/s². {WHERE}",
                  "none": "There is none: $b = 0$."}[scene.body_force]
         return Texts(
             body="A ring with the inner radius 0.4 m and the outer radius 0.6 m, its centre at the origin, of "
-                 "thickness 1 m, "
-                 "in plane strain (without Poisson's ratio plane stress is the same). A quarter of it, $x, y \\ge 0$, "
-                 "is "
-                 "enough, and that is what the particles fill.",
+                 "thickness 1 m, in plane strain (without Poisson's ratio plane stress is the same). A quarter of it, "
+                 "$x, y \\ge 0$, is enough, and that is what the particles fill.",
             material=rf"Neo-Hookean with $\lambda = 0$: $\sigma = \frac{{\mu}}{{J}}(F F^T - I)$, $P = \mu(F - "
                      rf"F^{{-T}})$, "
                      rf"$\mu = E/2$, $E = {scene.modulus:.15g}$ Pa (Poisson's ratio 0); density {scene.density:.15g} "
@@ -67,19 +63,6 @@ class RingOutside(Outside):
         R = np.linspace(exact.INNER, exact.OUTER, count)
         return np.stack([R, np.zeros_like(R)], axis=1)
 
-    def displacement(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
-        return exact.displacement(scene, X, t)
-
-    def velocity(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
-        return exact.velocity(scene, X, t)
-
-    def deformation_gradient(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
-        return exact.deformation_gradient(scene, X, t)
-
-    def exact_stress(self, scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
-        xx, xy, yy = exact.stress(scene, X, t).T
-        return np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2)
-
     def stress(self, scene: RingScene, F: np.ndarray) -> np.ndarray:
         per_J = 0.5 * scene.modulus / np.linalg.det(F)
         return per_J[:, None, None] * (np.einsum("pij,pkj->pik", F, F) - np.eye(2))
@@ -94,8 +77,7 @@ class RingOutside(Outside):
         return np.einsum("pi,pij,pj->p", e, values, e) if values.ndim == 3 else np.sum(values * e, axis=1)
 
     def misplaced(self, scene: RingScene, X: np.ndarray) -> np.ndarray:
-        R = np.linalg.norm(X, axis=1)
-        return (R < exact.INNER - SLACK) | (R > exact.OUTER + SLACK) | (X < -SLACK).any(axis=1)
+        return super().misplaced(scene, X) | (X < -SLACK).any(axis=1)
 
     def companion(self, scene: RingScene, fine: bool) -> Body:
         # here: the page of text and the table of a problem must not wait for Taichi

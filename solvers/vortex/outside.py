@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.estimators.alone import Body
-from solvers.outside import Outside, Start, Texts
+from solvers.outside import Texts
+from solvers.planar.layout import Layout
+from solvers.planar.outside import PlanarOutside
 from solvers.vortex import exact
 from solvers.vortex.exact import force_at_rest, on_axis, turned
 from solvers.vortex.layout import particle_layout
 from solvers.vortex.scene import SIDE, VortexScene
 
-SLACK = 1e-6  # m, by which a material point may lie beyond a rim: single precision rounds
 FINE, COARSE = (8, 6), (6, 5)  # of the companion: elements across the ring, their order
 
 TURN = (r"$$\alpha(R,t) = A \sin(\omega t)\,h(R),\quad h(R) = 1 - 32\,(R-1)^2 + 256\,(R-1)^4$$ "
@@ -31,15 +32,13 @@ SOURCE = ("Sources: Brannon, Kamojjala and Sadeghirad, Establishing credibility 
           "Computers 31 (2015) 199-213.")
 
 
-class VortexOutside(Outside):
+class VortexOutside(PlanarOutside):
     """The generalized vortex."""
 
-    axes = ("x", "y")
+    EXACT = exact
 
-    def start(self, scene: VortexScene) -> Start:
-        layout = particle_layout(scene)
-        names = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
-        return Start(layout.position, layout.volume, dict(zip(names, layout.edges.T, strict=True)))
+    def layout(self, scene: VortexScene) -> Layout:
+        return particle_layout(scene)
 
     def texts(self, scene: VortexScene) -> Texts:
         lam, mu = exact.lame(scene)
@@ -75,19 +74,6 @@ class VortexOutside(Outside):
     def table_points(self, scene: VortexScene, count: int) -> np.ndarray:
         return on_axis(np.linspace(exact.INNER, exact.OUTER, count))
 
-    def displacement(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
-        return exact.displacement(scene, X, t)
-
-    def velocity(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
-        return exact.velocity(scene, X, t)
-
-    def deformation_gradient(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
-        return exact.deformation_gradient(scene, X, t)
-
-    def exact_stress(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
-        xx, xy, yy = exact.stress(scene, X, t).T
-        return np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2)
-
     def stress(self, scene: VortexScene, F: np.ndarray) -> np.ndarray:
         lam, mu = exact.lame(scene)
         J = np.linalg.det(F)[:, None, None]
@@ -103,10 +89,6 @@ class VortexOutside(Outside):
         e = place / np.linalg.norm(place, axis=1)[:, None]
         across = np.stack([-e[:, 1], e[:, 0]], axis=1)
         return np.einsum("pi,pij,pj->p", e, values, across) if values.ndim == 3 else np.sum(values * across, axis=1)
-
-    def misplaced(self, scene: VortexScene, X: np.ndarray) -> np.ndarray:
-        R = np.linalg.norm(X, axis=1)
-        return (R < exact.INNER - SLACK) | (R > exact.OUTER + SLACK)
 
     def grid_corner(self, scene: VortexScene) -> float:
         return -0.5 * SIDE

@@ -103,13 +103,10 @@ FOLDERS = {"Method details": "Remedies for long", "Effects: compute": "contradic
 
 
 def unfold(page, *folders):
-    """Open folders. A click that something moves away from under it is made again."""
+    """Open folders."""
     for folder in folders:
-        inside = page.get_by_text(FOLDERS[folder]).first
-        while not inside.is_visible():
-            page.get_by_text(folder).first.click()
-            with suppress(AssertionError):
-                until(inside.is_visible, f"{folder} open", 2.0)
+        inside, head = page.get_by_text(FOLDERS[folder]).first, page.get_by_text(folder).first
+        again_until(lambda: inside.is_visible() or head.click(), inside.is_visible, f"{folder} open")  # noqa: B023
 
 
 def press(page, label, key, times=1):
