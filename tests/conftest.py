@@ -64,11 +64,14 @@ BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser")
 
 
 class FileByFile(LoadScopeScheduling):
-    """Tests of a file share what it prepares, so one process runs them; and of those in the browser each half."""
+    """Tests of a file share what it prepares, so one process runs them; and of those in the browser each half: by the
+    alphabet, which halves the time that they take (every second file was one of three fifths of it)."""
 
     def _split_scope(self, nodeid: str) -> str:
         path = Path(nodeid.partition("::")[0])
-        return f"browser {BROWSER_FILES.index(path.name) % 2}" if path.parent.name == "browser" else str(path)
+        if path.parent.name != "browser":
+            return str(path)
+        return f"browser {2 * BROWSER_FILES.index(path.name) // len(BROWSER_FILES)}"
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> FileByFile:

@@ -76,7 +76,8 @@ def test_effects_do_not_change_the_physics(method, linear):
 def test_an_effect_switched_off_reports_nulls_and_takes_no_memory(effect):
     """Null and not zero: a zero would claim a perfect result."""
     scene = replace(SCENE, periods=0.1)
-    on, off = run(scene), run(replace(scene, effects=tuple(e for e in EFFECTS if e != effect)))
+    on, off = (run(one, prices=False)
+               for one in (scene, replace(scene, effects=tuple(e for e in EFFECTS if e != effect))))
     seen, gone = ({"truth": r["error"]["x"]["max"], "estimate": r["estimate"]["x"]["max"],
                    "crossings": r["grid_crossings"], "energy": r["energy"],
                    "acceleration": r["error"]["a"]["max"], "soundness": r["soundness"]["apart"],
@@ -91,7 +92,7 @@ def test_sampled_norms_are_those_of_the_final_state():
     fixed X.
     """
     scene = replace(SCENE, sample_every=7, periods=1.03)
-    result = run(scene)
+    result = run(scene, prices=False)
     final, A, w, t = result.final, scene.amplitude, scene.angular_frequency, result.time
     assert scene.steps % 7 and result.series["time"][-1] == pytest.approx(t, rel=1e-15)
     X, sine = final.material_position, np.sin(2 * np.pi * final.material_position)
@@ -127,7 +128,7 @@ def test_an_unstable_run_is_a_result(method, cfl):
     """Too long a step ends as ``unstable`` with a reason, in valid JSON, and leaves its neighbours alone."""
     neighbour, alone = BarSolver(SCENE), BarSolver(SCENE)
     neighbour.advance(100)
-    bad = run(replace(SCENE, method=method, cfl=cfl))
+    bad = run(replace(SCENE, method=method, cfl=cfl), prices=False)
     assert bad.status == "unstable" and "shorter steps" in bad.reason and bad.steps <= bad.scene.steps
     json.dumps(bad.to_dict(), allow_nan=False)
     neighbour.advance(100)
@@ -137,7 +138,7 @@ def test_an_unstable_run_is_a_result(method, cfl):
 
 def test_a_run_that_goes_bad_in_its_last_steps_is_noticed():
     """The kernel looks every 8 steps; a run shorter than that is looked at when it ends."""
-    result = run(replace(SCENE, cfl=10.0, periods=1, amplitude=0.1, sample_every=1))
+    result = run(replace(SCENE, cfl=10.0, periods=1, amplitude=0.1, sample_every=1), prices=False)
     assert result.steps < CHECK_EVERY and result.status == "unstable"
 
 

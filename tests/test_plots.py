@@ -67,7 +67,7 @@ def test_title_tells_the_scene(result):
 
 
 def test_truth_off_shows_the_estimate_alone():
-    shown = panels(run_figure(run(replace(SCENE, effects=("estimate",)))))
+    shown = panels(run_figure(run(replace(SCENE, effects=("estimate",)), prices=False)))
     assert [line.get_color() for line in shown["norms"][0].get_lines()] == [ESTIMATE]
     assert [label.get_text() for label in shown["particles"].get_yticklabels()] == ["estimate\n(transport)"]
     assert any("nothing to show" in text.get_text() for text in shown["index"].texts)
@@ -88,7 +88,7 @@ def test_no_effects_shows_the_particles():
 
 
 def test_unstable_run_is_drawn_with_its_reason():
-    unstable = run(replace(SCENE, cells=40, cfl=1.5, periods=5.0))
+    unstable = run(replace(SCENE, cells=40, cfl=1.5, periods=5.0), prices=False)
     assert unstable.status == "unstable"
     figure = run_figure(unstable)
     assert " ".join(unstable.reason.split()) == " ".join(" ".join(figure.get_suptitle().split("\n")[2:]).split())
@@ -180,13 +180,13 @@ def test_ring_says_what_is_not_estimated(ring):
     ({"estimators": ()}, "not estimated truth"),
 ])
 def test_ring_without_effects_says_so(changes, says):
-    figure = run_figure(run(replace(RING, **changes)))
+    figure = run_figure(run(replace(RING, **changes), prices=False))
     assert says in words(figure.axes[5])
     assert png_bytes(figure).startswith(b"\x89PNG")
 
 
 def test_unstable_ring_is_drawn_with_its_reason():
-    unstable = run(replace(RING, cfl=1.2, periods=1.0))
+    unstable = run(replace(RING, cfl=1.2, periods=1.0), prices=False)
     assert unstable.status == "unstable"
     figure = run_figure(unstable)
     assert "went unstable" in figure.get_suptitle()

@@ -51,7 +51,7 @@ def test_zero_drift_keeps_the_whole_bar_in_place(simulate):
 
 def test_the_filter_leaves_momentum_and_what_nodes_see(simulate):
     """What it takes out has no momentum: the mean velocity stays at rounding."""
-    result = run(replace(HARD, remedies=("null-space-filter",), periods=2))
+    result = run(replace(HARD, remedies=("null-space-filter",), periods=2), prices=False)
     assert abs(result.final.velocity.mean()) < 1e-13 * result.scene.size_of("v")
 
 
@@ -84,7 +84,7 @@ def test_frozen_weights_hold_the_ring(method, simulate):
 def test_plans_agree_with_remedies():
     """Serial and slabs add in another order: equal to what rounding grows to in 60 steps."""
     scene = replace(RING, periods=1, remedies=BOTH, effects=())
-    one, other = (run(replace(scene, plan=plan, threads=threads)).final.position
+    one, other = (run(replace(scene, plan=plan, threads=threads), prices=False).final.position
                   for plan, threads in (("serial", 1), ("parallel", 2)))
     assert abs(one - other).max() < 1e-11
 

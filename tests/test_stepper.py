@@ -108,7 +108,7 @@ def test_frames_keep_their_beat(clock, apart):
 def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
     """Judged a frame at a time, it is lost from the same sample on, in the same words, and stays so."""
     scene = replace(SCENE, cells=40, ppc=1)
-    result = run(scene)
+    result = run(scene, prices=False)
     with one_session(Wish(1, 1, scene, True, 0.5 * scene.period, 0, 0, "")) as session:
         reports = []
         while not reports or reports[-1].time < scene.end_time:

@@ -153,12 +153,15 @@ def test_what_is_usual_is_compiled_unasked():
     assert not os.path.exists(f"/proc/{last}")
 
 
-def test_a_successor_whose_parent_has_ended_says_nothing(monkeypatch, capfd):
-    """As Ctrl-C while the server warms up leaves one: it ends, without a word."""
+@pytest.mark.parametrize("done", [False, True])
+def test_a_successor_whose_parent_has_ended_says_nothing(done, monkeypatch, capfd):
+    """As Ctrl-C while the server warms up leaves one: it ends, without a word, also if it was done and is not heard."""
     monkeypatch.setattr(successor, "_compile", len)
     log = logging.getLogger(successor.__name__)
     monkeypatch.setattr(log, "exception", lambda *_: os.write(2, b"what it would log"))  # elsewhere in a test
     left = successor.fork([SCENE], asked_for=True)
+    if done:
+        assert left.pipe.poll(PATIENCE)
     left.pipe.close()
     until(lambda: ended(left._process_id), "its end")
     os.waitpid(left._process_id, 0)

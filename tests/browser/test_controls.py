@@ -67,11 +67,13 @@ def click_boxes(page, field, names, choices, labels):
 
 
 def click_all_boxes(page, kind):
-    """Every box of the estimators, the remedies and the effects of this kind of scene, estimators first, until there
-    are none: what follows compiles faster. Frozen weights stand alone, and so go before the other remedies come."""
+    """Every box of the estimators, the remedies and the effects of this kind of scene, estimators first, those that are
+    there until there are none, then each other alone: that compiles faster, and so does what follows. Frozen weights
+    stand alone, and so go before the other remedies come."""
     estimators, remedies, effects = (kind.choices(field) for field in ("estimators", "remedies", "effects"))
-    absent = [name for name in estimators if name not in scene(page)["estimators"]]
-    click_boxes(page, "estimators", [*absent, *estimators], estimators,
+    present = scene(page)["estimators"]
+    alone = [name for name in estimators if name not in present for _ in ("on", "off")]
+    click_boxes(page, "estimators", [*present, *alone], estimators,
                 {name: estimator.title for name, estimator in ESTIMATORS.items()})
     together = [name for name in remedies if name != FROZEN]
     click_boxes(page, "remedies", [FROZEN, FROZEN, *together], remedies,
