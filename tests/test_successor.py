@@ -158,7 +158,7 @@ def test_a_successor_whose_parent_has_ended_says_nothing(monkeypatch, capfd):
     monkeypatch.setattr(successor, "_compile", len)
     log = logging.getLogger(successor.__name__)
     monkeypatch.setattr(log, "exception", lambda *_: os.write(2, b"what it would log"))  # elsewhere in a test
-    left = successor.fork([SCENE], asked_for=True)
+    left = successor.fork([SCENE], asked_for=True, prepare=str)
     left.pipe.close()
     until(lambda: ended(left._process_id), "its end")
     os.waitpid(left._process_id, 0)
