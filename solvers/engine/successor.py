@@ -101,7 +101,7 @@ def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None
         theirs.send(TAKEN)
         theirs.close()
         return estate
-    except (BrokenPipeError, EOFError):  # the parent has ended: nobody waits for what has been compiled
+    except (ConnectionError, EOFError):  # the parent has ended: nobody waits for what has been compiled
         os._exit(1)
     except BaseException as error:
         if isinstance(error, MemoryError):
