@@ -65,7 +65,7 @@ def test_a_successor_has_solvers_in_place_for_what_it_will_get(monkeypatch):
     """It keeps those of scenes that have not changed since it forked, builds the others, and leaves out one that cannot
     be built: whoever asks for that again will be told."""
     other, bad, closed = replace(SCENE, cells=24), replace(SCENE, cells=25), []
-    monkeypatch.setattr(gc, "freeze", lambda: None)  # of the test's process nothing
+    monkeypatch.setattr(gc, "freeze", lambda: None)  # nothing of the test's process
 
     def build(scene):
         assert scene != bad
@@ -89,3 +89,29 @@ def test_frames_are_late_when_those_of_most_stages_that_move_are(late, all_late)
                         for k, is_late in enumerate(late)}
     engine._pair()
     assert engine._late is all_late
+
+
+@pytest.mark.parametrize(("late", "waits", "compiled", "rests"), [
+    (True, False, (), [False, False, True]),  # in the first fifth of each second it works all the same
+    (False, False, (), [False] * 3), (True, True, (), [False] * 3), (True, False, (SCENE,), [False] * 3)])
+def test_what_nobody_waits_for_is_compiled_in_what_time_is_left(late, waits, compiled, rests, monkeypatch):
+    """A successor that compiles what is usual rests while frames are late; not one that a visitor waits for, nor one
+    that is about to take over."""
+    clock, told = SimpleNamespace(now=0.0), []
+    monkeypatch.setattr(worker, "perf_counter", lambda: clock.now)
+    engine = Worker(Pipe())
+    engine._late, engine._waiting = late, {1: wish(1)} if waits else {}
+    engine._successor = SimpleNamespace(scenes=[SCENE], compiled=compiled, rest=told.append)
+    for clock.now in (7.0, 7.0 + 0.9 * worker.SPARE, 7.0 + 1.1 * worker.SPARE):
+        assert not engine._compile_aside()
+    assert told == rests
+
+
+def test_what_is_wanted_lets_a_successor_finish_that_is_about_to_take_over():
+    """Though what it has compiled is something else, and nobody waits for that."""
+    ends, other = [], replace(SCENE, estimators=("companion",))
+    engine = Worker(Pipe())
+    engine._waiting = {1: wish(1)}
+    engine._successor = SimpleNamespace(scenes=[other], compiled=(other,), rest=lambda _: None,
+                                        end=lambda: ends.append(1))
+    assert not engine._compile_aside() and not ends

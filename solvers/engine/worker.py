@@ -163,9 +163,10 @@ class Worker:
         """
         wanted = [wish.scene for wish in self._waiting.values()]
         if self._successor:
-            if not wanted or combination(self._successor.scenes[0]) in map(combination, wanted):
-                spare = bool(wanted or self._successor.compiled) or not self._late
-                self._successor.rest(not spare and perf_counter() % 1.0 > SPARE)
+            soon = bool(self._successor.compiled)  # it prepares to take over: what is wanted now comes next
+            if soon or not wanted or combination(self._successor.scenes[0]) in map(combination, wanted):
+                urgent = soon or bool(wanted) or not self._late
+                self._successor.rest(not urgent and perf_counter() % 1.0 > SPARE)
                 return False
             self._successor.end()
             self._successor = None
@@ -214,6 +215,7 @@ class Worker:
         for stepper in self._steppers.values():  # as they were when it forked
             stepper.close()
         self._steppers.clear()
+        gc.unfreeze()
         gc.collect()
         gc.freeze()
 
