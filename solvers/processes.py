@@ -19,6 +19,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import IO, cast
 
 START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); import solvers.processes as p; p.serve(sys.argv[2])"
@@ -218,6 +219,28 @@ def die_with_parent(wanted: bool) -> None:
 def _process_control(option: int, value: int) -> None:
     if LINUX:
         ctypes.CDLL(None).prctl(option, value)
+
+
+def descendants(process: int) -> list[int]:
+    """The numbers of the processes that a process has started, and of those that these have (Linux)."""
+    below: dict[int, list[int]] = {}
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has ended
+            parent = int(status.read_text().rpartition(")")[2].split()[1])
+            below.setdefault(parent, []).append(int(status.parent.name))
+    found = [process]
+    for parent in found:  # which grows meanwhile
+        found += below.get(parent, [])
+    return found[1:]
+
+
+def proportional_bytes(process: int) -> int:
+    """Memory that a process holds, and its part of what it shares with others (Linux); 0 of one that has ended."""
+    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+        for line in Path(f"/proc/{process}/smaps_rollup").read_text().splitlines():
+            if line.startswith("Pss:"):
+                return 1024 * int(line.split()[1])
+    return 0
 
 
 def free_port() -> int:

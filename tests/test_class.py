@@ -8,7 +8,8 @@ import pytest
 
 from app.cli import main
 from app.commands.class_load import SCHEMA, Load, class_load, class_table
-from app.commands.visitor import Control, Visitor
+from app.commands.visitor import BROKEN, Control, Visitor
+from solvers.processes import LINUX
 
 VISITORS, SECONDS = 3, 4.0
 
@@ -27,18 +28,22 @@ def test_all_see_a_moving_picture(found):
     # At 30 frames a second each on a machine at rest; what others leave of a busy one is shared fairly.
     assert 1 < found["frames_slowest"] <= found["frames_median"] < 35
     assert found["slowest_of_median"] == found["frames_slowest"] / found["frames_median"] > 0.5
-    assert found["standstill_longest"] < found["seconds"]
+    assert found["standstill_longest"] < found["seconds"] and found["standstill_own_longest"] < found["seconds"]
+    assert len(found["memory"]) == 3 and all(min(moment["server"], moment["engines"]) > 2e7  # as numpy alone takes
+                                             for moment in found["memory"]) if LINUX else found["memory"] is None
     assert json.loads(json.dumps(found, allow_nan=False)) == found
 
 
 def test_a_table_for_a_person(found):
     table = class_table(found)
     for words in (f"{VISITORS} visitors for {SECONDS:g} s", f"{VISITORS} of {VISITORS}", "frames a second each",
-                  "(slowest)", "longest standstill", "connections lost       0"):
+                  "(slowest)", "longest standstill", "connections lost       0",
+                  "after a visitor's own choice", *["megabytes held", "(at first, half way, at last)"] * LINUX):
         assert words in table
     assert max(map(len, table.splitlines())) <= 120
-    nobody = {**found, "moving": 0, "joined_median": None, "joined_95": None, "lost": ["refused"]}
+    nobody = {**found, "moving": 0, "joined_median": None, "joined_95": None, "lost": ["refused"], "memory": None}
     assert "after none" in class_table(nobody) and "lost       1; refused" in class_table(nobody)
+    assert "megabytes" not in class_table(nobody)
 
 
 def test_frames_are_counted_between_two_times():
@@ -48,10 +53,31 @@ def test_frames_are_counted_between_two_times():
     assert visitor.rate(1.0, 3.0) == 2 / 1.5 and visitor.standstill(1.0, 2.0) == 0.5
     visitor.notice = "9"  # and not after the last one
     assert visitor.standstill(0.0, 8.0) == 2.0
+    visitor._read("9", "")  # said before the first frame of the run that was asked for came
+    visitor.frames.append(7.0)
+    assert visitor.standstill(0.0, 8.0) == 2.0
     visitor.controls["7"] = Control("GuiSliderMessage", {"label": "Cells, h = 1/40"})
     visitor.controls["8"] = Control("GuiTextMessage", {"label": "Cells, typed"})
     assert (visitor.find("Cells", "Slider"), visitor.find("Cells", "Text"), visitor.find("Cells", "Button")) == \
         ("7", "8", None)
+
+
+def test_a_notice_between_two_frames_tells_why_they_are_apart():
+    """Whether the last frame comes before the page says that the run has broken down, or after."""
+    visitor = Visitor("nowhere", frames=[0.0])
+    visitor._read("9", f"<div {BROKEN}>")
+    visitor.frames.append(4.0)
+    visitor._read("9", "")
+    visitor.frames += [5.0, 9.0]
+    assert visitor.standstill(0.0, 9.0) == 4.0 and visitor.broken == {1, 2}
+
+
+def test_whose_choice_it_was_that_a_stage_stood_still_for():
+    """Its visitor's own, if the standstill contains that or begins with a frame that was on its way meanwhile."""
+    visitor = Visitor("nowhere", frames=[0.0, 0.5, 1.0, 3.0, 3.5, 5.0, 6.1], choices=[0.9])
+    assert visitor.standstill(0.0, 6.1, own=True) == 2.0 and visitor.standstill(0.0, 6.1) == 1.5
+    visitor.choices.append(4.0)
+    assert visitor.standstill(0.0, 6.1) == pytest.approx(1.1) and visitor.standstill(0.0, 3.0) == 0.5
 
 
 @pytest.mark.parametrize(("flags", "says"), [

@@ -105,6 +105,39 @@ def test_frames_keep_their_beat(clock, apart):
     assert np.diff(times).min() > 0.45 * apart
 
 
+def test_frames_are_late_when_they_come_too_seldom(clock):
+    """At 20 a second instead of 30, and no longer once they come in time; a pause is nobody's fault."""
+    with one_session(Wish(1, 1, SCENE, True, 1e-6, 0, 0, "")) as session:
+        def frames(apart, count=20):
+            for _ in range(count):
+                clock.now += apart
+                while not session.ready:
+                    clock.now += 1e-3
+                session.frame()
+                memory.clear(session._block)
+            return session.late
+
+        assert not frames(0.005)
+        assert frames(0.05)
+        assert not frames(0.005)
+        for playing in (False, True):
+            session.accept(replace(session.wish, playing=playing))
+            assert not frames(60.0, 1)
+
+
+def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
+    """If that is of its scene; it has the state of the one before either way."""
+    with one_session(Wish(1, 1, SCENE, False, 1.0, 0, 5, "")) as session:
+        session.accept(replace(session.wish, single_steps=12))
+        right, wrong = BarSolver(SCENE), BarSolver(replace(SCENE, cells=24))
+        for prepared in (right, wrong, None):
+            heir = Stepper.resumed(session.state(), prepared)
+            assert (heir.solver is prepared) == (prepared is right) and heir.solver.scene == SCENE
+            assert heir.solver.step == session.solver.step == 7
+            np.testing.assert_array_equal(heir.solver.snapshot().position, session.solver.snapshot().position)
+            heir.close()
+
+
 def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
     """Judged a frame at a time, it is lost from the same sample on, in the same words, and stays so."""
     scene = replace(SCENE, cells=40, ppc=1)

@@ -153,15 +153,33 @@ def test_what_is_usual_is_compiled_unasked():
     assert not os.path.exists(f"/proc/{last}")
 
 
-@pytest.mark.parametrize("done", [False, True])
-def test_a_successor_whose_parent_has_ended_says_nothing(done, monkeypatch, capfd):
-    """As Ctrl-C while the server warms up leaves one: it ends, without a word, also if it was done and is not heard."""
+def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
+    """It has compiled two scenes of three and prepared for what was announced; then it stands still when it is told,
+    goes on when it is told, and does not keep its parent waiting."""
+    monkeypatch.setattr(successor, "_compile", lambda scenes: 2)
+    prepared = []
+    heir = successor.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
+    if not isinstance(heir, successor.Successor):  # the child
+        os._exit(int(prepared == ["coming"] and heir == "all"))
+    until(lambda: heir.ready(lambda: "coming"), "its preparations")
+    assert heir.compiled == [SCENE] * 2 and prepared == []
+    for rests in (True, False, True):
+        heir.rest(rests)
+        until(lambda rests=rests: (state(heir._process_id) == "T") == rests, "obedience")
+    heir.take_over("all")
+    assert os.waitstatus_to_exitcode(os.waitpid(heir._process_id, 0)[1]) == 1
+    heir.pipe.close()
+
+
+@pytest.mark.parametrize("answered", [False, True])
+def test_a_successor_whose_parent_has_ended_says_nothing(answered, monkeypatch, capfd):
+    """As Ctrl-C while the server warms up leaves one: it ends, without a word, also if it had answered unheard."""
     monkeypatch.setattr(successor, "_compile", len)
     log = logging.getLogger(successor.__name__)
     monkeypatch.setattr(log, "exception", lambda *_: os.write(2, b"what it would log"))  # elsewhere in a test
-    left = successor.fork([SCENE], asked_for=True)
-    if done:
-        assert left.pipe.poll(PATIENCE)
+    left = successor.fork([SCENE], asked_for=True, prepare=str)
+    if answered:
+        until(left.pipe.poll, "its answer")
     left.pipe.close()
     until(lambda: ended(left._process_id), "its end")
     os.waitpid(left._process_id, 0)

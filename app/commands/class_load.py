@@ -7,20 +7,22 @@ import signal
 import statistics
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from time import monotonic
-from typing import Any
+from typing import IO, Any
 
 from app.commands.visitor import Visitor
-from solvers.processes import free_port
+from solvers.processes import LINUX, descendants, free_port, proportional_bytes
 
 SCHEMA = "mpm-lab/class/1"
 JOINING = 5.0  # seconds within which all come
 PAUSES = (2.0, 6.0)  # seconds between two moves of a slider, least and most
 SLIDERS = ("Cells", "Particles / cell", "Amplitude A", "Modulus E", "CFL number")  # beginnings of their labels
 GOODBYE = 10.0  # seconds that the server may take to end
+MEGABYTE = 1e6
 
 
 @dataclass(frozen=True)
@@ -33,8 +35,8 @@ class Load:
 
 
 @contextmanager
-def serving(*arguments: str) -> Iterator[str]:
-    """A server of the page in a process of its own: its address (host:port)."""
+def serving(*arguments: str) -> Iterator[tuple[str, int]]:
+    """A server of the page in a process of its own: its address (host:port) and the number of the process."""
     port = free_port()
     command = [sys.executable, "-m", "app", "serve", "--port", str(port), *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
@@ -43,39 +45,49 @@ def serving(*arguments: str) -> Iterator[str]:
         line = process.stderr.readline()
         if not line.startswith("mpm-lab is at"):
             raise RuntimeError(f"the server did not start: {line.strip()}")
-        yield f"127.0.0.1:{port}"
+        # A pipe that nobody reads fills up, and the server would stand still at its next warning.
+        threading.Thread(target=_drain, args=(process.stderr,), daemon=True).start()
+        yield f"127.0.0.1:{port}", process.pid
     finally:
         process.send_signal(signal.SIGINT)
         with suppress(subprocess.TimeoutExpired):
             process.wait(GOODBYE)
         process.kill()
-        process.stderr.close()
+
+
+def _drain(lines: IO[str]) -> None:
+    with lines:
+        for _ in lines:
+            pass
 
 
 def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
     """Have a class use a server, and say what its visitors got."""
-    with serving("--max-sessions", str(load.visitors)) as address:
-        return asyncio.run(_attend(address, load, on_progress))
+    with serving("--max-sessions", str(load.visitors)) as (address, server):
+        return asyncio.run(_attend(address, server, load, on_progress))
 
 
-async def _attend(address: str, load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
+async def _attend(address: str, server: int, load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
     dice = random.Random(load.seed)
     visitors = [Visitor(address) for _ in range(load.visitors)]
     visits = [asyncio.create_task(_visit(visitor, random.Random(dice.random()))) for visitor in visitors]
     try:
         await asyncio.sleep(2 * JOINING)
-        begin = monotonic()
+        begin, memory = monotonic(), [memory_held(server)]
         while (done := (monotonic() - begin) / load.seconds) < 1:
             on_progress(done)
-            await asyncio.sleep(min(1.0, load.seconds - (monotonic() - begin)))
+            if done > 0.5 and len(memory) == 1:
+                memory.append(memory_held(server))
+            await asyncio.sleep(min(1.0, load.seconds / 4, begin + load.seconds - monotonic()))
         end = monotonic()
+        memory.append(memory_held(server))
     finally:
         for visit in visits:
             visit.cancel()
         ended = await asyncio.gather(*visits, return_exceptions=True)
     on_progress(1.0)
     lost = [str(error) for error in ended if error and not isinstance(error, asyncio.CancelledError)]
-    return report(visitors, begin, end, lost)
+    return {**report(visitors, begin, end, lost), "memory": None if None in memory else memory}
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
@@ -93,6 +105,15 @@ async def _visit(visitor: Visitor, dice: random.Random) -> None:
         stay.cancel()
 
 
+def memory_held(server: int) -> dict[str, int] | None:
+    """Bytes that a server holds, and that its engines and all their compilers do; what several share counts once. None
+    where the system does not tell."""
+    if not LINUX:
+        return None
+    engines = sum(proportional_bytes(process) for process in descendants(server))
+    return {"server": proportional_bytes(server), "engines": engines}
+
+
 def report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
     """What visitors got between two times, while their runs went on. ``lost`` has a reason for each visit that has
     ended by itself."""
@@ -104,7 +125,9 @@ def report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -
             "joined_95": joined[max(0, round(0.95 * len(joined)) - 1)] if joined else None,
             "frames_median": statistics.median(rates), "frames_slowest": rates[0],
             "slowest_of_median": rates[0] / statistics.median(rates) if rates[-1] else None,
-            "standstill_longest": max(visitor.standstill(begin, end) for visitor in visitors), "lost": lost}
+            "standstill_longest": max(visitor.standstill(begin, end) for visitor in visitors),
+            "standstill_own_longest": max(visitor.standstill(begin, end, own=True) for visitor in visitors),
+            "lost": lost}
 
 
 def class_table(found: dict[str, Any]) -> str:
@@ -117,6 +140,11 @@ def class_table(found: dict[str, Any]) -> str:
              f"  a moving picture       {found['moving']} of {found['visitors']}; half of them after "
              f"{seconds(found['joined_median'])}, 95 % after {seconds(found['joined_95'])}",
              f"  frames a second each   {found['frames_median']:.1f} (median), {found['frames_slowest']:.1f} (slowest)",
-             f"  longest standstill     {seconds(found['standstill_longest'])}",
+             f"  longest standstill     {seconds(found['standstill_longest'])}; "
+             f"{seconds(found['standstill_own_longest'])} after a visitor's own choice",
              f"  connections lost       {len(found['lost'])}" + "".join(f"; {reason}" for reason in found["lost"][:3])]
+    if memory := found["memory"]:
+        rooms = (f"{name} " + ", ".join(f"{moment[name] / MEGABYTE:.0f}" for moment in memory)
+                 for name in ("server", "engines"))
+        lines.append(f"  megabytes held         {'; '.join(rooms)} (at first, half way, at last)")
     return "\n".join(lines)

@@ -19,6 +19,7 @@ CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position
           "near": 1.0, "far": 400.0, "image_height": 640, "image_width": 760, "look_at": (0.5, 0.5, 0.0),
           "up_direction": (0.0, 1.0, 0.0)}
 LARGEST = 50 * 2**20  # bytes of a message
+ON_ITS_WAY = 0.25  # seconds after a choice in which a frame may come that was sent before it
 
 
 def unpacked(raw: bytes) -> list[dict[str, Any]]:
@@ -47,6 +48,7 @@ class Visitor:
     address: str
     asked: float = 0.0  # when it knocked
     frames: list[float] = field(default_factory=list)  # when they came
+    choices: list[float] = field(default_factory=list)  # when it has set a control
     broken: set[int] = field(default_factory=set)  # before which of them it was said that the run has broken down
     notice: str = ""  # the number of the text that says so now
     controls: dict[str, Control] = field(default_factory=dict)  # by their number
@@ -67,6 +69,7 @@ class Visitor:
 
     async def move(self, control: str, value: Any) -> None:
         """Set the control with this number."""
+        self.choices.append(monotonic())
         await self.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
 
     def find(self, label: str, kind: str = "") -> str | None:
@@ -83,20 +86,22 @@ class Visitor:
 
     def rate(self, begin: float, end: float) -> float | None:
         """Frames a second between two times, while there was something to see; None if there never was."""
-        seconds = sum(self._pauses(begin, end))
+        seconds = sum(until - since for since, until in self._pauses(begin, end))
         seen = sum(begin <= at < end for k, at in enumerate(self.frames) if k not in self.broken)
         return seen / seconds if seconds else None
 
-    def standstill(self, begin: float, end: float) -> float:
-        """The longest time without a frame between two times, in s."""
-        return max(self._pauses(begin, end), default=0.0)
+    def standstill(self, begin: float, end: float, own: bool = False) -> float:
+        """The longest time without a frame between two times, in s, of those that followed a choice of its ``own``, or
+        of all others."""
+        return max((until - since for since, until in self._pauses(begin, end)
+                    if own == any(since - ON_ITS_WAY < choice < until for choice in self.choices)), default=0.0)
 
-    def _pauses(self, begin: float, end: float) -> list[float]:
-        """Seconds from frame to frame between two times, but for those in which a run had broken down: it stands still
+    def _pauses(self, begin: float, end: float) -> list[tuple[float, float]]:
+        """From when to when there was no frame between two times, but for where a run had broken down: it stands still
         until the visitor asks for something else."""
         times = [-math.inf, *self.frames, math.inf]
         broken = self.broken | ({len(self.frames)} if self.notice else set())
-        return [min(later, end) - max(earlier, begin) for k, (earlier, later) in enumerate(pairwise(times))
+        return [(max(earlier, begin), min(later, end)) for k, (earlier, later) in enumerate(pairwise(times))
                 if later > begin and earlier < end and k not in broken]
 
     def _take(self, raw: bytes) -> None:
@@ -122,5 +127,6 @@ class Visitor:
         if BROKEN in str(content):
             self.notice = text
             self.broken.add(len(self.frames))
-        elif content is not None and text == self.notice:
+        elif content is not None and text == self.notice:  # the page may say so before the first frame of another run
+            self.broken.add(len(self.frames))
             self.notice = ""

@@ -14,11 +14,13 @@ from solvers.engine.messages import FrameReport, Wish
 from solvers.engine.verdict import Verdict
 from solvers.run import build
 from solvers.scene import MOST_STEPS
+from solvers.solver import Solver
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn and frame: shorter ones then
 SHORTEST_SLICE = 0.0004  # some ten launches' worth
-FRAME_WEIGHT = 0.1  # of the last frame in what frames cost
+FRAME_WEIGHT = 0.1  # of the last frame in what frames cost, and in how late they go out
+LATE = 0.25  # of the time between two frames, by which they are then late
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
@@ -37,7 +39,7 @@ class Stepper:
     def __init__(self, wish: Wish):
         self.wish = wish
         self.sessions = 1  # that share the engine and move
-        self._seconds_a_frame = 0.0
+        self._seconds_a_frame = self._lateness = 0.0
         self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
         self._block = _attach(wish.memory)
         frames.clear(self._block)  # of what an engine has left there that has died
@@ -94,11 +96,12 @@ class Stepper:
                 "solver": self.solver.state()}
 
     @classmethod
-    def resumed(cls, state: dict[str, Any]) -> "Stepper":
-        """The stepper that had this state, to the bit."""
-        stepper = cls.__new__(cls)
-        vars(stepper).update(state, solver=build(state["wish"].scene), partner=None, _put_back=None,
-                             _block=_attach(state["wish"].memory))
+    def resumed(cls, state: dict[str, Any], prepared: Solver | None) -> "Stepper":
+        """The stepper that had this state, to the bit. A solver that has been ``prepared`` is taken if it is of the
+        scene."""
+        stepper, scene = cls.__new__(cls), state["wish"].scene
+        solver = prepared if prepared and prepared.scene == scene else build(scene)
+        vars(stepper).update(state, solver=solver, partner=None, _put_back=None, _block=_attach(state["wish"].memory))
         stepper.solver.put(*state["solver"])
         return stepper
 
@@ -158,6 +161,8 @@ class Stepper:
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference),
             plotted=self.wish.plotted, anatomy=self._anatomy if self.wish.dissected is not None else None)
+        if not self._frame_wanted:  # else it may have stood still since it was due
+            self._lateness += FRAME_WEIGHT * (now - self._due - self._lateness)
         self._rows = [report.rows[:0]]
         self._fresh, self._frame_wanted = False, False
         # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is
@@ -166,6 +171,11 @@ class Stepper:
         self._due = min(max(self._due + apart, now + 0.5 * apart), now + apart)
         self._seconds_a_frame += FRAME_WEIGHT * (perf_counter() - now - self._seconds_a_frame)
         return report
+
+    @property
+    def late(self) -> bool:
+        """Whether frames have lately gone out later than was asked for."""
+        return self._lateness > LATE * self.wish.frame_seconds
 
     @property
     def _unseen(self) -> bool:

@@ -2,15 +2,16 @@
 
 Taichi compiles in the one thread that also runs, and no process sees what another has compiled since it started; but a
 forked child has all that its parent had. So nobody's stage waits for a compiler: the engine forks, goes on stepping
-everybody, hands all sessions over to the child when that is ready, and leaves. Linux only: elsewhere an engine compiles
-where it stands.
+everybody, hands all sessions over to the child when that is ready, and leaves. The child is told beforehand what it
+will get, and puts solvers in place for that while the engine still goes on: those of thirty visitors take up to half a
+second, in which no stage would move. Linux only: elsewhere an engine compiles where it stands.
 """
 
 import logging
 import multiprocessing
 import os
 import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from time import monotonic
@@ -21,7 +22,7 @@ from solvers.run import build
 from solvers.scene import Scene
 
 POSSIBLE = processes.LINUX
-TAKEN = "taken over"
+PREPARED, TAKEN = "prepared", "taken over"
 LONG_ENOUGH = 3.0  # seconds of compiling after which what is there is handed over
 
 
@@ -31,21 +32,34 @@ class Successor:
 
     def __init__(self, process_id: int, pipe: Connection, scenes: Sequence[Scene], asked_for: bool):
         self.scenes, self.asked_for, self.pipe = scenes, asked_for, pipe
-        self._process_id = process_id
+        self.compiled: Sequence[Scene] = ()  # those that it has done with
+        self._process_id, self._rests = process_id, False
 
-    def compiled(self) -> list[Scene] | None:
-        """The scenes that it has compiled when it can take over, None before. Raises EOFError when it has died of it,
-        and MemoryError when that is why it could not."""
+    def ready(self, announced: Callable[[], Any]) -> bool:
+        """Whether it can take over. Once it has compiled it is told what is ``announced``, and prepares for that.
+        Raises EOFError when it has died of its work, and MemoryError when that is why it could not do it."""
         if not self.pipe.poll(0):
-            return None
+            return False
         answer = self.pipe.recv()
         if isinstance(answer, MemoryError):
             raise answer
-        return list(self.scenes[:answer])
+        if answer == PREPARED:
+            return True
+        self.compiled = self.scenes[:answer]
+        self.pipe.send(announced())
+        return False
+
+    def rest(self, wanted: bool) -> None:
+        """Have it do nothing for now, or go on."""
+        if wanted != self._rests:
+            self._rests = wanted
+            with suppress(ProcessLookupError):  # its end will be noticed
+                os.kill(self._process_id, signal.SIGSTOP if wanted else signal.SIGCONT)
 
     def take_over(self, estate: Any) -> None:
         """Hand everything over. When this returns the parent must touch nothing more and leave; raises EOFError or
         OSError if the child died: then all is still the parent's."""
+        self.rest(False)
         self.pipe.send(estate)
         self.pipe.recv()
 
@@ -57,8 +71,9 @@ class Successor:
         self.pipe.close()
 
 
-def fork(scenes: Sequence[Scene], asked_for: bool) -> Successor | Any:
-    """Fork a successor that compiles what the scenes need, or the first of them that fit into a short time.
+def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> Successor | Any:
+    """Fork a successor that compiles what the scenes need, or the first of them that fit into a short time, and then
+    calls ``prepare`` with what is announced to it.
 
     Returns twice: at once, in the parent, with the :class:`Successor`; and, when the parent leaves, in the child, with
     the estate that it was given. A child that cannot compile logs why and ends. One that nobody waits for yields to
@@ -78,6 +93,8 @@ def fork(scenes: Sequence[Scene], asked_for: bool) -> Successor | Any:
         if not asked_for:
             os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
         theirs.send(_compile(scenes))
+        prepare(theirs.recv())
+        theirs.send(PREPARED)
         estate = theirs.recv()
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         processes.die_with_parent(False)

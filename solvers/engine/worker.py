@@ -1,10 +1,13 @@
 """The engine process: one thread that does everything with Taichi, and one pipe to the page.
 
 Sessions are served in fair turns: each that is behind its clock gets one short slice, then the next. Wishes are
-read before every turn, so a dragged slider never leaves stale work in a queue. What has to be compiled first is left to
-a successor, who then takes over; what visitors usually ask for is compiled before they do.
+read before every round, and of a session's only the last counts, so a dragged slider never leaves stale work in a
+queue; when many sessions wish at once, some wait for the next round, so that no stage stands still for the others'
+new scenes. What has to be compiled first is left to a successor, who then takes over; what visitors usually ask for is
+compiled before they do.
 """
 
+import gc
 import logging
 import os
 import signal
@@ -23,9 +26,12 @@ from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
 from solvers.run import build
 from solvers.scene import Scene
+from solvers.solver import Solver
 from solvers.switches import combination
 
 IDLE_SECONDS = 0.5
+WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
+SPARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
 NO_MEMORY = "this scene needs more memory than there is: choose fewer particles"
 FAILED = "the simulation of this scene failed; change a setting"
 
@@ -54,19 +60,23 @@ class Worker:
         self._pipe, self._compiled = pipe, set(compiled)
         self._usual = list(usual)
         self._steppers: dict[int, Stepper] = {}
+        self._wishes: dict[int, Wish] = {}  # that have been read, and not been acted on, by session
         self._waiting: dict[int, Wish] = {}  # for the compiler, by session
+        self._prepared: dict[int, Solver] = {}  # in a successor, for sessions that it will get
         self._successor: Successor | None = None
+        self._late = False  # whether most sessions that move get their frames late
 
     def serve(self) -> None:
         """Until a successor has taken over; raises EOFError when the page has gone."""
         while True:
             self._read_messages()
+            self._fulfil()
             self._pair()
             busy = [self._serve_one(stepper) for stepper in list(self._steppers.values())]
             if self._successor and self._handed_over(self._successor):
                 return
             inherited = successor.POSSIBLE and self._compile_aside()
-            if not any(busy) and not inherited:
+            if not (any(busy) or inherited or self._wishes):
                 self._wait()
 
     def _serve_one(self, stepper: Stepper) -> bool:
@@ -92,19 +102,23 @@ class Worker:
         connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _read_messages(self) -> None:
-        """Take all messages; of a session's wishes only the last counts."""
-        wishes: dict[int, Wish] = {}
+        """Take all messages; of a session's wishes only the last counts, in the place of the first."""
         while self._pipe.poll(0):
             message = self._pipe.recv()
             match message:
                 case Wish():
-                    wishes[message.session] = message
+                    self._wishes[message.session] = message
                 case None:
                     raise EOFError  # the pool closes
                 case Goodbye():
-                    wishes.pop(message.session, None)
+                    self._wishes.pop(message.session, None)
                     self._drop(message.session)
-        for wish in wishes.values():
+
+    def _fulfil(self) -> None:
+        """Act on wishes, the oldest first, for a short time: the others wait for the next round."""
+        begun = perf_counter()
+        while self._wishes and perf_counter() - begun < WISHES_SECONDS:
+            wish = self._wishes.pop(next(iter(self._wishes)))
             self._contain(wish, partial(self._accept, wish))
 
     def _accept(self, wish: Wish) -> None:
@@ -133,7 +147,8 @@ class Worker:
 
     def _pair(self) -> None:
         """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed."""
-        moving = sum(stepper.running for stepper in self._steppers.values())
+        running = [stepper.late for stepper in self._steppers.values() if stepper.running]
+        moving, self._late = len(running), 2 * sum(running) > len(running)
         for stepper in self._steppers.values():
             stepper.partner, stepper.sessions = None, max(1, moving)
         for stepper in self._steppers.values():
@@ -141,20 +156,24 @@ class Worker:
                 stepper.partner, partner.partner = partner, stepper
 
     def _compile_aside(self) -> bool:
-        """Have a successor compile what a visitor waits for, or else what is usual: that is given up for a visitor.
+        """Have a successor compile what a visitor waits for, or else what is usual: that is given up for a visitor, and
+        does little while frames come late.
 
         Says whether this process is the successor and has taken over just now.
         """
         wanted = [wish.scene for wish in self._waiting.values()]
         if self._successor:
-            if not wanted or combination(self._successor.scenes[0]) in map(combination, wanted):
+            soon = bool(self._successor.compiled)  # it prepares to take over: what is wanted now comes next
+            if soon or not wanted or combination(self._successor.scenes[0]) in map(combination, wanted):
+                urgent = soon or bool(wanted) or not self._late
+                self._successor.rest(not urgent and perf_counter() % 1.0 > SPARE)
                 return False
             self._successor.end()
             self._successor = None
         elif not wanted and self._usual:
             self._usual = [scene for scene in self._usual if combination(scene) not in self._compiled]
         if scenes := wanted[:1] or self._usual:
-            answer = successor.fork(scenes, bool(wanted))
+            answer = successor.fork(scenes, bool(wanted), self._prepare)
             if not isinstance(answer, Successor):
                 self._inherit(*answer)
                 return True
@@ -164,11 +183,11 @@ class Worker:
     def _handed_over(self, heir: Successor) -> bool:
         """Whether the successor had compiled and has taken over everything: then this process has nothing left."""
         try:
-            compiled = heir.compiled()
-            if compiled is None:
+            if not heir.ready(lambda: {session: stepper.solver.scene for session, stepper in self._steppers.items()}):
                 return False
             states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
-            heir.take_over((states, self._waiting, self._compiled | set(map(combination, compiled)), self._usual))
+            heir.take_over((states, {**self._waiting, **self._wishes},
+                            self._compiled | set(map(combination, heir.compiled)), self._usual))
             return True
         except MemoryError:
             self._give_up(heir, NO_MEMORY)
@@ -185,21 +204,35 @@ class Worker:
             del self._waiting[wish.session]
             self._pipe.send(Trouble(wish.session, wish.number, sentence))
 
-    def _inherit(self, states: dict[int, tuple[Wish, dict]], waiting: dict[int, Wish], compiled: set[tuple],
-                 usual: list[Scene]) -> None:
-        """Take over what the engine had that this process is a fork of."""
+    def _prepare(self, announced: dict[int, Scene]) -> None:
+        """Have solvers in place for the sessions that this successor will get, while they go on elsewhere; those that
+        it had when it forked are as good as new ones. And tidy up, which takes long where much is there: what stays
+        is not looked through again."""
+        for session, scene in announced.items():
+            stepper = self._steppers.get(session)
+            with suppress(Exception):  # it will be tried again, and whoever it fails for is told
+                self._prepared[session] = stepper.solver if stepper and stepper.solver.scene == scene else build(scene)
         for stepper in self._steppers.values():  # as they were when it forked
             stepper.close()
-        self._steppers, self._waiting, self._successor = {}, waiting, None
+        self._steppers.clear()
+        gc.unfreeze()
+        gc.collect()
+        gc.freeze()
+
+    def _inherit(self, states: dict[int, tuple[Wish, dict]], wishes: dict[int, Wish], compiled: set[tuple],
+                 usual: list[Scene]) -> None:
+        """Take over what the engine had that this process is a fork of. ``wishes`` have still to be acted on, also
+        those that waited for the compiler."""
+        self._wishes, self._waiting, self._successor = wishes, {}, None
         self._compiled, self._usual = compiled, usual
         self._pipe.send(Moved(os.getpid()))
         for wish, state in states.values():
             self._contain(wish, partial(self._resume, state))
-        for wish in list(waiting.values()):
-            self._contain(wish, partial(self._accept, wish))
+        self._prepared.clear()
 
     def _resume(self, state: dict) -> None:
-        self._steppers[state["wish"].session] = Stepper.resumed(state)
+        session = state["wish"].session
+        self._steppers[session] = Stepper.resumed(state, self._prepared.get(session))
 
     def _contain(self, wish: Wish, work: Callable[[], FrameReport | None]) -> FrameReport | None:
         """Do a piece of one session's work; what goes wrong in it costs that session alone."""

@@ -64,11 +64,16 @@ class Estimator:
         return f"solvers.{problem}.estimators.{self.name.replace('-', '_')}"
 
     def exists_for(self, problem: str) -> bool:
-        return problem in self.hooks or importlib.util.find_spec(self.module(problem)) is not None
+        return problem in self.hooks or _is_there(self.module(problem))
 
     def hooks_for(self, problem: str) -> EstimatorHooks:
         """What the problem's solver calls; imports Taichi."""
         return self.hooks[problem] if problem in self.hooks else importlib.import_module(self.module(problem)).HOOKS
+
+
+@functools.cache  # every scene asks for all of them, and a look at the disk takes longer than all the rest of a scene
+def _is_there(module: str) -> bool:
+    return importlib.util.find_spec(module) is not None
 
 
 ESTIMATORS: dict[str, Estimator] = {}

@@ -1,5 +1,6 @@
 """A visitor's runs: those seen on the stage and those of small sweeps, one row each, numbered."""
 
+import functools
 import math
 import threading
 from collections.abc import Sequence
@@ -17,22 +18,23 @@ LIVE, SWEEP = "live", "sweep"
 
 @dataclass(frozen=True)
 class NumberedRun:
-    """A row (``solvers.study.row``) with its number and where it comes from."""
+    """A row (``solvers.study.row``) with its number and where it comes from. What follows from the row is found once:
+    all runs are drawn anew with every one that is added."""
 
     number: int
     source: str
     row: dict
 
-    @property
+    @functools.cached_property
     def scene(self) -> Scene:
         return Task(self.row["problem"], self.row["asked"]).scene()
 
-    @property
+    @functools.cached_property
     def error(self) -> float | None:
         """The largest RMS error of x over A, None if it is not known."""
         return self._relative(self.row.get("error") or {})
 
-    @property
+    @functools.cached_property
     def estimate(self) -> float | None:
         """The same by the first of the estimators that hold."""
         return next((self._relative(norms) for norms in (self.row.get("estimate") or {}).values()), None)

@@ -1,0 +1,117 @@
+"""The sessions of one engine, and what it does for all of them: no pipe, no page and no other process."""
+
+from __future__ import annotations
+
+import gc
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from solvers.engine import worker
+from solvers.engine.messages import Goodbye, Wish
+from solvers.engine.worker import Worker
+from tests.listening import SCENE
+
+
+class Pipe:
+    """Brings what it is given, and keeps what is sent."""
+
+    def __init__(self, *messages):
+        self.messages, self.sent = list(messages), []
+
+    def poll(self, _):
+        return bool(self.messages)
+
+    def recv(self):
+        return self.messages.pop(0)
+
+    def send(self, message):
+        self.sent.append(message)
+
+
+class Solver(SimpleNamespace):
+    """Of a scene, and made by nobody."""
+
+
+def wish(session, number=1):
+    return Wish(session, number, SCENE, True, 1.0, 0, 0, "")
+
+
+def test_when_many_wish_at_once_some_wait_for_the_next_round(monkeypatch):
+    """The oldest wishes come first, and of a session only the last; so stages move between them. Who leaves wishes
+    nothing."""
+    clock, done = SimpleNamespace(now=0.0), []
+    monkeypatch.setattr(worker, "perf_counter", lambda: clock.now)
+
+    def accept(wished):
+        clock.now += 0.4 * worker.WISHES_SECONDS
+        done.append((wished.session, wished.number))
+
+    pipe = Pipe(*map(wish, range(1, 8)), wish(2, 2))
+    engine = Worker(pipe)
+    monkeypatch.setattr(engine, "_accept", accept)
+    rounds = []
+    for late_messages in ([], [wish(5, 2), Goodbye(6)], []):
+        pipe.messages += late_messages
+        engine._read_messages()
+        engine._fulfil()
+        rounds.append(done[:])
+        done.clear()
+    assert rounds == [[(1, 1), (2, 2), (3, 1)], [(4, 1), (5, 2), (7, 1)], []]
+
+
+def test_a_successor_has_solvers_in_place_for_what_it_will_get(monkeypatch):
+    """It keeps those of scenes that have not changed since it forked, builds the others, and leaves out one that cannot
+    be built: whoever asks for that again will be told."""
+    other, bad, closed = replace(SCENE, cells=24), replace(SCENE, cells=25), []
+    monkeypatch.setattr(gc, "freeze", lambda: None)  # nothing of the test's process
+
+    def build(scene):
+        assert scene != bad
+        return Solver(scene=scene)
+
+    monkeypatch.setattr(worker, "build", build)
+    engine, kept = Worker(Pipe()), Solver(scene=SCENE)
+    engine._steppers = {session: SimpleNamespace(solver=solver, close=lambda: closed.append(1))
+                        for session, solver in ((1, kept), (2, Solver(scene=SCENE)), (3, kept))}
+    engine._prepare({1: SCENE, 2: other, 4: bad})
+    assert engine._prepared[1] is kept and engine._prepared[2].scene == other and engine._prepared.keys() == {1, 2}
+    assert not engine._steppers and len(closed) == 3
+
+
+@pytest.mark.parametrize(("late", "all_late"), [((), False), ((False,), False), ((True,), True),
+                                                ((True, False, None), False), ((True, True, False, None), True)])
+def test_frames_are_late_when_those_of_most_stages_that_move_are(late, all_late):
+    """None is a stage that stands."""
+    engine = Worker(Pipe())
+    engine._steppers = {k: SimpleNamespace(running=is_late is not None, late=bool(is_late), wish=wish(k))
+                        for k, is_late in enumerate(late)}
+    engine._pair()
+    assert engine._late is all_late
+
+
+@pytest.mark.parametrize(("late", "waits", "compiled", "rests"), [
+    (True, False, (), [False, False, True]),  # in the first fifth of each second it works all the same
+    (False, False, (), [False] * 3), (True, True, (), [False] * 3), (True, False, (SCENE,), [False] * 3)])
+def test_what_nobody_waits_for_is_compiled_in_what_time_is_left(late, waits, compiled, rests, monkeypatch):
+    """A successor that compiles what is usual rests while frames are late; not one that a visitor waits for, nor one
+    that is about to take over."""
+    clock, told = SimpleNamespace(now=0.0), []
+    monkeypatch.setattr(worker, "perf_counter", lambda: clock.now)
+    engine = Worker(Pipe())
+    engine._late, engine._waiting = late, {1: wish(1)} if waits else {}
+    engine._successor = SimpleNamespace(scenes=[SCENE], compiled=compiled, rest=told.append)
+    for clock.now in (7.0, 7.0 + 0.9 * worker.SPARE, 7.0 + 1.1 * worker.SPARE):
+        assert not engine._compile_aside()
+    assert told == rests
+
+
+def test_what_is_wanted_lets_a_successor_finish_that_is_about_to_take_over():
+    """Though what it has compiled is something else, and nobody waits for that."""
+    ends, other = [], replace(SCENE, estimators=("companion",))
+    engine = Worker(Pipe())
+    engine._waiting = {1: wish(1)}
+    engine._successor = SimpleNamespace(scenes=[other], compiled=(other,), rest=lambda _: None,
+                                        end=lambda: ends.append(1))
+    assert not engine._compile_aside() and not ends
