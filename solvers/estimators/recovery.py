@@ -18,6 +18,28 @@ TABLE = {"first": integers, "width": ti.i32, "weights": quads}  # members of a t
 MOST_GROWTH = 2.0  # amplitudes of the motion
 MOST_STEPS = 50  # of the run between two of the estimator's
 TURNS_A_LOOK = 4  # of the estimator, to one at which the sums for the verdict grow: they are of a whole run
+#: Sums over rows that are taken side by side, with the same weights: one alone waits for each addition before the next.
+#: As many as any error grid has nodes across; there are more cells than that, more particles and more radii.
+ABREAST = 3
+
+
+@ti.func
+def groups(count):
+    """How many groups of ``ABREAST`` there are to ``count`` things; the last two overlap."""
+    return (count + (ABREAST - 1)) // ABREAST
+
+
+@ti.func
+def first_of(group, count):
+    """The first thing of a group."""
+    return ti.min(group * ABREAST, count - ABREAST)
+
+
+@ti.func
+def put(field: ti.template(), place, apart, values: ti.template()):
+    """Keep what was summed side by side, the second ``apart`` behind the first."""
+    for k in ti.static(range(ABREAST)):
+        field[place + k * apart] = values[k]
 
 
 @ti.func

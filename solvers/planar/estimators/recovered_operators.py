@@ -9,7 +9,7 @@ lattice is ``closed``, a whole turn, the last angle is followed by the first.
 import taichi as ti
 
 from solvers.estimators.packing import part
-from solvers.estimators.recovery import ROUGH, SIZE, fourth_factor, row_of
+from solvers.estimators.recovery import ROUGH, SIZE, first_of, fourth_factor, groups, put, row_of
 
 # Tables. Along the radius their weights are (value, slope, value over R, nothing).
 TABLES = tuple(f"recovered_{way}_{what}_" for way in ("angular", "radial")
@@ -32,10 +32,6 @@ STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for repor
 #: Which of a weight's four numbers two vectors (x, y, x, y) are taken times.
 VALUE, SLOPE, SLOPE_AND_OVER_R = (0, 0, 0, 0), (1, 1, 1, 1), (1, 1, 2, 2)  # along the radius
 ANGULAR_VALUES, ANGULAR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
-
-#: Sums that are taken side by side, with the same weights: one alone waits for each addition before the next. As many
-#: as any error grid has nodes across; there are more particles than that, and more radii.
-ABREAST = 3
 
 
 @ti.func
@@ -95,17 +91,6 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
 
 
 @ti.func
-def groups(count):
-    """How many groups of ``ABREAST`` there are to ``count``; the last of them overlap."""
-    return (count + (ABREAST - 1)) // ABREAST
-
-
-@ti.func
-def first_of(group, count):
-    return ti.min(group * ABREAST, count - ABREAST)
-
-
-@ti.func
 def radial_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
                 apart):
     """That sum for ``ABREAST`` radii side by side, of which each has its fields ``apart`` behind the one before."""
@@ -138,13 +123,6 @@ def angular_sums(body: ti.template(), table: ti.template(), row, pick: ti.templa
         if ti.static(closed):
             entry -= ti.select(entry >= beyond, stride * count, 0)
     return one, two, three
-
-
-@ti.func
-def put(field: ti.template(), place, apart, values: ti.template()):
-    """Keep what was summed side by side."""
-    for k in ti.static(range(ABREAST)):
-        field[place + k * apart] = values[k]
 
 
 @ti.func

@@ -58,17 +58,18 @@ def element_stresses(ring: ti.template(), corner):
     """
     n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
     trial = shared.WORK * ring.companion_counts[shared.NODES] + corner
+    for i in range(n):
+        for j in range(n):
+            node = trial + i * row + j
+            ring.companion_trial[i * n + j] = ti.Vector([ring.companion_nodes[node, 0], ring.companion_nodes[node, 1]])
     stiffest = 1.0
     for i in range(n):
         R = ring.companion_radii[corner // row + i][0]
         for j in range(n):
             u_R, u_t = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
             for k in range(n):
-                d_R, d_t = ring.companion_matrices[i * n + k][0], ring.companion_matrices[j * n + k][1]
-                up, along = trial + k * row + j, trial + i * row + k
-                for c in ti.static(range(2)):
-                    u_R[c] += d_R * ring.companion_nodes[up, c]
-                    u_t[c] += d_t * ring.companion_nodes[along, c]
+                u_R += ring.companion_matrices[i * n + k][0] * ring.companion_trial[k * n + j]
+                u_t += ring.companion_matrices[j * n + k][1] * ring.companion_trial[i * n + k]
             e = ring.companion_directions[corner % row + j]
             f_R = e + u_R  # F e_R
             f_t = ti.Vector([-e[1], e[0]]) + u_t / R  # F e_theta
@@ -91,15 +92,13 @@ def element_forces(ring: ti.template(), corner):
     trial = shared.WORK * ring.companion_counts[shared.NODES] + corner
     for i in range(n):
         for j in range(n):
-            force = ti.Vector([0.0, 0.0])
+            across, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
             for k in range(n):
-                d_R, d_t = ring.companion_matrices[k * n + i][0], ring.companion_matrices[k * n + j][1]
-                for c in ti.static(range(2)):
-                    force[c] += d_R * ring.companion_stresses[k * n + j][c] \
-                        + d_t * ring.companion_stresses[i * n + k][2 + c]
+                across += ring.companion_matrices[k * n + i][0] * ring.companion_stresses[k * n + j]
+                around += ring.companion_matrices[k * n + j][1] * ring.companion_stresses[i * n + k]
             node = trial + i * row + j
             for c in ti.static(range(2)):
-                ring.companion_nodes[node, 2 + c] = ring.companion_nodes[node, 2 + c] - force[c]
+                ring.companion_nodes[node, 2 + c] = ring.companion_nodes[node, 2 + c] - (across[c] + around[2 + c])
 
 
 @ti.func
@@ -202,7 +201,8 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_numbers": np.array([frequency, 1.0, 0.0]),
         "companion_nodes": shared.initial_nodes(exact.velocity(scene, X, 0.0), inverse_mass.reshape(-1, 2), len(e)),
         "companion_radii": np.stack([R, *exact.shape(R)], axis=1), "companion_directions": e,
-        "companion_matrices": matrices.reshape(-1, 4), "companion_stresses": np.zeros((n * n, 4)),
+        "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
+        "companion_stresses": np.zeros((n * n, 4)),
         "companion_basis": basis, "companion_places": places}
 
 
@@ -236,6 +236,7 @@ HOOKS = EstimatorHooks(
         "companion_radii": quads,  # R, w, w', w'' at the radii of nodes
         "companion_directions": pairs,  # e_R at the angles of nodes
         "companion_matrices": quads,  # d/dR and d/dtheta in an element, row by row, and the weights of its points
+        "companion_trial": pairs,  # u at the points of the element at work
         "companion_stresses": quads,  # w R P e_R and w P e_theta at the points of the element at work
         "companion_basis": pairs,  # see read_particles
         "companion_places": integer_quads,
