@@ -34,37 +34,18 @@ import numpy as np
 import taichi as ti
 
 from solvers.bar import exact
+from solvers.bar.estimators import recovered_tables
+from solvers.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
 from solvers.bar.forces import tones
 from solvers.bar.nodes import stencil_of
 from solvers.estimators import recovery
 from solvers.estimators.interface import EstimatorHooks
-from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.packing import part
-from solvers.estimators.recovery import (
-    BEGUN,
-    MOVED,
-    NEW,
-    ROUGH,
-    SIZE,
-    TAU,
-    TURNS,
-    H,
-    first_of,
-    groups,
-    put,
-    row_of,
-)
+from solvers.estimators.recovery import BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H, first_of, groups, put, row_of
 from solvers.kinds import quads, reals
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
-DEGREE = 3  # of the fits
 MOST_ROUGH = 3.2  # with fits of four cells: x then comes out some 8 % too small, on bars of 16 to 20 cells
-PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
-
-#: Tables, with a weight for each component of a field: a fit (value of u, v and a, slope of u), B-splines likewise, M,
-#: C, what drives U (M of u and v, D of the fitted slope of u), and D of the slope of B-splines.
-TABLES = tuple(f"recovered_{what}_" for what in ("fit", "spread", "gather", "smoothing", "drive", "stiffness"))
-FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = TABLES
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
 #: M sin 2 pi X, M sin 4 pi X and D of the fitted slope of u.
 MOTION, GATHERED, ERRORS, FORCE = range(4)
@@ -274,7 +255,7 @@ def interval(scene):
 def allocate(scene):
     """Operators of the material line, and the reference in the initial configuration."""
     cells, per_cell = scene.cells, scene.ppc
-    tables = operators(scene)
+    tables = recovered_tables.operators(scene)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
     stride = cells + max(tables[name].width for name in (SPREAD, SMOOTHING, STIFFNESS))
     beyond = max(tables[name].width for name in (FIT, GATHER, DRIVE))
@@ -285,42 +266,6 @@ def allocate(scene):
     return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
             "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles + beyond, 4))}
-
-
-def operators(scene):
-    """The tables by name; cells are alike, and so are particles to a fit, so that most have one row of weights."""
-    cells, per_cell = scene.cells, scene.ppc
-    few = min(cells, PATTERN_CELLS)
-    line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    fit = line.fit(recovery.fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1)
-    spread = line.spread().repeated(cells, per_cell, 1)
-    gather = line.gather(4, 2).repeated(cells, 1, per_cell)
-    smoothing = line.smoothing().repeated(cells, 1, 1)
-    drive, stiffness = np.zeros((scene.particles, 4)), np.zeros((cells, 4))
-    for p, (value, slope, _) in zip(gather.first[0] + np.arange(gather.width), gather.weights[0, :, 0], strict=True):
-        p = p % scene.particles
-        drive[p, :2] += value
-        np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
-        np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,
-                  slope * spread.weights[p % per_cell, :, 0, 1])
-    rows = (in_lanes(fit, 1), in_lanes(spread, 1), in_lanes(gather, 0), in_lanes(smoothing, 0),
-            around(drive, cells), around(stiffness, cells))
-    return dict(zip(TABLES, rows, strict=True))
-
-
-def in_lanes(rows, last):
-    """The rows' value for u, v and a, and again or the slope for u."""
-    weights = rows.weights[:, :, 0]
-    return Rows(rows.first, weights[:, :, [0, 0, 0, last]])
-
-
-def around(weights, cells):
-    """The map of all nodes from that of node 0, with a weight for each column of the whole line."""
-    middle = len(weights) // 2
-    weights = np.roll(weights, middle, axis=0)
-    used = np.flatnonzero(weights.any(axis=1))
-    first = used[0] - middle + np.arange(cells) * (len(weights) // cells)
-    return Rows((first % len(weights)).astype(np.int32), weights[None, used[0]:used[-1] + 1])
 
 
 def verdict(scene, memory):

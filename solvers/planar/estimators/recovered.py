@@ -189,7 +189,8 @@ def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.t
     """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
     line, j = p // body.radius_count, p % body.radius_count
     field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.motion[p]
-    E = field - body.recovered_particles[op.particle_at(body, op.FITTED, p)] + op.radial_spread(body, line, j, op.VALUES)
+    fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
+    E = op.radial_spread(body, line, j, op.VALUES) + field - fitted
     if of_acceleration:
         body.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
     else:
@@ -202,8 +203,8 @@ def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.t
 
 @ti.func
 def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, problem: ti.template()):
-    """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted, with slopes of the first
-    where they are for a stress."""
+    """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted, the first of x and v
+    with its slopes."""
     op.radial_gather(body, op.FIELD, op.VALUE)
     op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, problem.closed)
     length = body.recovered_numbers[H]
