@@ -19,7 +19,7 @@ from solvers.bar.forces import force_at, tones
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.spectral import Elements
-from solvers.kinds import integers, octets, pairs, quads, reals
+from solvers.kinds import integers, pairs, quads, reals, rows
 
 POLYNOMIALS = 4  # order p
 
@@ -152,7 +152,7 @@ HOOKS = EstimatorHooks(
     memory={
         "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
         "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": octets,  # and the layers of nodes (4 N, 8); the bar is the first of two components
+        "companion_nodes": rows,  # and the layers of nodes (4 N, 8); the bar is the first of two components
         "companion_waves": pairs,  # sin 2 pi X and cos 2 pi X of the nodes
         "companion_matrices": pairs,  # d/dX in an element, row by row, and at each row's point the weight
         "companion_element": integers,  # the particle's element

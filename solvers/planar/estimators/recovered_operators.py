@@ -200,16 +200,17 @@ def angular_spread(body: ti.template(), closed: ti.template()):
     B = body.recovered_across
     for line in range(body.particles // body.radius_count):
         a, begin, _ = row_of(body, ANGULAR_SPREAD, line, line)
-        second, third = a + 1, a + 2
-        if ti.static(closed):
-            second, third = second % (body.recovered_count // B), third % (body.recovered_count // B)
-        w = [part(body, ANGULAR_SPREAD).weights[begin + k] for k in ti.static(range(3))]
         for b in range(B):
-            e = [body.recovered_nodes[node_at(body, ERRORS, at * B + b)] for at in ti.static((a, second, third))]
-            body.recovered_particles[line_at(body, VALUES, line, b)] = \
-                values_of(w[0]) * e[0] + values_of(w[1]) * e[1] + values_of(w[2]) * e[2]
-            body.recovered_particles[line_at(body, SLOPES, line, b)] = \
-                w[0] * twice(e[0]) + w[1] * twice(e[1]) + w[2] * twice(e[2])
+            value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+            for k in range(3):
+                w, at = part(body, ANGULAR_SPREAD).weights[begin + k], a + k
+                if ti.static(closed):
+                    at = at % (body.recovered_count // B)
+                e = body.recovered_nodes[node_at(body, ERRORS, at * B + b)]
+                value += values_of(w) * e
+                slope += w * twice(e)
+            body.recovered_particles[line_at(body, VALUES, line, b)] = value
+            body.recovered_particles[line_at(body, SLOPES, line, b)] = slope
 
 
 @ti.func
@@ -225,7 +226,7 @@ def radial_spread(body: ti.template(), i, j, block: ti.template()):
     that of the first field, along the radius and around."""
     b, begin, _ = row_of(body, RADIAL_SPREAD, j, j)
     total = ti.Vector([0.0] * 4)
-    for k in ti.static(range(3)):
+    for k in range(3):
         w = part(body, RADIAL_SPREAD).weights[begin + k]
         value, slope = w[0], w[1]
         four = ti.Vector([value] * 4)

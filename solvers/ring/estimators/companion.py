@@ -15,7 +15,7 @@ import taichi as ti
 from solvers import runtime
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
-from solvers.kinds import integer_quads, integers, octets, pairs, quads, reals
+from solvers.kinds import integer_quads, integers, pairs, quads, reals, rows
 from solvers.ring import exact
 from solvers.ring.estimators.companion_alone import RingAlone
 from solvers.ring.estimators.companion_mesh import directions, free, masses, mesh, read_particles, unit_frequency
@@ -229,7 +229,7 @@ HOOKS = EstimatorHooks(
     memory={
         "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
         "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": octets,  # and the layers of nodes, then one arc of u, v, a, u_R for a report (4 N + row, 8)
+        "companion_nodes": rows,  # and the layers of nodes, then one arc of u, v, a, u_R for a report (4 N + row, 8)
         "companion_radii": quads,  # R, w, w', w'' at the radii of nodes
         "companion_directions": pairs,  # e_R at the angles of nodes
         "companion_matrices": quads,  # d/dR and d/dtheta in an element, row by row, and the weights of its points

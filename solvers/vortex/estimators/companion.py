@@ -29,7 +29,7 @@ import taichi as ti
 from solvers.elementary import log
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
-from solvers.kinds import integers, octets, pairs, quads, reals
+from solvers.kinds import integers, octets, pairs, quads, reals, rows
 from solvers.vortex import exact
 from solvers.vortex.estimators.companion_alone import VortexAlone
 from solvers.vortex.estimators.companion_mesh import masses, mesh, read_radii, unit_frequency
@@ -205,7 +205,7 @@ HOOKS = EstimatorHooks(
     memory={
         "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
         "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": octets,  # and the layers of nodes (4 N, 8), along e_R and e_Theta
+        "companion_nodes": rows,  # and the layers of nodes (4 N, 8), along e_R and e_Theta
         "companion_radii": quads,  # R, h, h', h'' at the nodes
         "companion_matrices": pairs,  # d/dR in an element, row by row, and at each row's point the weight
         "companion_first": integers,  # first node of the element of each material radius of particles
