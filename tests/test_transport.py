@@ -114,7 +114,7 @@ def test_switched_off_it_reports_nulls_and_allocates_nothing(off, simulate):
     assert report["seconds"]["estimate"] is None and report["scene"]["dt"] == 2.5e-5
     arrays = BarSolver(scene)._arrays
     arrays = {**arrays.members(), **memory_parts(HOOKS, arrays.memory)}
-    for name in ("estimate", "transport_nodes", "transport_moments", "transport_errors", "transport_slope",
+    for name in ("estimate", "transport_nodes", "transport_errors", "transport_slope",
                  "node_moments", "node_volume"):
         assert len(arrays[name]) == 1, name
 

@@ -76,8 +76,7 @@ def keep_start(body: ti.template()):
     """The end of one interval is the start of the next."""
     N = body.companion_counts[NODES]
     for i in range(N):
-        for c in range(6):
-            body.companion_nodes[START * N + i, c] = body.companion_nodes[END * N + i, c]
+        body.companion_nodes[START * N + i] = body.companion_nodes[END * N + i]
 
 
 @ti.func
@@ -90,12 +89,10 @@ def find_trial(body: ti.template(), stage, H):
     if stage == 1:
         ahead, curve = H, 0.5 * H * H
     for i in range(N):
-        end, work = END * N + i, WORK * N + i
-        for c in range(2):
-            last = body.companion_nodes[work, 4 + c]
-            body.companion_nodes[work, c] = body.companion_nodes[end, c] + ahead * body.companion_nodes[end, 2 + c] \
-                + curve * last
-            body.companion_nodes[work, 2 + c] = 0.0
+        end, work = body.companion_nodes[END * N + i], body.companion_nodes[WORK * N + i]
+        body.companion_nodes[WORK * N + i] = ti.Vector([
+            end[0] + ahead * end[2] + curve * work[4], end[1] + ahead * end[3] + curve * work[5],
+            0.0, 0.0, work[4], work[5], work[6], work[7]])
 
 
 @ti.func
@@ -103,16 +100,17 @@ def finish_stage(body: ti.template(), stage, H):
     """Take the sub-step after its second stage; keep the new acceleration for the next stage, the last for good."""
     N = body.companion_counts[NODES]
     for i in range(N):
-        end, work = END * N + i, WORK * N + i
-        for c in range(2):
-            k, k2 = body.companion_nodes[work, 2 + c], body.companion_nodes[work, 4 + c]
+        end, work = body.companion_nodes[END * N + i], body.companion_nodes[WORK * N + i]
+        for c in ti.static(range(2)):
+            k, k2 = work[2 + c], work[4 + c]
             if stage == 1:
-                v, k1 = body.companion_nodes[end, 2 + c], body.companion_nodes[end, 4 + c]
-                body.companion_nodes[end, c] += H * (v + H / 6 * (k1 + 2 * k2))
-                body.companion_nodes[end, 2 + c] = v + H / 6 * (k1 + 4 * k2 + k)
+                v, k1 = end[2 + c], end[4 + c]
+                end[c] += H * (v + H / 6 * (k1 + 2 * k2))
+                end[2 + c] = v + H / 6 * (k1 + 4 * k2 + k)
             if stage == 2:
-                body.companion_nodes[end, 4 + c] = k
-            body.companion_nodes[work, 4 + c] = k
+                end[4 + c] = k
+            work[4 + c] = k
+        body.companion_nodes[END * N + i], body.companion_nodes[WORK * N + i] = end, work
 
 
 @ti.func
@@ -126,15 +124,13 @@ def read_nodes(body: ti.template(), step):
     s = ti.max(s - 1.0 / k, 0.0)
     slope = ti.Vector([6 * s * (s - 1) / H, 3 * s * s - 4 * s + 1, -6 * s * (s - 1) / H, 3 * s * s - 2 * s])
     for i in range(N):
-        old, new, now = START * N + i, END * N + i, NOW * N + i
-        for c in range(4):
-            body.companion_nodes[now, c] = value[0] * body.companion_nodes[old, c] \
-                + value[1] * body.companion_nodes[old, 2 + c] + value[2] * body.companion_nodes[new, c] \
-                + value[3] * body.companion_nodes[new, 2 + c]
-        for c in range(2, 4):
-            body.companion_nodes[now, 2 + c] = slope[0] * body.companion_nodes[old, c] \
-                + slope[1] * body.companion_nodes[old, 2 + c] + slope[2] * body.companion_nodes[new, c] \
-                + slope[3] * body.companion_nodes[new, 2 + c]
+        old, new = body.companion_nodes[START * N + i], body.companion_nodes[END * N + i]
+        now = ti.Vector([0.0] * 8)
+        for c in ti.static(range(4)):
+            now[c] = value[0] * old[c] + value[1] * old[2 + c] + value[2] * new[c] + value[3] * new[2 + c]
+        for c in ti.static(range(2, 4)):
+            now[2 + c] = slope[0] * old[c] + slope[1] * old[2 + c] + slope[2] * new[c] + slope[3] * new[2 + c]
+        body.companion_nodes[NOW * N + i] = now
 
 
 def interval(frequency: float, dt: float) -> int:

@@ -8,7 +8,7 @@ from solvers.kinds import integers, quads
 
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
 #: Places in the estimators' numbers: the reference's time step, the damping's time, how far the reference has come, and
-#: over all turns the sums of squares of the reference's fourth differences and of the error, in m^2.
+#: over all turns looked at the sums of squares of the reference's fourth differences and of the error, in m^2.
 H, TAU, TURNS, ROUGH, SIZE = range(5)
 NEW, BEGUN, MOVED = 0, 1, 2  # the reference as allocated, with its acceleration at the start, past its first step
 FIT_CELLS = {"particle": 6}  # that a fit goes over; particles moved with their own velocity stand less evenly
@@ -17,6 +17,29 @@ NARROWEST_FIT = 7  # particles: with five a cubic follows each of them
 TABLE = {"first": integers, "width": ti.i32, "weights": quads}  # members of a table of rows, with their types
 MOST_GROWTH = 2.0  # amplitudes of the motion
 MOST_STEPS = 50  # of the run between two of the estimator's
+TURNS_A_LOOK = 4  # of the estimator, to one at which the sums for the verdict grow: they are of a whole run
+#: Sums over rows that are taken side by side, with the same weights: one alone waits for each addition before the next.
+#: As many as any error grid has nodes across; there are more cells than that, more particles and more radii.
+ABREAST = 3
+
+
+@ti.func
+def groups(count):
+    """How many groups of ``ABREAST`` there are to ``count`` things; the last two overlap."""
+    return (count + (ABREAST - 1)) // ABREAST
+
+
+@ti.func
+def first_of(group, count):
+    """The first thing of a group."""
+    return ti.min(group * ABREAST, count - ABREAST)
+
+
+@ti.func
+def put(field: ti.template(), place, apart, values: ti.template()):
+    """Keep what was summed side by side, the second ``apart`` behind the first."""
+    for k in ti.static(range(ABREAST)):
+        field[place + k * apart] = values[k]
 
 
 @ti.func
@@ -77,6 +100,13 @@ def time_since(step, dt, interval):
     """The time since the reference's last step, after ``step`` steps of the run."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
     return step % steps * dt
+
+
+@ti.func
+def looks(step, dt, interval):
+    """Whether the turn after ``step`` steps is one that the verdict looks at; the first is."""
+    steps = ti.cast(interval / dt + 0.5, ti.i32)
+    return step // steps % TURNS_A_LOOK == 1
 
 
 @ti.func

@@ -19,7 +19,7 @@ from solvers.bar.forces import force_at, tones
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.spectral import Elements
-from solvers.kinds import integers, matrix, pairs, quads, reals
+from solvers.kinds import integers, pairs, quads, reals, rows
 
 POLYNOMIALS = 4  # order p
 
@@ -36,12 +36,12 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
     N = bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
-    whole = bar.companion_nodes[shared.WORK * N, 2] + bar.companion_nodes[shared.WORK * N + N - 1, 2]
+    whole = bar.companion_nodes[shared.WORK * N][2] + bar.companion_nodes[shared.WORK * N + N - 1][2]
     size = tones(bar, t, on)
     for i in range(N):
         work, wave = shared.WORK * N + i, bar.companion_waves[i]
-        force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work, 2]
-        bar.companion_nodes[work, 2] = bar.companion_nodes[work, 6] * force + force_at(wave[0], wave[1], size, on)
+        force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work][2]
+        bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force + force_at(wave[0], wave[1], size, on)
 
 
 @ti.func
@@ -51,10 +51,10 @@ def element_forces(bar: ti.template(), first):
     for q in range(n):
         stretch = 0.0
         for k in range(n):
-            stretch += bar.companion_matrices[q * n + k][0] * bar.companion_nodes[first + k, 0]
+            stretch += bar.companion_matrices[q * n + k][0] * bar.companion_nodes[first + k][0]
         weighted = bar.companion_matrices[q * n][1] * bar.modulus * stretch
         for k in range(n):
-            bar.companion_nodes[first + k, 2] -= bar.companion_matrices[q * n + k][0] * weighted
+            bar.companion_nodes[first + k][2] -= bar.companion_matrices[q * n + k][0] * weighted
 
 
 @ti.func
@@ -88,10 +88,10 @@ def fill_elements(bar: ti.template()):
         for i in range(n):
             stretch = 0.0
             for k in range(n):
-                stretch += bar.companion_matrices[i * n + k][0] * bar.companion_nodes[first + k, 0]
+                stretch += bar.companion_matrices[i * n + k][0] * bar.companion_nodes[first + k][0]
             bar.companion_elements[e * n + i] = ti.Vector([
-                bar.companion_nodes[first + i, 0], bar.companion_nodes[first + i, 2], stretch,
-                bar.companion_nodes[first + i, 4]])
+                bar.companion_nodes[first + i][0], bar.companion_nodes[first + i][2], stretch,
+                bar.companion_nodes[first + i][4]])
 
 
 def mesh(cells: int) -> Elements:
@@ -152,7 +152,7 @@ HOOKS = EstimatorHooks(
     memory={
         "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
         "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": matrix,  # and the layers of nodes (4 N, 8); the bar is the first of two components
+        "companion_nodes": rows,  # and the layers of nodes (4 N, 8); the bar is the first of two components
         "companion_waves": pairs,  # sin 2 pi X and cos 2 pi X of the nodes
         "companion_matrices": pairs,  # d/dX in an element, row by row, and at each row's point the weight
         "companion_element": integers,  # the particle's element

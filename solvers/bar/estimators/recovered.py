@@ -34,24 +34,18 @@ import numpy as np
 import taichi as ti
 
 from solvers.bar import exact
+from solvers.bar.estimators import recovered_tables
+from solvers.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
 from solvers.bar.forces import tones
 from solvers.bar.nodes import stencil_of
 from solvers.estimators import recovery
 from solvers.estimators.interface import EstimatorHooks
-from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.packing import part
-from solvers.estimators.recovery import BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H, row_of
+from solvers.estimators.recovery import BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H, first_of, groups, put, row_of
 from solvers.kinds import quads, reals
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
-DEGREE = 3  # of the fits
 MOST_ROUGH = 3.2  # with fits of four cells: x then comes out some 8 % too small, on bars of 16 to 20 cells
-PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
-
-#: Tables, with a weight for each component of a field: a fit (value of u, v and a, slope of u), B-splines likewise, M,
-#: C, what drives U (M of u and v, D of the fitted slope of u), and D of the slope of B-splines.
-TABLES = tuple(f"recovered_{what}_" for what in ("fit", "spread", "gather", "smoothing", "drive", "stiffness"))
-FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = TABLES
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
 #: M sin 2 pi X, M sin 4 pi X and D of the fitted slope of u.
 MOTION, GATHERED, ERRORS, FORCE = range(4)
@@ -60,28 +54,49 @@ MOTION, GATHERED, ERRORS, FORCE = range(4)
 @ti.func
 def block(bar: ti.template(), kind: ti.template(), i):
     """Entry i of a block of the nodal array."""
-    return kind * bar.cells + i
+    return kind * bar.recovered_stride + i
 
 
 @ti.func
-def from_particles(bar: ti.template(), table: ti.template(), row):
-    """A row of a table of the fields kept at particles."""
-    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    p, begin, end = row_of(bar, table, row, 0)
-    for k in range(begin, end):
-        total += part(bar, table).weights[k] * bar.recovered_field[p]
-        p = ti.select(p + 1 < bar.particles, p + 1, 0)
-    return total
+def close(field: ti.template(), start, count, beyond):
+    """Repeat the beginning of what is known once around behind its end: as far as rows of a table reach beyond."""
+    for k in range(beyond):
+        field[start + count + k] = field[start + k]
 
 
 @ti.func
-def from_nodes(bar: ti.template(), table: ti.template(), row, pattern, kind: ti.template()):
-    """A row of a table of a block of nodal values."""
-    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    j, begin, end = row_of(bar, table, row, pattern)
-    for k in range(begin, end):
-        total += part(bar, table).weights[k] * bar.recovered_nodes[block(bar, kind, j)]
-        j = ti.select(j + 1 < bar.cells, j + 1, 0)
+def close_nodes(bar: ti.template(), kind: ti.template()):
+    """The same for a block of nodal values."""
+    close(bar.recovered_nodes, block(bar, kind, 0), bar.cells, bar.recovered_stride - bar.cells)
+
+
+@ti.func
+def sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
+    """``ABREAST`` rows of a table, from ``row`` on and of equal weights, of a field that begins at ``start``."""
+    one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+    first = start + part(bar, table).first[row]
+    second, third = start + part(bar, table).first[row + 1], start + part(bar, table).first[row + 2]
+    for k in range(part(bar, table).width):
+        w = part(bar, table).weights[k]
+        one += w * field[first + k]
+        two += w * field[second + k]
+        three += w * field[third + k]
+    return one, two, three
+
+
+@ti.func
+def from_nodes(bar: ti.template(), table: ti.template(), row, kind: ti.template()):
+    """``ABREAST`` rows of a table of a block of nodal values."""
+    return sums(bar, table, row, bar.recovered_nodes, block(bar, kind, 0))
+
+
+@ti.func
+def spread(bar: ti.template(), p, pattern):
+    """The nodal errors at a particle, and in the last place the slope of the first."""
+    total = ti.Vector([0.0] * 4)
+    first, begin, _ = row_of(bar, SPREAD, p, pattern)
+    for k in ti.static(range(3)):
+        total += part(bar, SPREAD).weights[begin + k] * bar.recovered_nodes[block(bar, ERRORS, first + k)]
     return total
 
 
@@ -122,39 +137,59 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     for p in range(bar.particles):
         u = bar.position[p] - bar.material_position[p]
         bar.recovered_field[p] = ti.Vector([u, bar.velocity[p], u, 0.0])
+    close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
+    for group in range(groups(bar.cells)):
+        i = first_of(group, bar.cells)
+        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, sums(bar, DRIVE, i, bar.recovered_field, 0))
     for i in range(bar.cells):
-        motion = bar.recovered_nodes[block(bar, MOTION, i)]
+        motion, drive = bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
         motion[0] += bar.recovered_numbers[H] * motion[1]
         bar.recovered_nodes[block(bar, MOTION, i)] = motion
-        drive = from_particles(bar, DRIVE, i)
         shape = bar.recovered_nodes[block(bar, FORCE, i)]
         bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], 0.0])
         bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
-    remember_sizes(bar)
+    if recovery.looks(step, bar.dt, bar.recovered_numbers[H]):
+        remember_sizes(bar)
     damped_errors(bar)
-    size = tones(bar, step * bar.dt, on)
-    first = bar.recovered_numbers[TURNS] == BEGUN
-    bar.recovered_numbers[TURNS] = MOVED
-    for i in range(bar.cells):
-        shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
-        slope = shape[2] - from_nodes(bar, STIFFNESS, i, 0, ERRORS)[0]
-        a = size[0] * shape[0] + size[1] * shape[1] - bar.modulus / bar.density * slope
-        bar.recovered_nodes[at] = recovery.next_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H], first)
+    move_reference(bar, step * bar.dt, on)
 
 
 @ti.func
 def damped_errors(bar: ti.template()):
     """e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
+    close_nodes(bar, GATHERED)
+    for group in range(groups(bar.cells)):
+        i = first_of(group, bar.cells)
+        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, from_nodes(bar, SMOOTHING, i, GATHERED))
     for i in range(bar.cells):
         e = bar.recovered_nodes[block(bar, GATHERED, i)]
+        bar.recovered_nodes[block(bar, GATHERED, i)] = \
+            e - bar.recovered_nodes[block(bar, ERRORS, i)] + ti.Vector([e[0], 0.0, 0.0, 0.0])
+    close_nodes(bar, GATHERED)
+    for group in range(groups(bar.cells)):
+        i = first_of(group, bar.cells)
+        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, from_nodes(bar, SMOOTHING, i, GATHERED))
+    for i in range(bar.cells):
+        e, smooth = bar.recovered_nodes[block(bar, GATHERED, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
         bar.recovered_nodes[block(bar, ERRORS, i)] = \
-            e - from_nodes(bar, SMOOTHING, i, 0, GATHERED) + ti.Vector([e[0], 0.0, 0.0, 0.0])
+            ti.Vector([e[0] + bar.recovered_numbers[TAU] * (e[1] - smooth[1]), e[1], 0.0, 0.0])
+    close_nodes(bar, ERRORS)
+
+
+@ti.func
+def move_reference(bar: ti.template(), t, on: ti.template()):
+    """The acceleration of every node at time t, and the rate that follows."""
+    size = tones(bar, t, on)
+    first = bar.recovered_numbers[TURNS] == BEGUN
+    bar.recovered_numbers[TURNS] = MOVED
+    for group in range(groups(bar.cells)):
+        i = first_of(group, bar.cells)
+        put(bar.recovered_nodes, block(bar, GATHERED, i), 1, from_nodes(bar, STIFFNESS, i, ERRORS))
     for i in range(bar.cells):
-        bar.recovered_nodes[block(bar, GATHERED, i)] = bar.recovered_nodes[block(bar, ERRORS, i)]
-    for i in range(bar.cells):
-        e = bar.recovered_nodes[block(bar, GATHERED, i)]
-        e[0] += bar.recovered_numbers[TAU] * (e[1] - from_nodes(bar, SMOOTHING, i, 0, GATHERED)[1])
-        bar.recovered_nodes[block(bar, ERRORS, i)] = e
+        shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
+        slope = shape[2] - bar.recovered_nodes[block(bar, GATHERED, i)][0]
+        a = size[0] * shape[0] + size[1] * shape[1] - bar.modulus / bar.density * slope
+        bar.recovered_nodes[at] = recovery.next_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H], first)
 
 
 @ti.func
@@ -173,20 +208,17 @@ def report(bar: ti.template(), base, step, on: ti.template()):
     since = recovery.time_since(step, bar.dt, length)
     if step > 0:
         begin(bar, step * bar.dt - since, on)
-    for i in range(bar.cells):
-        U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], length, since, bar.dt)
-        mean = from_particles(bar, GATHER, i)
-        bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
-    for i in range(bar.cells):
-        e = bar.recovered_nodes[block(bar, GATHERED, i)]
-        bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * e - from_nodes(bar, SMOOTHING, i, 0, GATHERED)
+    close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
+    find_errors(bar, length, since)
+    for group in range(groups(bar.particles)):
+        p = first_of(group, bar.particles)
+        put(bar.estimate, base + p, 1, sums(bar, FIT, p, bar.recovered_field, 0))
     per_cell = bar.particles // bar.cells
     for i in range(bar.cells):
         for q in range(per_cell):
             p = i * per_cell + q
             field = bar.recovered_field[p]
-            # Lane 3 is the slope of u less that of its error.
-            less = from_particles(bar, FIT, p) - from_nodes(bar, SPREAD, p, q, ERRORS)
+            less = bar.estimate[base + p] - spread(bar, p, q)  # in the last place the slope of u less that of its error
             E = field - less
             E[1] += bar.velocity[p] - field[1]
             if ti.static(not on.acceleration):
@@ -196,6 +228,26 @@ def report(bar: ti.template(), base, step, on: ti.template()):
             bar.estimate[base + p] = estimate if step > 0 else ti.Vector([0.0, 0.0, 0.0, 0.0])
 
 
+@ti.func
+def find_errors(bar: ti.template(), length, since):
+    """Nodal errors of the fields, unsmoothed."""
+    for group in range(groups(bar.cells)):
+        i = first_of(group, bar.cells)
+        put(bar.recovered_nodes, block(bar, GATHERED, i), 1, sums(bar, GATHER, i, bar.recovered_field, 0))
+    for i in range(bar.cells):
+        U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], length, since, bar.dt)
+        mean = bar.recovered_nodes[block(bar, GATHERED, i)]
+        bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
+    close_nodes(bar, GATHERED)
+    for group in range(groups(bar.cells)):
+        i = first_of(group, bar.cells)
+        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, from_nodes(bar, SMOOTHING, i, GATHERED))
+    for i in range(bar.cells):
+        smooth = bar.recovered_nodes[block(bar, ERRORS, i)]
+        bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * bar.recovered_nodes[block(bar, GATHERED, i)] - smooth
+    close_nodes(bar, ERRORS)
+
+
 def interval(scene):
     return recovery.steps_between(scene, WAVE_CFL * scene.spacing)
 
@@ -203,56 +255,22 @@ def interval(scene):
 def allocate(scene):
     """Operators of the material line, and the reference in the initial configuration."""
     cells, per_cell = scene.cells, scene.ppc
-    tables = operators(scene)
+    tables = recovered_tables.operators(scene)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
-    nodes = np.zeros((4, cells, 4))
+    stride = cells + max(tables[name].width for name in (SPREAD, SMOOTHING, STIFFNESS))
+    beyond = max(tables[name].width for name in (FIT, GATHER, DRIVE))
+    nodes = np.zeros((4, stride, 4))
     for k in (0, 1):
-        nodes[FORCE, :, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
-    nodes[MOTION, :, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]
+        nodes[FORCE, :cells, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
+    nodes[MOTION, :cells, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]
     return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
-            "recovered_nodes": nodes.reshape(-1, 4),
-            "recovered_field": np.zeros((scene.particles, 4))}
-
-
-def operators(scene):
-    """The tables by name; cells are alike, and so are particles to a fit, so that most have one row of weights."""
-    cells, per_cell = scene.cells, scene.ppc
-    few = min(cells, PATTERN_CELLS)
-    line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    fit = line.fit(recovery.fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1)
-    spread = line.spread().repeated(cells, per_cell, 1)
-    gather = line.gather(4, 2).repeated(cells, 1, per_cell)
-    smoothing = line.smoothing().repeated(cells, 1, 1)
-    drive, stiffness = np.zeros((scene.particles, 4)), np.zeros((cells, 4))
-    for p, (value, slope, _) in zip(gather.first[0] + np.arange(gather.width), gather.weights[0, :, 0], strict=True):
-        p = p % scene.particles
-        drive[p, :2] += value
-        np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
-        np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,
-                  slope * spread.weights[p % per_cell, :, 0, 1])
-    rows = (in_lanes(fit, 1), in_lanes(spread, 1), in_lanes(gather, 0), in_lanes(smoothing, 0),
-            around(drive, cells), around(stiffness, cells))
-    return dict(zip(TABLES, rows, strict=True))
-
-
-def in_lanes(rows, last):
-    """The rows' value for u, v and a, and again or the slope for u."""
-    weights = rows.weights[:, :, 0]
-    return Rows(rows.first, weights[:, :, [0, 0, 0, last]])
-
-
-def around(weights, cells):
-    """The map of all nodes from that of node 0, with a weight for each column of the whole line."""
-    middle = len(weights) // 2
-    weights = np.roll(weights, middle, axis=0)
-    used = np.flatnonzero(weights.any(axis=1))
-    first = used[0] - middle + np.arange(cells) * (len(weights) // cells)
-    return Rows((first % len(weights)).astype(np.int32), weights[None, used[0]:used[-1] + 1])
+            "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_field": np.zeros((scene.particles + beyond, 4))}
 
 
 def verdict(scene, memory):
     """Why not to trust it; what a fit misses grows like the fourth power of the cells that it goes over."""
-    U = memory["recovered_nodes"].reshape(-1, scene.cells, 4)[MOTION, :, 0]
+    U = memory["recovered_nodes"].reshape(4, -1, 4)[MOTION, :, 0]
     return recovery.doubt(memory, MOST_ROUGH * (recovery.OTHER_FIT_CELLS / recovery.fit_cells(scene)) ** 4,
                           np.abs(U).max() / scene.motion_amplitude)
 
@@ -261,7 +279,8 @@ HOOKS = EstimatorHooks(
     memory={
         "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
         **recovery.table_types(TABLES),
-        "recovered_nodes": quads,  # nodal values, block by block
-        "recovered_field": quads,  # u, v, a, P at particles
+        "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
+        "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
+        "recovered_field": quads,  # u, v, a, P at particles, and likewise
     },
     allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=verdict)

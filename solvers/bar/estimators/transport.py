@@ -13,7 +13,7 @@ import taichi as ti
 from solvers.bar import nodes
 from solvers.estimators.interface import EstimatorHooks
 from solvers.estimators.transport import doubt
-from solvers.kinds import quads, real, reals
+from solvers.kinds import octets, quads, real, reals
 
 WAVE_CFL = 0.7  # H c/h where the bar is most stretched; the method itself is stable to 0.8 and more
 MOST_INTERVAL = 10  # steps of the run between two of the estimator's
@@ -50,8 +50,7 @@ def gather_errors(bar: ti.template(), base, on: ti.template()):
     moments D*, D* r, S sigma and S F V0, the last for V_i.
     """
     for i in range(bar.cells + nodes.GHOSTS):
-        bar.transport_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-        bar.transport_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        bar.transport_nodes[i] = ti.Vector([0.0] * 8)
     for p in range(bar.particles):
         S, dS = nodes.stencil_of(bar, p)
         i = bar.first_node[p]
@@ -59,17 +58,18 @@ def gather_errors(bar: ti.template(), base, on: ti.template()):
         error = bar.estimate[base + p]
         strain = F - bar.unstretched
         source = error[2] + strain * error[2] / F  # Esigma + sigma EF/F of eq 12: EF = Esigma/E, sigma = E strain
-        r = nodes.offset(bar, p)
+        r, volume, rest = nodes.offset(bar, p), F * bar.volume, 0.0
+        if ti.static(not on.linearity_preserving):
+            rest = 1.0
+        by_weight = ti.Vector([error[1], 0.0, source, 0.0, 0.0, 0.0, rest * bar.modulus * strain, rest * volume])
         for k in ti.static(range(3)):
-            D, r_k = -dS[k] * F * bar.volume, r - k * bar.spacing
-            bar.transport_nodes[i + k] += ti.Vector([S[k] * error[1], D * source, S[k] * source, D * r_k * r_k])
+            r_k = r - k * bar.spacing
+            by_gradient = ti.Vector([0.0, source, 0.0, r_k * r_k, rest, rest * r_k, 0.0, 0.0])
+            sums = S[k] * by_weight - (volume * dS[k]) * by_gradient
             if ti.static(on.linearity_preserving):
-                bar.transport_moments[i + k] += ti.Vector([S[k] * r_k * r_k, 0.0, 0.0, 0.0])
-            else:
-                bar.transport_moments[i + k] += ti.Vector([
-                    D, D * r_k, S[k] * bar.modulus * strain, S[k] * F * bar.volume])
+                sums[4] = S[k] * r_k * r_k
+            bar.transport_nodes[i + k] += sums
     nodes.fold(bar.transport_nodes, bar.cells)
-    nodes.fold(bar.transport_moments, bar.cells)
 
 
 @ti.func
@@ -79,7 +79,7 @@ def volume_of(bar: ti.template(), i, on: ti.template()):
     if ti.static(on.linearity_preserving):
         volume = bar.node_volume[i]
     else:
-        volume = bar.transport_moments[i][3]
+        volume = bar.transport_nodes[i][7]
     return volume
 
 
@@ -100,21 +100,21 @@ def node_errors(bar: ti.template(), on: ti.template()):
         left, right = bar.node_motion[i - 1][0], bar.node_motion[i + 1][0]
         v_xx = (left - 2 * bar.node_motion[i][0] + right) / bar.spacing**2
         if weight > nodes.EMPTY:
-            errors, own = bar.transport_nodes[i], bar.transport_moments[i]
+            sums = bar.transport_nodes[i]
             sigma_x = bar.transport_slope[i]
             sigma_xx = (bar.transport_slope[i + 1] - bar.transport_slope[i - 1]) / (2 * bar.spacing)
             mean, scale, spread = 0.0, 1.0, 0.0
-            moments = ti.Vector([own[0], own[1], 0.0, own[2]])
+            moments = ti.Vector([sums[4], sums[5], 0.0, sums[6]])
             if ti.static(on.linearity_preserving):
                 mean, scale = nodes.divergence_form(bar, i, on)
-                moments, spread = bar.node_moments[i], own[0]
+                moments, spread = bar.node_moments[i], sums[4]
             constant = (moments[0] - mean * weight) * moments[3] / weight  # (sum D) f_i of eq 46
             linear = ((moments[1] - mean * moments[2]) * scale - volume_of(bar, i, on)) * sigma_x  # (sum D r - 1) a_i
-            quadratic = (errors[3] - mean * spread) * 0.5 * sigma_xx  # C h^k of eq 12
-            fed_back = errors[1] - mean * errors[2]  # sum D (Esigma F + sigma EF) V0 of eq 12
+            quadratic = (sums[3] - mean * spread) * 0.5 * sigma_xx  # C h^k of eq 12
+            fed_back = sums[1] - mean * sums[2]  # sum D (Esigma F + sigma EF) V0 of eq 12
             mass = bar.density * bar.volume * weight
             Ea = ((fed_back + quadratic + constant) * scale + linear) / mass  # eq 12
-            Ev = errors[0] / weight + bar.transport_dt * Ea  # eq 21 at the node
+            Ev = sums[0] / weight + bar.transport_dt * Ea  # eq 21 at the node
         bar.transport_errors[i] = ti.Vector([Ev, Ea, v_xx, bar.node_motion[i][0]])
     nodes.spread(bar.transport_errors, bar.cells)
 
@@ -156,8 +156,8 @@ def interval(scene):
 def allocate(scene):
     """Nodal arrays, with the periodic images."""
     N = scene.cells + nodes.GHOSTS
-    return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 4)),
-            "transport_moments": np.zeros((N, 4)), "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
+    return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 8)),
+            "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
 
 
 def verdict(scene, memory):
@@ -168,8 +168,8 @@ def verdict(scene, memory):
 HOOKS = EstimatorHooks(
     memory={
         "transport_dt": real,  # H = k dt
-        "transport_nodes": quads,  # sums of S Ev, D* source, S source, D* r^2
-        "transport_moments": quads,  # sums of D*, D* r, S sigma, S F V0; or S r^2 in front
+        # Sums of S Ev, D* source, S source, D* r^2, and D*, D* r, S sigma, S F V0; or S r^2 and nothing.
+        "transport_nodes": octets,
         "transport_slope": reals,  # d(sigma)/dx as the step saw it
         "transport_errors": quads,  # nodal errors of v and a, v_xx, v
     },

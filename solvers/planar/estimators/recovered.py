@@ -79,7 +79,7 @@ def after_step(body: ti.template(), step, problem: ti.template(), on: ti.templat
         q, X = body.motion[p], body.material_position[p]
         body.recovered_particles[op.particle_at(body, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
     op.radial_gather(body, op.FIELD, op.VALUE)
-    damped_errors(body, body.recovered_nodes, problem)
+    damped_errors(body, body.recovered_nodes, step, problem)
     op.angular_spread(body, problem.closed)
     find_stress(body, problem)
     op.gather_force(body, step * body.dt, problem, on)
@@ -89,61 +89,61 @@ def after_step(body: ti.template(), step, problem: ti.template(), on: ti.templat
 
 
 @ti.func
-def damped_errors(body: ti.template(), nodes: ti.template(), problem: ti.template()):
+def damped_errors(body: ti.template(), nodes: ti.template(), step, problem: ti.template()):
     """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
-    B = body.recovered_across
-    for a in range(body.recovered_count // B):
-        for b in range(B):
-            i = a * B + b
-            r = nodes[op.node_at(body, op.MOTION, i)]
-            r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
-            nodes[op.node_at(body, op.MOTION, i)] = r
-            nodes[op.node_at(body, op.GATHERED, i)] = op.angular_gather(
-                body, a, b, op.ANGULAR_VALUES, problem.closed) - r
-    op.remember_sizes(body, nodes, problem.closed)
-    op.radial_smoothing(body)
-    for a in range(body.recovered_count // B):
-        for b in range(B):
-            e = nodes[op.node_at(body, op.GATHERED, a * B + b)]
-            rough = e - op.angular_smoothing(body, a, b, problem.closed)
-            nodes[op.node_at(body, op.GATHERED, a * B + b)] = rough
-            nodes[op.node_at(body, op.ERRORS, a * B + b)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
-    op.radial_smoothing(body)
-    for a in range(body.recovered_count // B):
-        for b in range(B):
-            rough = nodes[op.node_at(body, op.GATHERED, a * B + b)] - op.angular_smoothing(body, a, b, problem.closed)
-            damping = body.recovered_numbers[TAU] * ti.Vector([rough[2], rough[3], 0.0, 0.0])
-            e = nodes[op.node_at(body, op.ERRORS, a * B + b)]  # not +=, an atomic addition
-            nodes[op.node_at(body, op.ERRORS, a * B + b)] = e + damping
+    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, problem.closed)
+    for i in range(body.recovered_count):
+        r = nodes[op.node_at(body, op.MOTION, i)]
+        r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
+        nodes[op.node_at(body, op.MOTION, i)] = r
+        nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - r  # not -=: atomic
+    if recovery.looks(step, body.dt, body.recovered_numbers[H]):
+        op.remember_sizes(body, nodes, problem.closed)
+    for turn in range(2):
+        op.smoothing(body, problem.closed)
+        for i in range(body.recovered_count):
+            e = nodes[op.node_at(body, op.GATHERED, i)]
+            rough = e - nodes[op.node_at(body, op.SMOOTHED, i)]
+            if turn == 0:
+                nodes[op.node_at(body, op.GATHERED, i)] = rough
+                nodes[op.node_at(body, op.ERRORS, i)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
+            else:
+                damping = body.recovered_numbers[TAU] * ti.Vector([rough[2], rough[3], 0.0, 0.0])
+                nodes[op.node_at(body, op.ERRORS, i)] = nodes[op.node_at(body, op.ERRORS, i)] + damping
 
 
 @ti.func
 def find_stress(body: ti.template(), problem: ti.template()):
     """P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
+    op.angular_fit(body, op.FIELD, op.FITTED_SLOPES, op.ANGULAR_SLOPES, problem.closed)
+    op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
     for line in range(body.particles // body.radius_count):
         for j in range(body.radius_count):
             p = line * body.radius_count + j
-            along, around = op.line_slopes(body, line, j, problem.closed)
-            _, error_along, error_around = op.radial_spread(body, line, j)
-            a, b, c, d = polar_gradient(body, p, along - error_along, around - error_around)
+            along = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
+            around = body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
+            slopes = ti.Vector([along[0], along[1], around[0], around[1]]) - op.radial_spread(body, line, j, op.SLOPES)
+            a, b, c, d = polar_gradient(body, p, slopes)
             body.recovered_particles[op.particle_at(body, op.STRESS, p)] = problem.stress(body, a, b, c, d)
 
 
 @ti.func
-def polar_gradient(body: ti.template(), p, along, around):
-    """F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes."""
+def polar_gradient(body: ti.template(), p, slopes):
+    """F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes along the radius and around
+    it."""
     e, per_R = body.direction[p], 1 / body.radii[body.radius[p]][0]
-    return e[0] + along[0], per_R * around[0] - e[1], e[1] + along[1], per_R * around[1] + e[0]
+    return e[0] + slopes[0], per_R * slopes[2] - e[1], e[1] + slopes[1], per_R * slopes[3] + e[0]
 
 
 @ti.func
 def move_reference(body: ti.template(), nodes: ti.template(), first, problem: ti.template()):
     """The acceleration of every node, and the rate that follows."""
     B, step = body.recovered_across, body.recovered_numbers[H]
+    op.angular_gather(body, op.GATHERED, op.EACH, problem.closed)
     for a in range(body.recovered_count // B):
         for b in range(B):
             push_x, push_y = op.node_force(body, nodes, a, b, problem.closed)
-            parts = op.angular_gather(body, a, b, op.EACH, problem.closed)
+            parts = nodes[op.node_at(body, op.GATHERED, a * B + b)]
             a_x = push_x - (parts[0] + parts[2]) / body.density
             a_y = push_y - (parts[1] + parts[3]) / body.density
             at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
@@ -188,14 +188,14 @@ def report(body: ti.template(), base, step, problem: ti.template(), on: ti.templ
 def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.template()):
     """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
     line, j = p // body.radius_count, p % body.radius_count
-    fitted, along, around = op.angular_fit(body, line, j, problem.closed)
-    error, error_along, error_around = op.radial_spread(body, line, j)
     field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.motion[p]
-    E = error + field - fitted
+    fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
+    E = op.radial_spread(body, line, j, op.VALUES) + field - fitted
     if of_acceleration:
         body.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
     else:
-        a, b, c, d = polar_gradient(body, p, along - error_along, around - error_around)
+        a, b, c, d = polar_gradient(body, p, body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
+                                    - op.radial_spread(body, line, j, op.SLOPES))
         body.estimate[base + p] = E + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
         body.estimate_stress[base + p] = problem.stress_error(body, p, a, b, c, d)
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
@@ -203,30 +203,37 @@ def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.t
 
 @ti.func
 def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, problem: ti.template()):
-    """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted along each radius."""
+    """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted, the first of x and v
+    with its slopes."""
     op.radial_gather(body, op.FIELD, op.VALUE)
-    B, length = body.recovered_across, body.recovered_numbers[H]
+    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, problem.closed)
+    length = body.recovered_numbers[H]
     since = recovery.time_since(step, body.dt, length)
-    for a in range(body.recovered_count // B):
-        for b in range(B):
-            i = a * B + b
-            r, rate = nodes[op.node_at(body, op.MOTION, i)], nodes[op.node_at(body, op.RATE, i)]
-            x = ti.Vector([r[0], r[2], rate[0], rate[2]])
-            y = ti.Vector([r[1], r[3], rate[1], rate[3]])
-            U_x, V_x, A_x = recovery.reference_at(x, length, since, body.dt)
-            U_y, V_y, A_y = recovery.reference_at(y, length, since, body.dt)
-            true_mean = ti.Vector([U_x, U_y, V_x, V_y])
-            if of_acceleration:
-                true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
-            nodes[op.node_at(body, op.GATHERED, i)] = op.angular_gather(
-                body, a, b, op.ANGULAR_VALUES, problem.closed) - true_mean
-    op.radial_smoothing(body)
-    for a in range(body.recovered_count // B):
-        for b in range(B):
-            e = nodes[op.node_at(body, op.GATHERED, a * B + b)]
-            nodes[op.node_at(body, op.ERRORS, a * B + b)] = 2 * e - op.angular_smoothing(body, a, b, problem.closed)
+    for i in range(body.recovered_count):
+        r, rate = nodes[op.node_at(body, op.MOTION, i)], nodes[op.node_at(body, op.RATE, i)]
+        x = ti.Vector([r[0], r[2], rate[0], rate[2]])
+        y = ti.Vector([r[1], r[3], rate[1], rate[3]])
+        U_x, V_x, A_x = recovery.reference_at(x, length, since, body.dt)
+        U_y, V_y, A_y = recovery.reference_at(y, length, since, body.dt)
+        true_mean = ti.Vector([U_x, U_y, V_x, V_y])
+        if of_acceleration:
+            true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
+        nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - true_mean
+    op.smoothing(body, problem.closed)
+    for i in range(body.recovered_count):
+        nodes[op.node_at(body, op.ERRORS, i)] = 2 * nodes[op.node_at(body, op.GATHERED, i)] \
+            - nodes[op.node_at(body, op.SMOOTHED, i)]
     op.angular_spread(body, problem.closed)
-    op.radial_fit(body)
+    op.radial_fit(body, op.HALF_FITTED, op.VALUE)
+    op.angular_fit(body, op.HALF_FITTED, op.FITTED, op.ANGULAR_VALUES, problem.closed)
+    if not of_acceleration:
+        op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
+        for p in range(body.particles):
+            slope = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
+            value = body.recovered_particles[op.particle_at(body, op.HALF_FITTED, p)]
+            body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)] = \
+                ti.Vector([slope[0], slope[1], value[0], value[1]])
+        op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, problem.closed)
 
 
 def lines(scene, inner, outer, counts, turn, ends):

@@ -9,7 +9,7 @@ lattice is ``closed``, a whole turn, the last angle is followed by the first.
 import taichi as ti
 
 from solvers.estimators.packing import part
-from solvers.estimators.recovery import ROUGH, SIZE, fourth_factor, row_of
+from solvers.estimators.recovery import ROUGH, SIZE, first_of, fourth_factor, groups, put, row_of
 
 # Tables. Along the radius their weights are (value, slope, value over R, nothing).
 TABLES = tuple(f"recovered_{way}_{what}_" for way in ("angular", "radial")
@@ -18,13 +18,15 @@ ANGULAR_FIT, ANGULAR_SPREAD, ANGULAR_GATHER, ANGULAR_SMOOTHING = TABLES[:4]
 RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = TABLES[4:]
 
 #: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
-#: along the radius; unsmoothed; M b along the radius, with unit directions; M e_R and M e_Theta along the angle.
-MOTION, RATE, GATHERED, HALF_SMOOTHED, ERRORS, FORCE, DIRECTION = 0, 1, 2, 3, 4, 5, 6
-NODE_BLOCKS = 7
-#: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and its slope.
-FIELD, FITTED, FITTED_SLOPE = 0, 1, 2
-PARTICLE_BLOCKS = 3
-VALUES, SLOPES = 0, 1  # blocks behind these, of radii with nodes on them: values, and slopes around
+#: along the radius, and both ways; unsmoothed; M b along the radius, with unit directions; M e_R and M e_Theta along
+#: the angle.
+MOTION, RATE, GATHERED, HALF_SMOOTHED, SMOOTHED, ERRORS, FORCE, DIRECTION = range(8)
+NODE_BLOCKS = 8
+#: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and then around; of the
+#: first the slope along the radius and the value, fitted there, and then its slopes along the radius and around.
+FIELD, HALF_FITTED, FITTED, HALF_SLOPES, FITTED_SLOPES = range(5)
+PARTICLE_BLOCKS = 5
+VALUES, SLOPES = 0, 1  # blocks behind these, of radii with nodes on them
 STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for reports
 
 #: Which of a weight's four numbers two vectors (x, y, x, y) are taken times.
@@ -76,31 +78,51 @@ def picked(weight, pick: ti.template()):
 
 
 @ti.func
-def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start, stride):
-    """The sum over a row of a table: entry ``start + stride i`` of ``field`` times the four of the row's i-th weights
-    that ``pick`` names."""
+def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start):
+    """The sum over a row of a table: entry ``start + i`` of ``field`` times the four of the row's i-th weights that
+    ``pick`` names."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     first, begin, end = row_of(body, table, row, row)
-    entry = start + stride * first
+    entry = start + first
     for k in range(begin, end):
         total += picked(part(body, table).weights[k], pick) * field[entry]
-        entry += stride
+        entry += 1
     return total
 
 
 @ti.func
-def angular_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
-                stride, count, closed: ti.template()):
-    """The same along the angle, where there are ``count`` entries in all."""
-    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    if ti.static(closed):
-        first, begin, end = row_of(body, table, row, row)
-        for k in range(begin, end):
-            around = (first + k - begin) % count
-            total += picked(part(body, table).weights[k], pick) * field[start + stride * around]
-    else:
-        total = row_sum(body, table, row, pick, field, start, stride)
-    return total
+def radial_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
+                apart):
+    """That sum for ``ABREAST`` radii side by side, of which each has its fields ``apart`` behind the one before."""
+    one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+    first, begin, end = row_of(body, table, row, row)
+    entry = start + first
+    for k in range(begin, end):
+        w = picked(part(body, table).weights[k], pick)
+        one += w * field[entry]
+        two += w * field[entry + apart]
+        three += w * field[entry + 2 * apart]
+        entry += 1
+    return one, two, three
+
+
+@ti.func
+def angular_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
+                 stride, count, closed: ti.template()):
+    """The same along the angle, where there are ``count`` entries in all, ``stride`` apart, for ``ABREAST`` neighbours
+    on a radius."""
+    one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+    first, begin, end = row_of(body, table, row, row)
+    entry, beyond = start + stride * first, start + stride * count
+    for k in range(begin, end):
+        w = picked(part(body, table).weights[k], pick)
+        one += w * field[entry]
+        two += w * field[entry + 1]
+        three += w * field[entry + 2]
+        entry += stride
+        if ti.static(closed):
+            entry -= ti.select(entry >= beyond, stride * count, 0)
+    return one, two, three
 
 
 @ti.func
@@ -109,19 +131,24 @@ def radial_gather(body: ti.template(), block: ti.template(), pick: ti.template()
 
     With ``VALUE`` those of N_b f R; with ``SLOPE_AND_OVER_R`` of N_b' R P e_R and of N_b P e_angle, side by side.
     """
-    for line in range(body.particles // body.radius_count):
-        for b in range(body.recovered_across):
-            body.recovered_particles[line_at(body, VALUES, line, b)] = row_sum(
-                body, RADIAL_GATHER, b, pick, body.recovered_particles,
-                particle_at(body, block, line * body.radius_count), 1)
+    radii, K, B = body.particles // body.radius_count, body.radius_count, body.recovered_across
+    for group in range(groups(radii)):
+        line = first_of(group, radii)
+        for b in range(B):
+            put(body.recovered_particles, line_at(body, VALUES, line, b), B, radial_sums(
+                body, RADIAL_GATHER, b, pick, body.recovered_particles, particle_at(body, block, line * K), K))
 
 
 @ti.func
-def angular_gather(body: ti.template(), a, b, pick: ti.template(), closed: ti.template()):
-    """At node (a, b), from what the radii gathered: M f with ``ANGULAR_VALUES``; with ``EACH`` the two parts of D P,
-    the first vector with N_a and the second with N_a'."""
-    return angular_sum(body, ANGULAR_GATHER, a, pick, body.recovered_particles, line_at(body, VALUES, 0, b),
-                       body.recovered_across, body.particles // body.radius_count, closed)
+def angular_gather(body: ti.template(), into: ti.template(), pick: ti.template(), closed: ti.template()):
+    """A block of the nodes from what the radii gathered: M f with ``ANGULAR_VALUES``; with ``EACH`` the two parts of
+    D P, the first vector with N_a and the second with N_a'."""
+    radii, B = body.particles // body.radius_count, body.recovered_across
+    for a in range(body.recovered_count // B):
+        for group in range(groups(B)):
+            b = first_of(group, B)
+            put(body.recovered_nodes, node_at(body, into, a * B + b), 1, angular_sums(
+                body, ANGULAR_GATHER, a, pick, body.recovered_particles, line_at(body, VALUES, 0, b), B, radii, closed))
 
 
 @ti.func
@@ -131,10 +158,10 @@ def gather_force(body: ti.template(), t, problem: ti.template(), on: ti.template
     if ti.static(on.body_force != "none"):
         for j in range(body.radius_count):
             b_j = problem.force(body, body.radii[j], t, on)
-            body.recovered_particles[particle_at(body, FITTED_SLOPE, j)] = ti.Vector([b_j[0], b_j[1], b_j[0], b_j[1]])
+            body.recovered_particles[particle_at(body, HALF_SLOPES, j)] = ti.Vector([b_j[0], b_j[1], b_j[0], b_j[1]])
         for b in range(body.recovered_across):
             body.recovered_nodes[node_at(body, FORCE, b)] = row_sum(
-                body, RADIAL_GATHER, b, VALUE, body.recovered_particles, particle_at(body, FITTED_SLOPE, 0), 1)
+                body, RADIAL_GATHER, b, VALUE, body.recovered_particles, particle_at(body, HALF_SLOPES, 0))
 
 
 @ti.func
@@ -149,99 +176,89 @@ def node_force(body: ti.template(), nodes: ti.template(), a, b, closed: ti.templ
 
 
 @ti.func
-def radial_smoothing(body: ti.template()):
-    """The radial half of C."""
+def smoothing(body: ti.template(), closed: ti.template()):
+    """C of the gathered nodal values."""
     B = body.recovered_across
-    for a in range(body.recovered_count // B):
+    A = body.recovered_count // B
+    for group in range(groups(A)):
+        a = first_of(group, A)
         for b in range(B):
-            body.recovered_nodes[node_at(body, HALF_SMOOTHED, a * B + b)] = row_sum(
-                body, RADIAL_SMOOTHING, b, VALUE, body.recovered_nodes, node_at(body, GATHERED, a * B), 1)
-
-
-@ti.func
-def angular_smoothing(body: ti.template(), a, b, closed: ti.template()):
-    """C of the gathered nodal values at node (a, b), from the radial half."""
-    B = body.recovered_across
-    return angular_sum(body, ANGULAR_SMOOTHING, a, ANGULAR_VALUES, body.recovered_nodes,
-                       node_at(body, HALF_SMOOTHED, b), B, body.recovered_count // B, closed)
+            put(body.recovered_nodes, node_at(body, HALF_SMOOTHED, a * B + b), B, radial_sums(
+                body, RADIAL_SMOOTHING, b, VALUE, body.recovered_nodes, node_at(body, GATHERED, a * B), B))
+    for a in range(A):
+        for group in range(groups(B)):
+            b = first_of(group, B)
+            put(body.recovered_nodes, node_at(body, SMOOTHED, a * B + b), 1, angular_sums(
+                body, ANGULAR_SMOOTHING, a, ANGULAR_VALUES, body.recovered_nodes, node_at(body, HALF_SMOOTHED, b), B, A,
+                closed))
 
 
 @ti.func
 def angular_spread(body: ti.template(), closed: ti.template()):
-    """The nodal errors interpolated along the angle, and their slopes: the angular half of sum N_i e_i."""
+    """The nodal errors interpolated along the angle, the angular half of sum N_i e_i; and of the first field once more,
+    beside its slopes around."""
+    B = body.recovered_across
     for line in range(body.particles // body.radius_count):
         a, begin, _ = row_of(body, ANGULAR_SPREAD, line, line)
-        for b in range(body.recovered_across):
+        for b in range(B):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
             for k in range(3):
-                w = part(body, ANGULAR_SPREAD).weights[begin + k]
-                at = a + k
+                w, at = part(body, ANGULAR_SPREAD).weights[begin + k], a + k
                 if ti.static(closed):
-                    at = at % (body.recovered_count // body.recovered_across)
-                e = body.recovered_nodes[node_at(body, ERRORS, at * body.recovered_across + b)]
+                    at = at % (body.recovered_count // B)
+                e = body.recovered_nodes[node_at(body, ERRORS, at * B + b)]
                 value += values_of(w) * e
-                slope += slopes_of(w) * e
+                slope += w * twice(e)
             body.recovered_particles[line_at(body, VALUES, line, b)] = value
             body.recovered_particles[line_at(body, SLOPES, line, b)] = slope
 
 
 @ti.func
-def radial_spread(body: ti.template(), i, j):
-    """The errors at particle (i, j) with their slopes along the radius and the angle, from the angular half."""
-    value, along, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+def twice(fields):
+    """The first of two vector fields, side by side."""
+    x, y = fields[0], fields[1]
+    return ti.Vector([x, y, x, y])
+
+
+@ti.func
+def radial_spread(body: ti.template(), i, j, block: ti.template()):
+    """From the angular half of a block, with ``VALUES``: the errors at particle (i, j); with ``SLOPES`` the slopes of
+    that of the first field, along the radius and around."""
     b, begin, _ = row_of(body, RADIAL_SPREAD, j, j)
+    total = ti.Vector([0.0] * 4)
     for k in range(3):
-        w, e = part(body, RADIAL_SPREAD).weights[begin + k], body.recovered_particles[line_at(body, VALUES, i, b + k)]
-        at_value, at_slope = w[0], w[1]
-        value += at_value * e
-        along += at_slope * e
-        around += at_value * body.recovered_particles[line_at(body, SLOPES, i, b + k)]
-    return value, along, around
+        w = part(body, RADIAL_SPREAD).weights[begin + k]
+        value, slope = w[0], w[1]
+        four = ti.Vector([value] * 4)
+        if ti.static(block == SLOPES):
+            four = ti.Vector([slope, slope, value, value])
+        total += four * body.recovered_particles[line_at(body, block, i, b + k)]
+    return total
 
 
 @ti.func
-def line_slopes(body: ti.template(), i, j, closed: ti.template()):
-    """Slopes of the fields along the radius and the angle, each recovered on one line through particle (i, j)."""
+def radial_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
+    """The fields recovered along each radius with ``VALUE``, or with ``SLOPE`` their slopes."""
     K = body.radius_count
-    return (row_sum(body, RADIAL_FIT, j, SLOPE, body.recovered_particles, particle_at(body, FIELD, i * K), 1),
-            angular_sum(body, ANGULAR_FIT, i, ANGULAR_SLOPES, body.recovered_particles, particle_at(body, FIELD, j), K,
-                        body.particles // K, closed))
+    for group in range(groups(body.particles // K)):
+        line = first_of(group, body.particles // K)
+        for j in range(K):
+            put(body.recovered_particles, particle_at(body, into, line * K + j), K, radial_sums(
+                body, RADIAL_FIT, j, pick, body.recovered_particles, particle_at(body, FIELD, line * K), K))
 
 
 @ti.func
-def radial_fit(body: ti.template()):
-    """The fields recovered along each radius, and their slopes: the radial half of a fit over a patch."""
+def angular_fit(body: ti.template(), block: ti.template(), into: ti.template(), pick: ti.template(),
+               closed: ti.template()):
+    """A block of the particles' fields recovered along the angle: values with ``ANGULAR_VALUES``, slopes with
+    ``ANGULAR_SLOPES``; with ``EACH`` values of the first field and slopes of the second."""
     K = body.radius_count
     for line in range(body.particles // K):
-        for j in range(K):
-            value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
-            other, begin, end = row_of(body, RADIAL_FIT, j, j)
-            p = particle_at(body, FIELD, line * K + other)
-            for k in range(begin, end):
-                w, field = part(body, RADIAL_FIT).weights[k], body.recovered_particles[p]
-                value += w[0] * field
-                slope += w[1] * field
-                p += 1
-            body.recovered_particles[particle_at(body, FITTED, line * K + j)] = value
-            body.recovered_particles[particle_at(body, FITTED_SLOPE, line * K + j)] = slope
-
-
-@ti.func
-def angular_fit(body: ti.template(), i, j, closed: ti.template()):
-    """The fields recovered over a patch around particle (i, j), with slopes along the radius and the angle."""
-    K = body.radius_count
-    value, along, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    other, begin, end = row_of(body, ANGULAR_FIT, i, i)
-    p = other * K + j
-    for k in range(begin, end):
-        w, fitted = part(body, ANGULAR_FIT).weights[k], body.recovered_particles[particle_at(body, FITTED, p)]
-        value += values_of(w) * fitted
-        along += values_of(w) * body.recovered_particles[particle_at(body, FITTED_SLOPE, p)]
-        around += slopes_of(w) * fitted
-        p += K
-        if ti.static(closed):
-            p = p % body.particles
-    return value, along, around
+        for group in range(groups(K)):
+            j = first_of(group, K)
+            put(body.recovered_particles, particle_at(body, into, line * K + j), 1, angular_sums(
+                body, ANGULAR_FIT, line, pick, body.recovered_particles, particle_at(body, block, j), K,
+                body.particles // K, closed))
 
 
 @ti.func

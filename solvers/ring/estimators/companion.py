@@ -15,7 +15,7 @@ import taichi as ti
 from solvers import runtime
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
-from solvers.kinds import integer_quads, integers, matrix, pairs, quads, reals
+from solvers.kinds import integer_quads, integers, pairs, quads, reals, rows
 from solvers.ring import exact
 from solvers.ring.estimators.companion_alone import RingAlone
 from solvers.ring.estimators.companion_mesh import directions, free, masses, mesh, read_particles, unit_frequency
@@ -46,8 +46,8 @@ def accelerate(ring: ti.template(), t, on: ti.template()):
         for j in range(row):
             i = shared.WORK * ring.companion_counts[shared.NODES] + k * row + j
             for c in ti.static(range(2)):
-                a = ring.companion_nodes[i, 6 + c] * ring.companion_nodes[i, 2 + c]
-                ring.companion_nodes[i, 2 + c] = a + force * ring.companion_directions[j][c]
+                a = ring.companion_nodes[i][6 + c] * ring.companion_nodes[i][2 + c]
+                ring.companion_nodes[i][2 + c] = a + force * ring.companion_directions[j][c]
 
 
 @ti.func
@@ -58,17 +58,18 @@ def element_stresses(ring: ti.template(), corner):
     """
     n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
     trial = shared.WORK * ring.companion_counts[shared.NODES] + corner
+    for i in range(n):
+        for j in range(n):
+            node = trial + i * row + j
+            ring.companion_trial[i * n + j] = ti.Vector([ring.companion_nodes[node][0], ring.companion_nodes[node][1]])
     stiffest = 1.0
     for i in range(n):
         R = ring.companion_radii[corner // row + i][0]
         for j in range(n):
             u_R, u_t = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
             for k in range(n):
-                d_R, d_t = ring.companion_matrices[i * n + k][0], ring.companion_matrices[j * n + k][1]
-                up, along = trial + k * row + j, trial + i * row + k
-                for c in ti.static(range(2)):
-                    u_R[c] += d_R * ring.companion_nodes[up, c]
-                    u_t[c] += d_t * ring.companion_nodes[along, c]
+                u_R += ring.companion_matrices[i * n + k][0] * ring.companion_trial[k * n + j]
+                u_t += ring.companion_matrices[j * n + k][1] * ring.companion_trial[i * n + k]
             e = ring.companion_directions[corner % row + j]
             f_R = e + u_R  # F e_R
             f_t = ti.Vector([-e[1], e[0]]) + u_t / R  # F e_theta
@@ -91,15 +92,13 @@ def element_forces(ring: ti.template(), corner):
     trial = shared.WORK * ring.companion_counts[shared.NODES] + corner
     for i in range(n):
         for j in range(n):
-            force = ti.Vector([0.0, 0.0])
+            across, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
             for k in range(n):
-                d_R, d_t = ring.companion_matrices[k * n + i][0], ring.companion_matrices[k * n + j][1]
-                for c in ti.static(range(2)):
-                    force[c] += d_R * ring.companion_stresses[k * n + j][c] \
-                        + d_t * ring.companion_stresses[i * n + k][2 + c]
+                across += ring.companion_matrices[k * n + i][0] * ring.companion_stresses[k * n + j]
+                around += ring.companion_matrices[k * n + j][1] * ring.companion_stresses[i * n + k]
             node = trial + i * row + j
             for c in ti.static(range(2)):
-                ring.companion_nodes[node, 2 + c] = ring.companion_nodes[node, 2 + c] - force[c]
+                ring.companion_nodes[node][2 + c] = ring.companion_nodes[node][2 + c] - (across[c] + around[2 + c])
 
 
 @ti.func
@@ -130,8 +129,7 @@ def reduce_to_arc(ring: ti.template(), k):
     arc = shared.LAYERS * ring.companion_counts[shared.NODES]
     for j in range(ring.companion_counts[shared.ROW]):
         total = arc_node(ring, k, j)
-        for c in ti.static(range(8)):
-            ring.companion_nodes[arc + j, c] = total[c]
+        ring.companion_nodes[arc + j] = total
 
 
 @ti.func
@@ -139,13 +137,12 @@ def arc_node(ring: ti.template(), k, j):
     """The same of node j of that arc."""
     n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
     start = shared.NOW * ring.companion_counts[shared.NODES] + ring.companion_places[k][1]
-    total = ti.Vector([0.0] * 8)
+    total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
     for i in range(n):
-        now, basis = start + i * row + j, ring.companion_basis[k * n + i]
-        for c in ti.static(range(6)):
-            total[c] += basis[0] * ring.companion_nodes[now, c]
-        for c in ti.static(range(2)):
-            total[6 + c] += basis[1] * ring.companion_nodes[now, c]
+        now, basis = ring.companion_nodes[start + i * row + j], ring.companion_basis[k * n + i]
+        total += basis[0] * now
+        slope += basis[1] * ti.Vector([now[0], now[1]])
+    total[6], total[7] = slope[0], slope[1]
     return total
 
 
@@ -159,10 +156,9 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
     for j in range(ring.companion_counts[shared.ORDER] + 1):
         arc, basis = place[1] + j, ring.companion_basis[place[2] + j]
         if ti.static(runtime.on_processor()):
-            for c in ti.static(range(8)):
-                f[c] += basis[0] * ring.companion_nodes[arc, c]
-            for c in ti.static(range(2)):
-                turn[c] += basis[1] * ring.companion_nodes[arc, c]
+            value = ring.companion_nodes[arc]
+            f += basis[0] * value
+            turn += basis[1] * ti.Vector([value[0], value[1]])
         else:  # particles of many radii are at work, and there is room for one arc
             value = arc_node(ring, ring.radius[p], arc - shared.LAYERS * ring.companion_counts[shared.NODES])
             f += basis[0] * value
@@ -202,7 +198,8 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_numbers": np.array([frequency, 1.0, 0.0]),
         "companion_nodes": shared.initial_nodes(exact.velocity(scene, X, 0.0), inverse_mass.reshape(-1, 2), len(e)),
         "companion_radii": np.stack([R, *exact.shape(R)], axis=1), "companion_directions": e,
-        "companion_matrices": matrices.reshape(-1, 4), "companion_stresses": np.zeros((n * n, 4)),
+        "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
+        "companion_stresses": np.zeros((n * n, 4)),
         "companion_basis": basis, "companion_places": places}
 
 
@@ -232,10 +229,11 @@ HOOKS = EstimatorHooks(
     memory={
         "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
         "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": matrix,  # and the layers of nodes, then one arc of u, v, a, u_R for a report (4 N + row, 8)
+        "companion_nodes": rows,  # and the layers of nodes, then one arc of u, v, a, u_R for a report (4 N + row, 8)
         "companion_radii": quads,  # R, w, w', w'' at the radii of nodes
         "companion_directions": pairs,  # e_R at the angles of nodes
         "companion_matrices": quads,  # d/dR and d/dtheta in an element, row by row, and the weights of its points
+        "companion_trial": pairs,  # u at the points of the element at work
         "companion_stresses": quads,  # w R P e_R and w P e_theta at the points of the element at work
         "companion_basis": pairs,  # see read_particles
         "companion_places": integer_quads,

@@ -29,7 +29,7 @@ import taichi as ti
 from solvers.elementary import log
 from solvers.estimators import companion as shared
 from solvers.estimators.interface import EstimatorHooks
-from solvers.kinds import integers, matrix, octets, pairs, quads, reals
+from solvers.kinds import integers, octets, pairs, quads, reals, rows
 from solvers.vortex import exact
 from solvers.vortex.estimators.companion_alone import VortexAlone
 from solvers.vortex.estimators.companion_mesh import masses, mesh, read_radii, unit_frequency
@@ -57,8 +57,8 @@ def accelerate(vortex: ti.template(), t, on: ti.template()):
         if ti.static(on.body_force != "none"):
             force = force_at(vortex, vortex.companion_radii[i], t, on)
         for c in ti.static(range(2)):
-            a = vortex.companion_nodes[work, 6 + c] * vortex.companion_nodes[work, 2 + c]
-            vortex.companion_nodes[work, 2 + c] = a + force[c]
+            a = vortex.companion_nodes[work][6 + c] * vortex.companion_nodes[work][2 + c]
+            vortex.companion_nodes[work][2 + c] = a + force[c]
 
 
 @ti.func
@@ -77,9 +77,9 @@ def element_forces(vortex: ti.template(), first):
         for i in range(n):
             d = vortex.companion_matrices[k * n + i][0]
             for c in ti.static(range(2)):
-                slope[c] += d * vortex.companion_nodes[trial + i, c]
+                slope[c] += d * vortex.companion_nodes[trial + i][c]
         R, w = vortex.companion_radii[first + k][0], vortex.companion_matrices[k * n][1]
-        u = ti.Vector([vortex.companion_nodes[trial + k, 0], vortex.companion_nodes[trial + k, 1]])
+        u = ti.Vector([vortex.companion_nodes[trial + k][0], vortex.companion_nodes[trial + k][1]])
         along, around = polar_gradient(slope, u, R)
         J = along[0] * around[1] - along[1] * around[0]
         volumetric = lam * ti.log(J)
@@ -88,12 +88,12 @@ def element_forces(vortex: ti.template(), first):
         back = (volumetric - mu) / J
         radial = w * R * ti.Vector([mu * along[0] + back * around[1], mu * along[1] - back * around[0]])  # P e_R
         hoop = w * ti.Vector([mu * around[0] - back * along[1], mu * around[1] + back * along[0]])  # P e_Theta
-        vortex.companion_nodes[trial + k, 2] = vortex.companion_nodes[trial + k, 2] - hoop[1]
-        vortex.companion_nodes[trial + k, 3] = vortex.companion_nodes[trial + k, 3] + hoop[0]
+        vortex.companion_nodes[trial + k][2] = vortex.companion_nodes[trial + k][2] - hoop[1]
+        vortex.companion_nodes[trial + k][3] = vortex.companion_nodes[trial + k][3] + hoop[0]
         for i in range(n):
             d = vortex.companion_matrices[k * n + i][0]
             for c in ti.static(range(2)):
-                vortex.companion_nodes[trial + i, 2 + c] = vortex.companion_nodes[trial + i, 2 + c] - d * radial[c]
+                vortex.companion_nodes[trial + i][2 + c] = vortex.companion_nodes[trial + i][2 + c] - d * radial[c]
     return stiffest
 
 
@@ -121,9 +121,9 @@ def report_at_once(vortex: ti.template(), base, step, on: ti.template()):
         for i in range(n):
             basis = vortex.companion_basis[k * n + i]
             for c in ti.static(range(6)):
-                circle[c] += basis[0] * vortex.companion_nodes[now + i, c]
+                circle[c] += basis[0] * vortex.companion_nodes[now + i][c]
             for c in ti.static(range(2)):
-                circle[6 + c] += basis[1] * vortex.companion_nodes[now + i, c]
+                circle[6 + c] += basis[1] * vortex.companion_nodes[now + i][c]
         vortex.companion_circles[k] = circle
     squares = 0.0
     for p in range(vortex.particles):
@@ -205,7 +205,7 @@ HOOKS = EstimatorHooks(
     memory={
         "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
         "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": matrix,  # and the layers of nodes (4 N, 8), along e_R and e_Theta
+        "companion_nodes": rows,  # and the layers of nodes (4 N, 8), along e_R and e_Theta
         "companion_radii": quads,  # R, h, h', h'' at the nodes
         "companion_matrices": pairs,  # d/dR in an element, row by row, and at each row's point the weight
         "companion_first": integers,  # first node of the element of each material radius of particles
