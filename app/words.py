@@ -183,7 +183,7 @@ def ratio(value: float) -> str:
 def power_of_ten(largest: float) -> int:
     """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
     power = math.floor(math.log10(largest)) if largest > 0 else 0
-    return power if power < -1 or power > 3 else 0
+    return power if power < -1 or power > 2 else 0
 
 
 def power_text(power: int) -> str:

@@ -180,7 +180,7 @@ def test_sentences_name_what_stands_beside_the_widgets():
 
 @pytest.mark.parametrize(("margin", "shown"), [
     (0.456, "<td>0.46 of its bound</td>"), (1.3, "<span class='lab-over'>1.30 of its bound</span>"),
-    (38255.0, "<span class='lab-over'>3.8e+04 of its bound</span>"), (np.nan, "<td>–</td>")])
+    (38255.0, "<span class='lab-over'>4 × 10⁴ of its bound</span>"), (np.nan, "<td>–</td>")])
 def test_margin_of_the_step_is_read(margin, shown):
     assert f"<td>step</td>{shown}".replace("<td>step</td><span", "<td>step</td><td><span") in readout_of(BAR, margin)
     assert "<td>step</td>" not in readout_of(replace(BAR, effects=("truth",)), margin)
