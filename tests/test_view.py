@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app import words
-from app.page.panels.readout import readout
+from app.page.panels.readout import _percent, readout
 from app.page.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
 from app.page.worst import Worst, WorstRegions
 from app.problems.bar.view import BAR as BAR_VIEW
@@ -251,3 +251,11 @@ def test_every_estimator_is_explained():
         assert tree.find(".//math[@display='block']") is not None
         bold = [element.text for element in tree.iter("b")]
         assert {"Assumes", "Sees", "Misses"} <= set(bold)
+
+
+@pytest.mark.parametrize(("share", "shown"), [
+    (-0.0274, "−2.74%"), (0.0007, "+0.07%"), (-1e-6, "0.00%"), (0.0, "0.00%"), (-1.42784, "−142.78%"),
+    (530.0, "+5 × 10⁴%"), (None, "–")])
+def test_shares_are_read(share, shown):
+    """With a minus as everywhere else on the page, none before nothing, and no digits that nobody reads."""
+    assert _percent(share) == shown

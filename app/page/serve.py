@@ -211,7 +211,7 @@ def _show(client: Any, sentence: str) -> None:
     client.gui.reset()
     client.scene.reset()
     add_head(client.gui)
-    client.gui.add_html(f"<div class='lab-notice lab-refused'>{sentence}</div>")
+    client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
 
 
 def _outside(host: str) -> str:
