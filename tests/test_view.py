@@ -171,6 +171,8 @@ def test_sentences_name_what_stands_beside_the_widgets():
     """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
     assert words.on_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
     assert words.on_page("give --velocity grid") == "give grid velocity"
+    assert words.on_page("ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline") == \
+        "uGIMP needs 98 cells, CFL 0.5; mpm-lab run bar --method mpm; cpGIMP (V), or B-spline"
     assert words.on_page("call for the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
         "call for the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
     with pytest.raises(SceneError) as refusal:
