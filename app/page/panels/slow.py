@@ -17,6 +17,7 @@ from solvers.anatomy import Anatomy
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
 
+NO_BREAK = "\N{NO-BREAK SPACE}"
 TICK = 0.06  # seconds between two pictures
 SECONDS = (1.0, 10.0, 3.0)  # that a phase takes: least, most, at first
 MOVING = 0.7  # share of them in which things move; then they rest, to be read
@@ -196,7 +197,7 @@ def _table(scene: Scene, a: Anatomy, phase: int) -> str:
     names, rows = ["node at, m"], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
     for column in what.columns:
         texts, unit = scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
-        names.append(f"{column.name}, {unit}" if unit else column.name)
+        names.append(f"{column.name}, {unit.replace(' ', NO_BREAK)}" if unit else column.name)
         rows.append(texts)
     head = "".join(f"<th>{escape(name)}</th>" for name in names)
     body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>"
