@@ -100,10 +100,12 @@ def per_cell(problem: str, ppc: float) -> str:
 
 
 def on_page(sentence: str) -> str:
-    """A sentence that names flags and remedies as one types them, with the words that stand beside the widgets."""
+    """A sentence that names flags, methods and remedies as one types them, with the words that stand beside the
+    widgets."""
     for typed, shown in ((f"--dt {AUTO} takes", "the box \"Auto step\" takes"),
                          ("--velocity grid", CHOICES["velocity"]["grid"]),
                          ("the right --cells and --ppc", "the right cells and particles per cell"),
+                         (", cfl ", ", CFL "),
                          (", or the flag --time with one time for each file", ""),
                          (", and --cells with one number for each file of several grids", "")):
         sentence = sentence.replace(typed, shown)
@@ -111,7 +113,9 @@ def on_page(sentence: str) -> str:
     name = "|".join(map(re.escape, labels))
     sentence = re.sub(rf"({name}),({name})", r"\1 and \2", sentence)
     sentence = re.sub(rf"({name}) (?={name})", r"\1, ", sentence)
-    return re.sub(name, lambda found: labels[found[0]], sentence)
+    sentence = re.sub(name, lambda found: labels[found[0]], sentence)
+    methods = "|".join(sorted(METHODS, key=len, reverse=True))
+    return re.sub(rf"(?<!--method )\b({methods})\b(?!-lab)", lambda found: METHODS[found[0]].name, sentence)
 
 
 @functools.lru_cache(maxsize=64)  # asked for with every frame
@@ -183,7 +187,7 @@ def ratio(value: float) -> str:
 def power_of_ten(largest: float) -> int:
     """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
     power = math.floor(math.log10(largest)) if largest > 0 else 0
-    return power if power < -1 or power > 3 else 0
+    return power if power < -1 or power > 2 else 0
 
 
 def power_text(power: int) -> str:

@@ -241,9 +241,11 @@ class Scene(Usual, ABC, Remembered):
 
     @functools.cached_property
     def active_estimators(self) -> tuple[str, ...]:
-        """The estimators that run: those asked for that are valid here, if the effect is on."""
-        refused = self.not_valid if "estimate" in self.effects else {}
-        return tuple(e for e in self.estimators if e not in refused) if "estimate" in self.effects else ()
+        """The estimators that run: those asked for that are valid here, if the effect is on. In whichever order they
+        are asked for they run in one, so that their kernels are compiled once."""
+        if "estimate" not in self.effects:
+            return ()
+        return tuple(e for e in self.choices("estimators") if e in self.estimators and e not in self.not_valid)
 
     @property
     def solution_known(self) -> bool:

@@ -136,10 +136,11 @@ def test_an_engine_killed_while_it_compiles_takes_its_successor_along(pool, sess
 def test_what_is_usual_is_compiled_unasked():
     """After a while every usual scene is there without a compiler, ring and bar; one that cannot be is left out."""
     usual = [replace(SCENE, estimators=("companion",)), RingScene(cells=12, estimators=()), replace(SCENE, effects=())]
-    pool, listener = EnginePool(SCENE, usual=usual), Listener()
+    pool, listener = EnginePool(SCENE), Listener()
     try:
         assert pool.wait_ready(PATIENCE)
         first = pool.process_ids
+        pool.expect(usual)
         # An engine that has something left to compile is never asleep without a successor at work.
         until(lambda: pool.process_ids != first and state(pool.process_ids[0]) == "S" and not compilers(pool),
               "all compiled", PATIENCE, pause=0.2)

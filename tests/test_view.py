@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app import words
-from app.page.panels.readout import readout
+from app.page.panels.readout import _percent, readout
 from app.page.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
 from app.page.worst import Worst, WorstRegions
 from app.problems.bar.view import BAR as BAR_VIEW
@@ -171,6 +171,8 @@ def test_sentences_name_what_stands_beside_the_widgets():
     """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
     assert words.on_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
     assert words.on_page("give --velocity grid") == "give grid velocity"
+    assert words.on_page("ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline") == \
+        "uGIMP needs 98 cells, CFL 0.5; mpm-lab run bar --method mpm; cpGIMP (V), or B-spline"
     assert words.on_page("call for the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
         "call for the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
     with pytest.raises(SceneError) as refusal:
@@ -180,7 +182,7 @@ def test_sentences_name_what_stands_beside_the_widgets():
 
 @pytest.mark.parametrize(("margin", "shown"), [
     (0.456, "<td>0.46 of its bound</td>"), (1.3, "<span class='lab-over'>1.30 of its bound</span>"),
-    (38255.0, "<span class='lab-over'>3.8e+04 of its bound</span>"), (np.nan, "<td>–</td>")])
+    (38255.0, "<span class='lab-over'>4 × 10⁴ of its bound</span>"), (np.nan, "<td>–</td>")])
 def test_margin_of_the_step_is_read(margin, shown):
     assert f"<td>step</td>{shown}".replace("<td>step</td><span", "<td>step</td><td><span") in readout_of(BAR, margin)
     assert "<td>step</td>" not in readout_of(replace(BAR, effects=("truth",)), margin)
@@ -251,3 +253,11 @@ def test_every_estimator_is_explained():
         assert tree.find(".//math[@display='block']") is not None
         bold = [element.text for element in tree.iter("b")]
         assert {"Assumes", "Sees", "Misses"} <= set(bold)
+
+
+@pytest.mark.parametrize(("share", "shown"), [
+    (-0.0274, "−2.74%"), (0.0007, "+0.07%"), (-1e-6, "0.00%"), (0.0, "0.00%"), (-1.42784, "−142.78%"),
+    (530.0, "+5 × 10⁴%"), (None, "–")])
+def test_shares_are_read(share, shown):
+    """With a minus as everywhere else on the page, none before nothing, and no digits that nobody reads."""
+    assert _percent(share) == shown

@@ -28,6 +28,7 @@ class FlatCamera:
         self._target: np.ndarray | None = None
         self._settle_until = self._next_fit = 0.0
         self._hair = 0
+        self._left = 0.0
         client.camera.on_update(lambda _: self.fit())
         self.fit(force=True)
 
@@ -37,12 +38,23 @@ class FlatCamera:
             self._rectangle = rectangle
             self.fit(force=True)
 
+    def leave(self, pixels: float) -> None:
+        """Leave so many pixels free at the bottom, but no more than a third of the canvas."""
+        if pixels != self._left:
+            self._left = pixels
+            self.fit(force=True)
+
     def settle(self) -> None:
         """Call now and then: repeats the fit while the canvas is settling."""
         now = monotonic()
         if now < self._settle_until + 1 and now > self._next_fit:
             self._next_fit = now + REPEAT_SECONDS
             self.fit(force=True)
+
+    @property
+    def width(self) -> int:
+        """Of the canvas, in pixels."""
+        return int(self._client.camera.image_width)
 
     @property
     def scale(self) -> float:
@@ -78,7 +90,7 @@ class FlatCamera:
         self._hair = (self._hair + 1) % 7
         height = self._height(aspect) * (MARGIN + 1e-4 * self._hair)
         distance = 0.5 * height / math.tan(FIELD_OF_VIEW / 2)
-        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2 - 0.5 * self._share * height
         self._target = np.array((x, y, distance))
         camera = self._client.camera
         with self._client.atomic():
@@ -90,4 +102,9 @@ class FlatCamera:
     def _height(self, aspect: float) -> float:
         """Of what is looked at, at least the rectangle, on a canvas so many times as wide as high."""
         x0, x1, y0, y1 = self._rectangle
-        return max(y1 - y0, (x1 - x0) / aspect)
+        return max((y1 - y0) / (1 - self._share), (x1 - x0) / aspect)
+
+    @property
+    def _share(self) -> float:
+        """Of the canvas's height that is left free."""
+        return min(1 / 3, self._left / max(1, self._client.camera.image_height))

@@ -1,11 +1,13 @@
 """What a visitor should read now, in a sentence; and doubts of a run that is sound in itself."""
 
+import math
 from dataclasses import dataclass
 
 from app.page.history import History
 from app.words import on_page, ratio
 
 BROKEN = 30.0  # error index from which on an estimate is no estimate
+LINE_HEIGHT, LETTER_WIDTH, ASIDE, ABOVE = 18.0, 6.6, 64.0, 24.0  # pixels, of a notice
 
 
 @dataclass(frozen=True)
@@ -14,6 +16,10 @@ class Notice:
 
     kind: str
     sentence: str
+
+    def height(self, width: float) -> float:
+        """About how many pixels it covers at the bottom of a stage so many pixels wide (``style.css``)."""
+        return LINE_HEIGHT * math.ceil(LETTER_WIDTH * len(self.sentence) / max(LETTER_WIDTH, width - ASIDE)) + ABOVE
 
 
 def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:

@@ -200,8 +200,8 @@ class Page:
                            self._session.speed * scene.period)
                 stage.caption(view.left, view.right)
                 stage.name(f"this run: {differing(scene, pinned.scene)}".removesuffix(": ") if pinned else "")
-                if pinned and second and beside and pinned.last:
-                    self._draw_pinned(pinned, second, beside, *pinned.last, scene)
+                if pinned and second:
+                    self._draw_pinned(pinned, second, beside, scene)
                 self._mark.look(stage, arrays)
                 self._colour_bar.draw(view.measures, QUANTITIES[controls.quantity].unit)
                 self.client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
@@ -231,13 +231,18 @@ class Page:
         self._probe.look(stage, arrays, view.estimated, view.true, unit)
         self._seen = report, arrays, view
 
-    def _draw_pinned(self, pinned: PinnedRun, stage: Stage, view: View, report: FrameReport,
-                     arrays: FrameArrays, other: Scene) -> None:
+    def _draw_pinned(self, pinned: PinnedRun, stage: Stage, view: View | None, other: Scene) -> None:
+        """A pinned run beside an ``other`` one, or before its first frame that there will be one."""
         scene, live = pinned.scene, self._stages[pinned.scene.problem]
+        said = f"pinned: {differing(scene, other) or 'the same so far'}"
+        if view is None or pinned.last is None:
+            stage.name(f"{said}, being prepared")
+            return
+        report, arrays = pinned.last
         stage.domains, stage.plotted, stage.magnified = live.domains, report.plotted, live.magnified
         stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time, self._session.speed * scene.period)
         stage.caption(view.left, view.right)
-        stage.name(f"pinned: {differing(scene, other) or 'the same so far'}")
+        stage.name(said)
 
     def _refresh_loop(self) -> None:
         """Refresh now and then, and soon when the stage has come to a stand: what is said goes with what is seen."""
@@ -269,6 +274,7 @@ class Page:
         self._notice.content = "" if notice is None else (
             f"<div class='lab-notice lab-{notice.kind}' role='status'>"
             f"{escape(notice.sentence[:1].upper() + notice.sentence[1:])}</div>")
+        self._camera.leave(0.0 if notice is None or notice.kind == "wait" else notice.height(self._camera.width))
         self._say()
         self._controls.refresh()
         self._keep()
@@ -296,4 +302,5 @@ class Page:
 
     def _show_sentence(self, sentence: str, at_once: bool) -> None:
         if self._pace.lets(sentence, monotonic(), at_once):
-            self._says.content = f"<i class='lab-says' data-sentence=\"{escape(sentence)}\"></i>"
+            said = escape(sentence).replace("–", "–&NoBreak;")  # no line ends between "0.25–" and "0.30"
+            self._says.content = f"<i class='lab-says' data-sentence=\"{said}\"></i>"

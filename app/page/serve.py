@@ -152,8 +152,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     code = code or ("" if addresses.private else made_up())
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
-    pool, server = EnginePool(FIRST_SCENE, _engine_count(), usual_scenes() if warm_up else (),
-                              1 / frames), None
+    pool, server = EnginePool(FIRST_SCENE, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
@@ -165,7 +164,9 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
             print(f"the class code is {code}; {link} brings it along", file=sys.stderr, flush=True)
             if sys.stderr.isatty():
                 print(_picture(link), file=sys.stderr, flush=True)
-        shelf.lessons()  # while nothing else is to be done: the first visitor wants them
+        lessons = shelf.lessons()  # while nothing else is to be done: the first visitor wants them
+        if warm_up:
+            pool.expect(usual_scenes(lessons, lesson))
         while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
             sleep(HEARS_WITHIN)
     finally:
@@ -210,7 +211,7 @@ def _show(client: Any, sentence: str) -> None:
     client.gui.reset()
     client.scene.reset()
     add_head(client.gui)
-    client.gui.add_html(f"<div class='lab-notice lab-refused'>{sentence}</div>")
+    client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
 
 
 def _outside(host: str) -> str:

@@ -111,5 +111,5 @@ def _crossings(report: FrameReport, arrays: FrameArrays) -> list[str]:
         return []
     steps, window = arrays.steps_since_crossing, CROSSING_WINDOW * report.scene.period
     count = int(np.count_nonzero((steps >= 0) & (steps * report.scene.time_step <= window)))
-    who = f"{count} particles" if count > 1 else "1 particle" if count else "no particle"
+    who = f"{count:,} particles" if count > 1 else "1 particle" if count else "no particle"
     return [f"{who} crossed a cell boundary in the last {number(window)} s"]

@@ -48,6 +48,13 @@ class Goodbye:
 
 
 @dataclass(frozen=True)
+class Usual:
+    """What visitors usually ask for, the likeliest first: to be compiled when there is time."""
+
+    scenes: tuple[Scene, ...]
+
+
+@dataclass(frozen=True)
 class FrameReport:
     """A frame lies in the session's block called ``memory``. ``rows`` are the samples since the last frame.
 

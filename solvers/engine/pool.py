@@ -32,14 +32,18 @@ class Listener(Protocol):
 
 
 class EnginePool:
-    """A fixed number of engine processes and the sessions they serve. They compile ``warm_up`` before they are ready,
-    and what is ``usual`` beside their work. Each session gets a frame every ``frame_seconds``, if it can be had."""
+    """A fixed number of engine processes and the sessions they serve. They compile ``warm_up`` before they are ready.
+    Each session gets a frame every ``frame_seconds``, if it can be had."""
 
-    def __init__(self, warm_up: Scene, engines: int = 1, usual: Sequence[Scene] = (),
-                 frame_seconds: float = FRAME_SECONDS):
+    def __init__(self, warm_up: Scene, engines: int = 1, frame_seconds: float = FRAME_SECONDS):
         self._numbers, self._frame_seconds = itertools.count(1), frame_seconds
         adopt_orphans()
-        self._engines = [EngineProcess(warm_up, usual) for _ in range(engines)]
+        self._engines = [EngineProcess(warm_up) for _ in range(engines)]
+
+    def expect(self, usual: Sequence[Scene]) -> None:
+        """Have every engine compile what is ``usual`` beside its work, the first first."""
+        for engine in self._engines:
+            engine.expect(usual)
 
     def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
         """A new session, on the engine that has fewest; on one that has been given up only if all have. One that is

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
-from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Wish
+from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
 from solvers.scene import Scene
 
 if TYPE_CHECKING:
@@ -39,16 +39,17 @@ class EngineProcess:
     """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. The process
     may put a successor in its place (:class:`~solvers.engine.messages.Moved`): the pipe is the same."""
 
-    def __init__(self, warm_up: Scene, usual: Sequence[Scene] = ()):
+    def __init__(self, warm_up: Scene):
         self.ready = threading.Event()
         self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
         self.links: dict[int, SessionLink] = {}
         self._failures = 0
         self._leaving: list[int] = []  # processes that were engines, or will end soon
-        self._warm_up, self._usual = warm_up, tuple(usual)
+        self._warm_up = warm_up
+        self._usual: tuple[Scene, ...] = ()
         self._closing = False
         self._news = threading.Condition()
-        self._outbox: deque[Goodbye] = deque()
+        self._outbox: deque[Goodbye | Usual] = deque()
         self._wishes: dict[int, Wish] = {}
         self._start()
         for work in (self._read, self._write):
@@ -57,6 +58,13 @@ class EngineProcess:
     @property
     def process_id(self) -> int:
         return self._process_id
+
+    def expect(self, usual: Sequence[Scene]) -> None:
+        """Have the process, and any that takes its place, compile what is ``usual`` beside its work."""
+        with self._news:
+            self._usual = tuple(usual)
+            self._outbox.append(Usual(self._usual))
+            self._news.notify_all()
 
     def send(self, message: Wish | Goodbye) -> None:
         """Queue a message; never waits. A newer wish of a session takes the place of an older one."""

@@ -151,7 +151,7 @@ class Stepper:
         if now - wall > SPEED_WINDOW:
             self._window = (now, solver.time)
         particle_steps = self._kernel_steps * solver.scene.particles  # since the build
-        rows, not_valid = np.concatenate(self._rows), solver.not_valid()
+        rows, not_valid = np.concatenate(self._rows), self._verdict.doubted(solver.time, solver.not_valid())
         self._verdict.look(rows, len(shot.position), self.running)
         status, reason, since = self._verdict.tell(solver, not_valid)
         report = FrameReport(

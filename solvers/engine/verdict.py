@@ -10,6 +10,7 @@ from solvers.solver import Solver
 from solvers.soundness import Finding, earliest, findings, verdict
 
 MOST_WAITING = 20  # samples
+REMEMBERED = 0.5  # periods
 
 
 class Verdict:
@@ -20,6 +21,7 @@ class Verdict:
         self._waiting: list[np.ndarray] = []  # samples to be judged with those that come next
         self._findings: dict[str, Finding] = {}
         self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
+        self._doubts: dict[str, tuple[float, str]] = {}  # when, in s, an estimator was last found not to hold, and why
 
     def look(self, rows: np.ndarray, particles: int, goes_on: bool = False) -> None:
         """Judge new samples of so many particles. Once something is found that stays, nothing later can be first.
@@ -40,6 +42,14 @@ class Verdict:
         self._looked = rows[looked[-1:]] if len(looked) else self._looked
         series = samples.read(np.concatenate(waiting), scene.active_estimators, particles, scene.time_step)
         self._findings = {**findings(scene, series), **self._findings}
+
+    def doubted(self, time: float, found: dict[str, str]) -> dict[str, str]:
+        """The estimators that do not hold at a time in s, each with a sentence: those ``found`` not to now, and those
+        of the half period before. One that has broken down meets its bounds at moments, by chance, and would come and
+        go with every frame."""
+        self._doubts |= {name: (time, sentence) for name, sentence in found.items()}
+        return {name: sentence for name, (last, sentence) in self._doubts.items()
+                if time - last < REMEMBERED * self._scene.period}
 
     def tell(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
         """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)

@@ -21,7 +21,7 @@ from time import perf_counter
 
 from solvers import runtime
 from solvers.engine import successor
-from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Wish
+from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
 from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
 from solvers.run import build
@@ -110,6 +110,8 @@ class Worker:
                     self._wishes[message.session] = message
                 case None:
                     raise EOFError  # the pool closes
+                case Usual():
+                    self._usual = list(message.scenes)
                 case Goodbye():
                     self._wishes.pop(message.session, None)
                     self._drop(message.session)

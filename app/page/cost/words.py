@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from app.page.cost.jobs import JobStatus
 from app.page.cost.runs import MOST_RUNS, NumberedRun
 from app.page.limits import too_many
-from app.words import NOTHING, command_line, method_name, moving, number, per_cell
+from app.words import NOTHING, command_line, method_name, moving, number, on_page, per_cell
 from solvers.problems import PROBLEMS
 from solvers.remedies import REMEDIES
 from solvers.scene import Scene
@@ -146,6 +146,6 @@ def found(advice: dict) -> str:
         f"error {number(advice['error'])} m, {number(advice['error'] / size)} of A"
     known = "by its own estimate" if advice["measured"] else "expected, not run"
     run = f"{setting(scene)}: {error} ({known}), {seconds(advice['seconds'])} for the bare run"
-    runner_up = f"Runner-up: {advice['why']}." if advice["why"] else ""
+    runner_up = f"Runner-up: {on_page(advice['why'])}." if advice["why"] else ""
     start = "Take" if advice["met"] else "Nothing within reach meets that. The closest is"
     return f"{start} {run}. {runner_up} ({advice['looks']} runs were tried.)"

@@ -214,9 +214,9 @@ def _marks(label: str, colour: str, size: float) -> uplot.Series:
 
 
 def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """An estimate that has lost its way leaves the plot instead of flattening the truth."""
+    """An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth."""
     truth = largest(true)
-    return np.where(estimated <= BEYOND * truth, estimated, np.nan) if truth > 0 else estimated
+    return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated
 
 
 def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -93,7 +93,10 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
 def _percent(share: float | None) -> str:
     if share is None:
         return NOTHING
-    return f"{share:+.2%}" if abs(share) < 10 else f"{100 * share:+.2g}%"
+    sign = "−" if share < 0 else "+"
+    if f"{share:.2%}".lstrip("-") == "0.00%":
+        return "0.00%"
+    return f"{sign}{abs(share):.2%}" if abs(share) < 10 else f"{sign}{ratio(100 * abs(share))}%"
 
 
 def _last(values: np.ndarray) -> float:
@@ -106,7 +109,7 @@ def _margin(margin: float) -> str:
     """The step over the bound of what the present configuration bears; beyond 1 it will not hold."""
     if math.isnan(margin):  # before the first step nothing has a mass
         return NOTHING
-    text = f"{margin:.2f} of its bound" if margin < 100 else f"{margin:.2g} of its bound"
+    text = f"{ratio(margin)} of its bound"
     return f"<span class='lab-over'>{text}</span>" if margin > 1 else text
 
 
@@ -213,4 +216,4 @@ def _ratio(series: dict[str, np.ndarray], name: str) -> str:
     values = series.get(name, np.zeros(0))
     if not len(values) or not np.isfinite(values[-1]):
         return NOTHING
-    return ratio(float(values[-1]))
+    return ratio(float(values[-1])).replace(" × ", "×")  # else it seems to go on from the number before

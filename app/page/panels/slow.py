@@ -17,6 +17,7 @@ from solvers.anatomy import Anatomy
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
 
+NO_BREAK = "\N{NO-BREAK SPACE}"
 TICK = 0.06  # seconds between two pictures
 SECONDS = (1.0, 10.0, 3.0)  # that a phase takes: least, most, at first
 MOVING = 0.7  # share of them in which things move; then they rest, to be read
@@ -193,15 +194,16 @@ def _sentence(scene: Scene, phase: int) -> str:
 def _table(scene: Scene, a: Anatomy, phase: int) -> str:
     """All the numbers of a phase: the equation in words, those of the particle, and the nodes' in a table."""
     what = PHASES[phase]
-    names, rows = ["node at, m"], [[", ".join(f"{x:.4g}" for x in place) for place in a.nodes]]
+    names, rows = ["node at, m"], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
     for column in what.columns:
         texts, unit = scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
-        names.append(f"{column.name}, {unit}" if unit else column.name)
+        names.append(f"{column.name}, {unit.replace(' ', NO_BREAK)}" if unit else column.name)
         rows.append(texts)
     head = "".join(f"<th>{escape(name)}</th>" for name in names)
     body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>"
                    for row in zip(*rows, strict=True))
     front = "<br>".join(map(escape, what.front(scene, a)))
-    return (f"<div class='lab-slow'><b>Step {a.step}, phase {phase + 1} of {len(PHASES)}: {escape(what.title)}</b>"
+    kind = "lab-slow lab-plane" if a.nodes.shape[1] > 1 else "lab-slow"
+    return (f"<div class='{kind}'><b>Step {a.step}, phase {phase + 1} of {len(PHASES)}: {escape(what.title)}</b>"
             f"<p>Particle {a.particle}: {front}</p>"
             f"<table><tr>{head}</tr>{body}</table></div>")

@@ -55,7 +55,8 @@ class VortexStage(PlanarStage[VortexScene]):
         return outermost(scene)
 
     def _note(self, scene: VortexScene) -> str:
-        return f"outer radius {OUTER} m, h = {scene.spacing:.3g} m"
+        lines = ", blue: exact lines" * scene.solution_known
+        return f"h = {scene.spacing:.3g} m{lines}"  # the plot below says how large it is
 
     def _first_line(self, scene: VortexScene) -> float:
         return 0.5 * scene.spacing * (scene.cells % 2)

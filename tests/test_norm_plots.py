@@ -1,0 +1,28 @@
+"""What the plots over time draw of an estimate that has lost its way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.page.panels.plots import _bounded
+from app.scale import BEYOND
+from app.words import power_of_ten
+
+
+def test_a_lost_estimate_is_drawn_at_the_edge():
+    """Left out, its low moments would be joined by lines through where it was high."""
+    true, estimated = np.array([1.0, 2.0, 1.0]), np.array([0.5, 5000.0, 3.0])
+    assert _bounded(estimated, true).tolist() == [0.5, BEYOND * 2.0, 3.0]
+    assert np.array_equal(_bounded(estimated, np.zeros(3)), estimated)
+
+
+def test_what_is_not_known_stays_so():
+    """Not a number is nowhere, also beside a lost one."""
+    assert np.array_equal(_bounded(np.array([np.nan, np.inf]), np.ones(2)), [np.nan, BEYOND], equal_nan=True)
+
+
+@pytest.mark.parametrize(("largest", "power"), [(0.0, 0), (0.02, -2), (0.25, 0), (999.0, 0), (6000.0, 3), (2e5, 5)])
+def test_a_power_of_ten_goes_where_digits_would_not(largest, power):
+    """Three digits say enough: 6000 as 6 times 10^3, which three digits alone would write 6e+03."""
+    assert power_of_ten(largest) == power and "e" not in f"{largest / 10.0**power:.3g}"

@@ -1,0 +1,59 @@
+"""What is compiled before anybody asks for it: what is likely, and in that order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from app import state
+from app.lessons import shelf
+from app.lessons.variants import filled
+from app.page.session import first_scene
+from app.page.usual import usual_scenes
+from solvers.problems import PROBLEMS
+from solvers.switches import combination
+
+
+@pytest.fixture(scope="module")
+def lessons():
+    return shelf.lessons()
+
+
+def taught(lesson):
+    """The combinations that a lesson puts on the stage, for every variant."""
+    stages = [state.read(filled(step.stage, numbers)) for step in lesson.steps if step.stage
+              for numbers in lesson.variants]
+    return {combination(scene) for shown in stages for scene in (shown.scene, shown.pinned) if scene is not None}
+
+
+def test_every_scene_of_a_lesson_is_usual(lessons):
+    """Whoever opens a lesson knows nothing of compilers; its variants differ in numbers, which compile nothing."""
+    usual = set(map(combination, usual_scenes(lessons)))
+    for name, lesson in lessons.items():
+        assert taught(lesson) <= usual, name
+
+
+def test_the_likeliest_come_first(lessons):
+    """Each problem as it is at first, then one click, and last what no lesson does; the lesson that a class is opened
+    on comes before any click."""
+    first = [first_scene(problem) for problem in PROBLEMS]
+    usual = usual_scenes(lessons)
+    assert usual[:len(first)] == first
+    places = {combination(scene): k for k, scene in reversed(list(enumerate(usual)))}
+    click, box = replace(first[0], method="mpm"), replace(first[0], effects=first[0].effects[1:])
+    assert places[combination(click)] < places[combination(first[0].__class__(estimators=()))] \
+        < places[combination(box)]
+    name = list(lessons)[-1]
+    opened = usual_scenes(lessons, name)
+    some = len(first) + 2 * len(lessons[name].steps)
+    assert taught(lessons[name]) <= set(map(combination, opened[:some]))
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_the_order_of_estimators_compiles_nothing(problem):
+    """They run in one order, whichever they are asked for in; what is shown first is still what was asked for first."""
+    scene = replace(PROBLEMS[problem].scene(), estimators=("companion", "transport"))
+    other = replace(scene, estimators=("transport", "companion"))
+    assert combination(scene) == combination(other) and scene.active_estimators == other.active_estimators
+    assert scene.estimators[0] == "companion"
