@@ -16,7 +16,7 @@ class Link:
 
     number = 0
 
-    def ask(self, *_):
+    def ask(self, *_, **__):
         self.number += 1
         return self.number
 

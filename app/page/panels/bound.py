@@ -20,11 +20,27 @@ from solvers.rules import field_label
 
 class BoundWidgets:
     """Makes them for one visitor. Callbacks run side by side: they take ``turn``, so that what is read last is asked
-    for last."""
+    for last, and so do those who make the widgets anew."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, patience: Patience):
         self._gui, self._session, self._patience = gui, session, patience
-        self.turn = threading.Lock()
+        self.turn, self._made = threading.RLock(), object()
+
+    def forget(self) -> None:
+        """The widgets are about to be removed: from now on nothing that was asked by one of them is done."""
+        self._made = object()
+
+    def in_turn(self, act: Callable[..., None]) -> Callable[..., None]:
+        """``act``, for a widget of now to call: it waits for its turn, and does nothing if the widget has gone by then,
+        for what it would change has gone too."""
+        made = self._made
+
+        def acted(*arguments: Any) -> None:
+            with self.turn:
+                if made is self._made:
+                    act(*arguments)
+
+        return acted
 
     def boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
         """A box for each of the names that the scene's field may hold, several at a time."""
@@ -39,11 +55,12 @@ class BoundWidgets:
 
     def follow(self, widget: Any, act: Callable[[Any], None]) -> None:
         """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time."""
+        asked = self.in_turn(lambda: act(widget.value))
+
         def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:  # else the page has shown something, and nobody wishes anything
                 self._patience.changed(widget)
-                with self.turn:
-                    act(widget.value)
+                asked()
 
         widget.on_update(changed)
 
@@ -71,4 +88,4 @@ class BoundWidgets:
 
     def size(self, size: Size, value: float, act: Callable[[float], None]) -> SizeControl:
         """A slider and a text for a number of any size."""
-        return SizeControl(self._gui, size, value, act, self._session.refuse, self.follow)
+        return SizeControl(self._gui, size, value, act, self._session.refuse, self.follow, self.in_turn)

@@ -1,6 +1,5 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
-import threading
 from collections.abc import Callable
 
 import viser
@@ -37,11 +36,11 @@ class Controls:
         self._offered: tuple[str, ...] = ()  # the controls that a lesson leaves; without any all are
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self.looking = looking
-        self._loading = threading.Lock()  # widgets must not be removed while others are made among them
         self._patience = Patience()
         self._bound = BoundWidgets(gui, session, self._patience)
+        self._turn = self._bound.turn  # widgets must not be removed while others are made or changed among them
         self._motion = MotionControls(gui, session, self._bound)
-        self.estimators = EstimatorChoice(session, on_view, self._patience)
+        self.estimators = EstimatorChoice(session, on_view, self._patience, self._bound)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
         self._build()
@@ -54,7 +53,7 @@ class Controls:
 
     def load(self, scene: Scene) -> None:
         """Put a scene on the stage, and all that it says into the widgets."""
-        with self._loading:
+        with self._turn:
             if scene.problem != self._session.scene.problem:
                 self.domains = False
             self._session.choose(scene)
@@ -62,7 +61,7 @@ class Controls:
 
     def offer(self, controls: tuple[str, ...]) -> None:
         """Show only these controls, or all where there are none: ``app.lessons.lesson.CONTROLS`` names them."""
-        with self._loading:
+        with self._turn:
             if controls != self._offered:
                 self._offered = controls
                 self._problem.visible = not controls or "problem" in controls
@@ -71,7 +70,7 @@ class Controls:
     def show(self, state: State) -> None:
         """Put all of a state on the stage and into the widgets."""
         session = self._session
-        with self._loading:
+        with self._turn:
             self.quantity, self.magnified, self.domains = state.quantity, state.magnified, state.domains
             self._scale.logarithmic = state.logarithmic
             self._scale.forget()
@@ -99,6 +98,7 @@ class Controls:
     def _rebuild(self) -> None:
         """Make the widgets anew, for the session's present scene."""
         self._problem.value = self._session.scene.TITLE  # type: ignore[misc]  # it is chosen: nothing follows from it
+        self._bound.forget()
         self._widgets.remove()
         with self._tab:
             self._build()
@@ -140,7 +140,7 @@ class Controls:
         with self._part("pin"):
             pin = gui.add_button(PIN if session.pinned is None else UNPIN, hint="keep the run on the stage beside what "
                                  "you change: both begin at t = 0 and go on together, period by period")
-        pin.on_click(lambda _: self._pin(pin))
+        pin.on_click(self._bound.in_turn(lambda _: self._pin(pin)))
         view = VIEWS[session.scene.problem]
         with self._part("speed"):
             self._bound.size(Size("Speed", "", view.reach.speed, view.speed,
@@ -225,7 +225,7 @@ class Controls:
         Once for each: a slider that is set while the visitor moves it would forget where to.
         """
         self._patience.show(self._session.compiling)
-        with self._loading, self._bound.turn:
+        with self._turn:
             self.looking.refresh()
             scene = self._session.scene
             if scene.dt == AUTO and scene.courant_number != self._shown_step:

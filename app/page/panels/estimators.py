@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import viser
 
+from app.page.panels.bound import BoundWidgets
 from app.page.panels.head import HALF_WIDE
 from app.page.panels.patience import Patience
 from app.page.session import Session
@@ -17,8 +18,9 @@ NONE = "none"
 class EstimatorChoice:
     """Boxes for the estimators and two dropdowns for the stage. ``on_view`` is called when only the drawing changes."""
 
-    def __init__(self, session: Session, on_view: Callable[[], None], patience: Patience):
-        self._session, self._on_view, self._patience = session, on_view, patience
+    def __init__(self, session: Session, on_view: Callable[[], None], patience: Patience,
+                 bound: BoundWidgets):
+        self._session, self._on_view, self._patience, self._bound = session, on_view, patience, bound
         self.drawn: str | None = None  # the estimator on the stage, if any
         self.difference = False
 
@@ -43,7 +45,7 @@ class EstimatorChoice:
                                  hint="estimate − truth is drawn as the size of what the estimate misses, direction "
                                       "and all; its norm over that of the truth is the distance")
         for box in self._boxes.values():
-            box.on_update(lambda event: self._choose(event.target))
+            box.on_update(self._bound.in_turn(lambda event: self._choose(event.target)))
         self._shown.on_update(lambda _: self._draw(self._shown.value))
         stage.on_update(lambda e: self._compare(e.target.value == DIFFERENCE))
 

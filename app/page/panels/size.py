@@ -30,10 +30,11 @@ class Size:
 class SizeControl:
     """Two widgets that show one number. ``act`` is called with a number that the visitor has set, ``refuse`` with a
     sentence about text that is none; ``follow`` binds a widget to what happens when the visitor, and nobody else,
-    changes it."""
+    changes it, and what is done ``in_turn`` is not done once the widgets have gone."""
 
     def __init__(self, gui: viser.GuiApi, size: Size, value: float, act: Callable[[float], None],
-                 refuse: Callable[[str], None], follow: Callable[[Any, Callable[[Any], None]], None]):
+                 refuse: Callable[[str], None], follow: Callable[[Any, Callable[[Any], None]], None],
+                 in_turn: Callable[[Callable[[str], None]], Callable[[str], None]]):
         self._size, self._act, self._refuse = size, act, refuse
         self._typed: threading.Timer | None = None
         low, high = (float(np.log10(end)) for end in (min(*size.reach, value), max(*size.reach, value)))
@@ -45,7 +46,7 @@ class SizeControl:
         gui.add_html(TYPED)
         self._text = gui.add_text(f"{size.name}, typed", self._shown(value), hint=f"{size.hint}. Type a number"
                                   + f" in {size.unit}, or with a prefix: {self._shown(size.default)}" * bool(size.unit))
-        self._ends = low, high
+        self._ends, self._read_in_turn = (low, high), in_turn(self._read)
         follow(self._slider, self._moved)
         follow(self._text, self._keyed)
 
@@ -68,7 +69,7 @@ class SizeControl:
         """Wait for the rest: half a number is another number."""
         if self._typed:
             self._typed.cancel()
-        self._typed = threading.Timer(TYPING, self._read, (text,))
+        self._typed = threading.Timer(TYPING, self._read_in_turn, (text,))
         self._typed.daemon = True
         self._typed.start()
 

@@ -1,0 +1,43 @@
+"""Widgets that are made anew while callbacks of the old ones still run, which the viewer calls side by side."""
+
+from __future__ import annotations
+
+from tests.doors import lab
+from tests.processes import until
+from tests.raw import Raw
+
+TURNS = 40  # before callbacks took turns, 60 of them left 11 complaints in a browser's console
+
+
+class Listener(Raw):
+    """It also keeps what is said of widgets that have gone."""
+
+    def __init__(self, address):
+        self.gone, self.ghosts = set(), []
+        super().__init__(address)
+
+    def _hear(self, message):
+        if message["type"] == "GuiUpdateMessage" and message["uuid"] in self.gone:
+            self.ghosts.append(message["updates"])
+        elif message["type"] == "GuiRemoveMessage":
+            self.gone.add(message["uuid"])
+        super()._hear(message)
+
+
+def test_nothing_is_said_of_widgets_that_have_gone(caplog):
+    """A slider is moved and a run is pinned at the moment at which another problem is chosen."""
+    with lab() as (_, address), Listener(address) as visitor:
+        problem = visitor.find("Problem")
+        for turn in range(TURNS):
+            name, length = (("expanding ring", "1.2"), ("vibrating bar", "1"))[turn % 2]
+            labels = visitor._labels()
+            [cells] = (widget for label, widget in labels.items() if label and label.startswith("Cells, h = "))
+            visitor.set(cells, 30 + turn)
+            if turn % 3 == 0:
+                visitor.set(labels.get("Pin this run") or labels["Unpin"], True)
+            visitor.set(problem, name)
+            visitor.set(cells, 31 + turn)
+            until(lambda of=f"Cells, h = {length}/": any(label and label.startswith(of) for label in visitor._labels()),
+                  name)
+        assert visitor.ghosts == []
+    assert "Traceback" not in caplog.text and visitor.gone
