@@ -16,6 +16,15 @@ class Listener(Raw):
         self.gone, self.ghosts = set(), []
         super().__init__(address)
 
+    def cells(self, length):
+        """The slider of the cells across this length, once it is there."""
+        begins = f"Cells, h = {length}/"
+        return next((widget for label, widget in self._labels().items() if label and label.startswith(begins)), None)
+
+    def pin(self):
+        """The button that pins a run, or lets it go."""
+        return self._labels().get("Pin this run") or self._labels().get("Unpin")
+
     def _hear(self, message):
         if message["type"] == "GuiUpdateMessage" and message["uuid"] in self.gone:
             self.ghosts.append(message["updates"])
@@ -29,15 +38,14 @@ def test_nothing_is_said_of_widgets_that_have_gone(caplog):
     with lab() as (_, address), Listener(address) as visitor:
         problem = visitor.find("Problem")
         for turn in range(TURNS):
-            name, length = (("expanding ring", "1.2"), ("vibrating bar", "1"))[turn % 2]
-            labels = visitor._labels()
-            [cells] = (widget for label, widget in labels.items() if label and label.startswith("Cells, h = "))
+            name, length, others = ("expanding ring", "1", "1.2") if turn % 2 == 0 else ("vibrating bar", "1.2", "1")
+            until(lambda of=length: visitor.cells(of) and visitor.pin(), "the widgets")
+            cells = visitor.cells(length)
             visitor.set(cells, 30 + turn)
             if turn % 3 == 0:
-                visitor.set(labels.get("Pin this run") or labels["Unpin"], True)
+                visitor.set(visitor.pin(), True)
             visitor.set(problem, name)
             visitor.set(cells, 31 + turn)
-            until(lambda of=f"Cells, h = {length}/": any(label and label.startswith(of) for label in visitor._labels()),
-                  name)
+            until(lambda of=others: visitor.cells(of), name)
         assert visitor.ghosts == []
     assert "Traceback" not in caplog.text and visitor.gone
