@@ -4,7 +4,9 @@ Its first byte says whether the page has yet to copy the frame in it: the engine
 message, it would wake the page's writing thread with every frame.
 """
 
+import sys
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
@@ -41,6 +43,23 @@ class FrameArrays:
 def block_bytes(scene: Scene) -> int:
     """Bytes that a scene's frame needs at most: a layout may hold a few particles more than the scene's count."""
     return HEADER + 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True, True).values())
+
+
+def attach(name: str) -> SharedMemory:
+    """A block that another process has made and will remove. Raises FileNotFoundError when that has happened.
+
+    Python before 3.13 has the tracker of a process remove, in the end, what the process only opened. All processes
+    share the server's, as a rule; but an engine whose tracker was killed starts its own, which would take the blocks of
+    all visitors along when the engine dies.
+    """
+    if sys.version_info >= (3, 13):
+        return SharedMemory(name, track=False)
+    register = resource_tracker.register
+    resource_tracker.register = lambda *_: None
+    try:
+        return SharedMemory(name)
+    finally:
+        resource_tracker.register = register
 
 
 def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:

@@ -254,6 +254,6 @@ class Stepper:
 
 def _attach(name: str) -> SharedMemory:
     try:
-        return SharedMemory(name)
+        return frames.attach(name)
     except FileNotFoundError as error:
         raise BlockGone(name) from error
