@@ -148,7 +148,8 @@ class Worker:
                      if session == wish.partner or stepper.wish.partner == wish.session), None)
 
     def _pair(self) -> None:
-        """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed."""
+        """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed. And
+        find out whether most of them get their frames late."""
         running = [stepper.late for stepper in self._steppers.values() if stepper.running]
         moving, self._late = len(running), 2 * sum(running) > len(running)
         for stepper in self._steppers.values():

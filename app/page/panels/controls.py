@@ -40,7 +40,7 @@ class Controls:
         self._bound = BoundWidgets(gui, session, self._patience)
         self._turn = self._bound.turn  # widgets must not be removed while others are made or changed among them
         self._motion = MotionControls(gui, session, self._bound)
-        self.estimators = EstimatorChoice(session, on_view, self._patience, self._bound)
+        self.estimators = EstimatorChoice(session, on_view, self._bound)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
         self._build()

@@ -6,7 +6,6 @@ import viser
 
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.head import HALF_WIDE
-from app.page.panels.patience import Patience
 from app.page.session import Session
 from app.page.view import DIFFERENCE, SIDE_BY_SIDE
 from solvers.estimators.registry import ESTIMATORS
@@ -18,9 +17,8 @@ NONE = "none"
 class EstimatorChoice:
     """Boxes for the estimators and two dropdowns for the stage. ``on_view`` is called when only the drawing changes."""
 
-    def __init__(self, session: Session, on_view: Callable[[], None], patience: Patience,
-                 bound: BoundWidgets):
-        self._session, self._on_view, self._patience, self._bound = session, on_view, patience, bound
+    def __init__(self, session: Session, on_view: Callable[[], None], bound: BoundWidgets):
+        self._session, self._on_view, self._bound = session, on_view, bound
         self.drawn: str | None = None  # the estimator on the stage, if any
         self.difference = False
 
@@ -45,12 +43,11 @@ class EstimatorChoice:
                                  hint="estimate − truth is drawn as the size of what the estimate misses, direction "
                                       "and all; its norm over that of the truth is the distance")
         for box in self._boxes.values():
-            box.on_update(self._bound.in_turn(lambda event: self._choose(event.target)))
+            self._bound.follow(box, lambda _: self._choose())
         self._shown.on_update(lambda _: self._draw(self._shown.value))
         stage.on_update(lambda e: self._compare(e.target.value == DIFFERENCE))
 
-    def _choose(self, box: viser.GuiCheckboxHandle) -> None:
-        self._patience.changed(box)
+    def _choose(self) -> None:
         self._shown.options = self.chosen or (NONE,)  # a value that is not among them gives way to the first
         self._draw(self._shown.value)
         self._session.set(estimators=self.chosen)

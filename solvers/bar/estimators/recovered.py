@@ -85,9 +85,23 @@ def sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), st
 
 
 @ti.func
-def from_nodes(bar: ti.template(), table: ti.template(), row, kind: ti.template()):
-    """``ABREAST`` rows of a table of a block of nodal values."""
-    return sums(bar, table, row, bar.recovered_nodes, block(bar, kind, 0))
+def apply(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
+    """All ``count`` rows of a table, of a field that begins at ``start``, into another from ``at`` on."""
+    for group in range(groups(count)):
+        row = first_of(group, count)
+        put(into, at + row, 1, sums(bar, table, row, field, start))
+
+
+@ti.func
+def to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()):
+    """A table of the fields at particles into a block of nodal values."""
+    apply(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, block(bar, kind, 0))
+
+
+@ti.func
+def among_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
+    """A table of a block of nodal values, which is closed, into another block."""
+    apply(bar, table, bar.cells, bar.recovered_nodes, block(bar, kind, 0), bar.recovered_nodes, block(bar, into, 0))
 
 
 @ti.func
@@ -138,9 +152,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
         u = bar.position[p] - bar.material_position[p]
         bar.recovered_field[p] = ti.Vector([u, bar.velocity[p], u, 0.0])
     close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
-    for group in range(groups(bar.cells)):
-        i = first_of(group, bar.cells)
-        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, sums(bar, DRIVE, i, bar.recovered_field, 0))
+    to_nodes(bar, DRIVE, ERRORS)
     for i in range(bar.cells):
         motion, drive = bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
         motion[0] += bar.recovered_numbers[H] * motion[1]
@@ -158,17 +170,13 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 def damped_errors(bar: ti.template()):
     """e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
     close_nodes(bar, GATHERED)
-    for group in range(groups(bar.cells)):
-        i = first_of(group, bar.cells)
-        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, from_nodes(bar, SMOOTHING, i, GATHERED))
+    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
     for i in range(bar.cells):
         e = bar.recovered_nodes[block(bar, GATHERED, i)]
         bar.recovered_nodes[block(bar, GATHERED, i)] = \
             e - bar.recovered_nodes[block(bar, ERRORS, i)] + ti.Vector([e[0], 0.0, 0.0, 0.0])
     close_nodes(bar, GATHERED)
-    for group in range(groups(bar.cells)):
-        i = first_of(group, bar.cells)
-        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, from_nodes(bar, SMOOTHING, i, GATHERED))
+    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
     for i in range(bar.cells):
         e, smooth = bar.recovered_nodes[block(bar, GATHERED, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
         bar.recovered_nodes[block(bar, ERRORS, i)] = \
@@ -182,9 +190,7 @@ def move_reference(bar: ti.template(), t, on: ti.template()):
     size = tones(bar, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
-    for group in range(groups(bar.cells)):
-        i = first_of(group, bar.cells)
-        put(bar.recovered_nodes, block(bar, GATHERED, i), 1, from_nodes(bar, STIFFNESS, i, ERRORS))
+    among_nodes(bar, STIFFNESS, ERRORS, GATHERED)
     for i in range(bar.cells):
         shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
         slope = shape[2] - bar.recovered_nodes[block(bar, GATHERED, i)][0]
@@ -210,9 +216,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         begin(bar, step * bar.dt - since, on)
     close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
     find_errors(bar, length, since)
-    for group in range(groups(bar.particles)):
-        p = first_of(group, bar.particles)
-        put(bar.estimate, base + p, 1, sums(bar, FIT, p, bar.recovered_field, 0))
+    apply(bar, FIT, bar.particles, bar.recovered_field, 0, bar.estimate, base)
     per_cell = bar.particles // bar.cells
     for i in range(bar.cells):
         for q in range(per_cell):
@@ -231,17 +235,13 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 @ti.func
 def find_errors(bar: ti.template(), length, since):
     """Nodal errors of the fields, unsmoothed."""
-    for group in range(groups(bar.cells)):
-        i = first_of(group, bar.cells)
-        put(bar.recovered_nodes, block(bar, GATHERED, i), 1, sums(bar, GATHER, i, bar.recovered_field, 0))
+    to_nodes(bar, GATHER, GATHERED)
     for i in range(bar.cells):
         U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], length, since, bar.dt)
         mean = bar.recovered_nodes[block(bar, GATHERED, i)]
         bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
     close_nodes(bar, GATHERED)
-    for group in range(groups(bar.cells)):
-        i = first_of(group, bar.cells)
-        put(bar.recovered_nodes, block(bar, ERRORS, i), 1, from_nodes(bar, SMOOTHING, i, GATHERED))
+    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
     for i in range(bar.cells):
         smooth = bar.recovered_nodes[block(bar, ERRORS, i)]
         bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * bar.recovered_nodes[block(bar, GATHERED, i)] - smooth
