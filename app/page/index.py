@@ -20,7 +20,8 @@ _ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='
          "stroke='white' stroke-width='1.6'/%3E%3Ccircle cx='5' cy='4.6' r='1.7' fill='%23D55E00'/%3E%3C/svg%3E")
 _HERE = Path(__file__).parent
 _GROUND, *_SCRIPTS = ((_HERE / name).read_text(encoding="utf-8")
-                       for name in ("ground.html", "names.js", "attendance.js", "keeper.js", "figures.js", "drop.js"))
+                       for name in ("ground.html", "names.js", "attendance.js", "tabs.js", "keeper.js", "figures.js",
+                                    "drop.js"))
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"
 _PATHS = ("/", "/index.html")
 

@@ -3,7 +3,7 @@
 (() => {
   const STORE = "mpm-lab/", LONGEST = 20000;
   const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
-  let field = null, lesson = null, link = "", shown = "", count = 0, opened = false, pressed = null;
+  let field = null, lesson = null, link = "", shown = "", count = 0;
   const read = () => {  // the class code is not for keeping; and the viewer cannot connect from an address with a fragment
     const said = location.hash.slice(1).replace(/^code=[^&]*&?/, "");
     try { link = decodeURIComponent(said); } catch { link = said; }
@@ -33,17 +33,8 @@
     if (!kept) return;
     if ((kept.lesson || "") !== lesson) {
       lesson = kept.lesson || "";
-      opened = lesson !== "";
+      if (lesson) dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}));
       if (lesson) tell({lesson, answers: stored(store => store.getItem(STORE + lesson), "") || ""});
-    }
-    if (opened) {  // its tab may come later than it
-      const tab = [...document.querySelectorAll("[role=tab]")].find(one => one.textContent.trim() === "Lessons");
-      if (tab?.getAttribute("aria-selected") === "true") opened = false;
-      else if (tab && !pressed) {  // in wide windows its tabs hear keys, and pointers, which may drag; in narrow ones clicks
-        pressed = setTimeout(() => { pressed = null; look(); }, 500);
-        tab.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter", bubbles: true}));
-        tab.click();
-      }
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));
     if (kept.link && kept.link !== shown) {

@@ -83,6 +83,20 @@ def test_a_phone_finds_the_measurements(page):
     until(page.get_by_text("periods/s").first.is_visible, "the readout")
 
 
+def test_the_open_tab_stays_open_when_the_window_changes(page):
+    """The viewer makes its tabs anew for a narrow window, and for a wide one."""
+    def opened(name):
+        return page.get_by_role("tab", name=name, exact=True, selected=True).is_visible()
+
+    resize(page, LAPTOP)
+    for size, tab in ((PHONE, "Cost"), (LAPTOP, "Lessons"), (PHONE, "Explore"), (LAPTOP, "Explore")):
+        page.get_by_role("tab", name=tab, exact=True).click()
+        until(lambda tab=tab: opened(tab), f"{tab} opened")
+        resize(page, size)
+        until(lambda size=size: page.locator("[data-dock-region=left]").count() == (size != PHONE), "another layout")
+        until(lambda tab=tab: opened(tab), f"{tab} open again")
+
+
 def test_a_folded_panel_gives_its_room_to_the_stage(own_page):
     before = stage_box(own_page)["width"]
     own_page.get_by_role("button", name="Collapse panel area").first.click()

@@ -1,0 +1,29 @@
+// Which tab is open. The viewer makes its tabs anew when a window turns narrow or wide, and opens the first one then: the
+// visitor's own is opened again. And whoever says "lab-tab" has one opened, which may come only later.
+(() => {
+  let first = null, open = null, wanted = null, pressed = null;
+  const name = tab => tab.textContent.trim();
+
+  function look() {
+    const tabs = [...document.querySelectorAll("[role=tablist]")].map(list => [...list.querySelectorAll("[role=tab]")])
+      .find(list => list.some(tab => name(tab) === "Explore"));
+    if (!tabs) return;
+    const anew = tabs[0] !== first, selected = tabs.find(tab => tab.getAttribute("aria-selected") === "true");
+    first = tabs[0];
+    if (anew && open && tabs.some(tab => name(tab) === open)) wanted ||= open;
+    if (selected && (!wanted || name(selected) === wanted)) {
+      open = name(selected);
+      wanted = null;
+    }
+    const tab = wanted && !pressed && tabs.find(tab => name(tab) === wanted);
+    if (tab) {  // in wide windows tabs hear keys, and pointers, which may drag; in narrow ones clicks
+      pressed = setTimeout(() => { pressed = null; look(); }, 500);
+      tab.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter", bubbles: true}));
+      tab.click();
+    }
+  }
+
+  addEventListener("lab-tab", event => { wanted = event.detail; look(); });
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true, attributes: true,
+    attributeFilter: ["aria-selected"]});
+})();
