@@ -20,6 +20,7 @@ FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
 DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
 UNKNOWN = 225  # grey of a particle whose error nobody knows
 LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size
+LINE_HEIGHT = 15.0  # of a line of such letters, with what is around it
 AWAY = -50.0  # where points that are not shown wait, far outside the view
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
@@ -151,6 +152,12 @@ def enlarge(s: viser.SceneApi, factor: float) -> None:
 def letters(s: viser.SceneApi, pixels: float, size: float = 1.0) -> int:
     """How many letters of a label of this usual size there is room for in so many pixels."""
     return max(1, int(pixels / (LETTER_WIDTH * size * _LETTERING.setdefault(s, _Lettering()).factor)))
+
+
+def extent(s: viser.SceneApi, text: str, size: float = 1.0) -> tuple[float, float]:
+    """Pixels that a label of this usual size takes, about: its width and height."""
+    scale, lines = size * _LETTERING.setdefault(s, _Lettering()).factor, text.split("\n")
+    return LETTER_WIDTH * scale * max(map(len, lines)), LINE_HEIGHT * scale * len(lines)
 
 
 def write(handle: viser.LabelHandle, text: str, width: int = 1000) -> None:

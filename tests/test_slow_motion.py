@@ -8,14 +8,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app import drawing
 from app.problems.phases import PHASES, scaled
-from app.problems.slow import shape
+from app.problems.slow import NUMBERS, shape
 from app.problems.views import VIEWS
 from app.words import PREFIXES
 from solvers.bar.scene import BarScene
 from solvers.engine.messages import Wish
 from solvers.ring.scene import RingScene
 from solvers.run import build
+from solvers.vortex.scene import VortexScene
 from tests.drawn import Scene
 from tests.test_stepper import one_session
 
@@ -162,3 +164,27 @@ def test_words_stay_on_a_small_stage(name):
             assert max(map(len, lines)) <= stage.width
         longest.append(stage.width)
     assert longest[1] < 0.65 * longest[0]
+
+
+@pytest.mark.parametrize("scene", [SCENES["bar ugimp"], SCENES["ring cpdi"], VortexScene(cells=16, estimators=())],
+                         ids=lambda scene: scene.problem)
+def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(scene):
+    camera = SimpleNamespace(image_width=773, image_height=670)
+    drawn = Scene()
+    stage = VIEWS[scene.problem].slow(SimpleNamespace(scene=drawn, camera=camera))
+    solver = build(scene)
+    solver.advance(40)
+    sides = {"bottom-center": (0, 1), "top-center": (0, -1), "center-left": (1, 0), "center-right": (-1, 0)}
+    for particle in range(0, 24, 7):
+        _, anatomy = solver.dissect(particle)
+        for phase in range(len(PHASES)):
+            stage.draw(scene, anatomy, phase, 1.0)
+            front = drawn.made["dots2"].points[-1, :2]
+            numbers = [handle for handle in drawn.made.values() if handle.visible and handle.anchor in sides]
+            assert len(numbers) == len(anatomy.nodes)
+            halves = [0.5 * np.array(drawing.extent(drawn, handle.text, NUMBERS)) / stage._pixels for handle in numbers]
+            middles = [np.array(handle.position[:2]) + half * sides[handle.anchor]
+                       for handle, half in zip(numbers, halves, strict=True)]
+            for k, (half, middle) in enumerate(zip(halves, middles, strict=True)):
+                assert (np.abs(front - middle) > half).any()
+                assert all((np.abs(middles[j] - middle) >= half + halves[j]).any() for j in range(k))

@@ -9,7 +9,7 @@ import viser
 
 from app import drawing
 from app.problems.phases import PHASES, scaled
-from app.problems.sketch import Sketch
+from app.problems.sketch import SIZES, Sketch
 from solvers.anatomy import Anatomy
 from solvers.scene import Scene
 
@@ -17,7 +17,7 @@ from solvers.scene import Scene
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
 STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
 TOP, BOTTOM, LEFT = 1.03, -0.1, -0.1  # of the stage that the sentence above it and the notice below it leave
-CAPTION = 0.85  # size of its letters
+CAPTION, NUMBERS = 0.85, 0.8  # sizes of letters
 #: Where the numbers of a node may stand: how they are anchored, and to which side.
 SIDES: tuple[tuple[drawing.Anchor, tuple[int, int]], ...] = (
     ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
@@ -158,10 +158,12 @@ class SlowStage(ABC):
         taken = np.max([self._aim(values / max(np.abs(values).max(), 1e-300)) @ np.array([side for _, side in SIDES]).T
                         if values.ndim > 1 else np.zeros((len(self._nodes), len(SIDES))) for values in arrows], axis=0)
         away = self._above + 0.5 * WIDEST * self._scale * (phase == 1)
-        for spot, free, *parts in zip(self._nodes, taken.argmin(axis=1), *texts, strict=True):
-            anchor, side = SIDES[free]
+        written: list[tuple[np.ndarray, np.ndarray]] = []
+        for spot, reaching, *parts in zip(self._nodes, taken, *texts, strict=True):
+            text = "\n".join(parts)
+            anchor, side = SIDES[self._free_side(spot, away, text, reaching, written)]
             x, y = spot + away * np.array(side)
-            self._sketch.text(x, y, "\n".join(parts), anchor, 0.8)
+            self._sketch.text(x, y, text, anchor, NUMBERS)
         names = [f"{c.name} in {unit}" if unit else c.name for c, unit in zip(shown, units, strict=True)]
         self._legend.insert(0, "numbers at the nodes: " + ", below it ".join(names))
 
@@ -171,12 +173,29 @@ class SlowStage(ABC):
         self._sketch.text(LEFT, BOTTOM, "\n".join(drawing.wrapped(line, width) for line in lines), "bottom-left",
                           CAPTION)
 
+    def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
+                   written: list[tuple[np.ndarray, np.ndarray]]) -> int:
+        """Which of the ``SIDES`` of a node suits its numbers: never over the particle in front, over what is
+        ``written`` (middles and half sizes, to which this is added) only where there is no other, and not along arrows,
+        of which ``taken`` says how far they reach to each side."""
+        half = 0.5 * np.array(drawing.extent(self._client.scene, text, NUMBERS)) / self._pixels
+        middles = spot + np.array([side for _, side in SIDES]) * (away + half)
+        front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
+        others = sum((np.all(np.abs(at - middles) < half + size, axis=1) for at, size in written), np.zeros(len(SIDES)))
+        best = int((taken + 10 * others + 1000 * front).argmin())
+        written.append((middles[best], half))
+        return best
+
+    @property
+    def _pixels(self) -> float:
+        """Of a length of the stage."""
+        camera, (x0, x1, y0, y1) = self._client.camera, drawing.RECTANGLE
+        return min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0))
+
     @property
     def width(self) -> int:
         """Letters that a line of the caption has room for, up to the right end of what is always seen."""
-        camera, (x0, x1, y0, y1) = self._client.camera, drawing.RECTANGLE
-        per_length = min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0))
-        return drawing.letters(self._client.scene, (x1 - LEFT) * per_length, CAPTION)
+        return drawing.letters(self._client.scene, (drawing.RECTANGLE[1] - LEFT) * self._pixels, CAPTION)
 
     def _seen(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
         """Which points of the stage (m, 2) lie in the picture, with what reaches so far around them."""
