@@ -31,11 +31,19 @@ ROOT = Path(__file__).resolve().parent.parent
 TOLERANCE = 0.15
 
 
+@pytest.fixture(scope="module", params=[("bar",), pytest.param(tuple(PROBLEMS), marks=pytest.mark.slow)], ids="-".join)
+def problems(request) -> tuple[str, ...]:
+    """Those that are measured: all take a minute."""
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def printed() -> dict:
+def printed(problems) -> dict:
     """The JSON object of a quick bench; that standard output holds it and nothing else."""
-    done = subprocess.run([sys.executable, "-m", "app", "bench", "--quick", "--json", "-"], cwd=ROOT,
-                          capture_output=True, text=True, timeout=HANG)
+    code = "import sys; from solvers.bench import bench; from app.cli import main; " \
+        f"bench.PROBLEMS = {{name: bench.PROBLEMS[name] for name in {problems}}}; " \
+        "sys.exit(main(['bench', '--quick', '--json', '-']))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=HANG)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.count("\n") == 1
     return json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
@@ -49,26 +57,26 @@ def test_json_says_what_it_is(printed):
     assert (printed["precision"], printed["threads"]) == ("double", 1)
 
 
-def test_every_problem_method_and_size_has_a_rate(printed):
-    wanted = {(problem, method, cells) for problem, scene in ((name, p.scene) for name, p in PROBLEMS.items())
+def test_every_problem_method_and_size_has_a_rate(printed, problems):
+    wanted = {(problem, method, cells) for problem, scene in ((name, PROBLEMS[name].scene) for name in problems)
               for method in scene.choices("method") for cells in QUICK.cells[PROBLEMS[problem].scene.DIMENSIONS]}
     rows = {(row["problem"], row["method"], row["cells"]): row for row in printed["rates"]}
     assert set(rows) == wanted and len(printed["rates"]) == len(wanted)
     assert all(row["rate"] > 0 and row["particles"] > 0 for row in rows.values())
 
 
-def test_every_estimator_and_effect_has_a_price(printed):
+def test_every_estimator_and_effect_has_a_price(printed, problems):
     estimators = {(row["problem"], row["name"]): row for row in printed["estimators"]}
-    assert set(estimators) == {(problem, name) for problem in PROBLEMS for name in PROBLEMS[problem].estimators}
+    assert set(estimators) == {(problem, name) for problem in problems for name in PROBLEMS[problem].estimators}
     for row in estimators.values():
         assert row["not_valid"] or 0.8 < row["ratio"] < 20
     effects = {(row["problem"], row["name"]): row["ratio"] for row in printed["effects"]}
-    assert set(effects) == {(problem, name) for problem in PROBLEMS for name in priced(PROBLEMS[problem].scene)}
+    assert set(effects) == {(problem, name) for problem in problems for name in priced(PROBLEMS[problem].scene)}
     assert all(0.5 < ratio < 20 for ratio in effects.values())
 
 
-def test_an_effect_that_is_off_costs_next_to_nothing(printed):
-    assert [row["problem"] for row in printed["off"]] == list(PROBLEMS)
+def test_an_effect_that_is_off_costs_next_to_nothing(printed, problems):
+    assert [row["problem"] for row in printed["off"]] == list(problems)
     for row in printed["off"]:
         assert row["ratio"] == pytest.approx(1, abs=TOLERANCE)
         assert 0 < row["low"] <= row["high"] and row["same"] > 0

@@ -36,7 +36,7 @@ def test_each_process_is_killed_in_turn():
     """The helper that tidies up shared memory first: an engine that then starts one of its own must not take the
     newcomer's frames along when it is killed in its turn. Then the engine, and the one that took its place."""
     with ExitStack() as stack:
-        address, server = stack.enter_context(serving("--max-sessions", str(VISITORS)))
+        address, server = stack.enter_context(serving("--max-sessions", str(VISITORS), "--no-warm-up"))
         class_ = [stack.enter_context(Raw(f"http://{address}")) for _ in range(VISITORS - 1)]
 
         def moved(before):
@@ -48,8 +48,9 @@ def test_each_process_is_killed_in_turn():
                 visitor.html.clear()
             kill(server, kind)
             if told:
-                until(lambda: all(any(AGAIN in text for text in visitor.html.copy().values()) for visitor in class_),
-                      "all told")
+                said = set()
+                until(lambda said=said: said.update(k for k, visitor in enumerate(class_) if any(
+                    AGAIN in text for text in visitor.html.copy().values())) or len(said) == VISITORS, "all told")
             else:
                 class_.append(stack.enter_context(Raw(f"http://{address}")))
             at = [visitor.frames for visitor in class_]

@@ -93,7 +93,7 @@ def test_sizes_can_be_typed_and_come_back_exactly(page):
     until(lambda: typed(page, "CFL number").input_value() == "0.05", "the default")
     click(page, "Pause")
     until(lambda: "paused" in readout(page), "paused")
-    norm = re.compile(r"true\s+(\S+ \S+m)")
+    norm = re.compile(r"true\s+(\S+ \S*m)")  # on a busy machine the new run may still be at its start, at 0 m
     before = norm.search(readout(page))[1]
     click(page, "Step")
     until(lambda: norm.search(readout(page))[1] != before, "the numbers of the new step")
