@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import signal
 import subprocess
@@ -18,7 +19,7 @@ from solvers.study.grid import plan
 from tests.processes import until
 from tests.rows import without_timings
 
-pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(not importlib.util.find_spec("distributed"), reason="Dask's distributed is not there")
 
 ROOT = Path(__file__).resolve().parent.parent
 AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16], "periods": [1.0]}

@@ -169,14 +169,14 @@ BAD = [("notes.txt", b"x,id\n0,0\n", "is of no kind that is known; give a file t
        ("times.npz", npz(t=np.arange(MOST_TIMES + 1.0), id=np.arange(1), x=MANY),
         "has 2,001 times; give at most 2,000"),
        ("rows.npz", npz(t=np.array(0.0), x=np.zeros(MOST_ROWS + 1)), "2,000,001 particles of all times together"),
-       ("bomb.npz", bomb(), "unpacks to 0.8 GB; give at most 0.4 GB")]
+       ("bomb.npz", bomb, "unpacks to 0.8 GB; give at most 0.4 GB")]
 
 
 @pytest.mark.parametrize(("name", "content", "said"), BAD, ids=[f"{k} {name}" for k, (name, _, _) in enumerate(BAD)])
 def test_a_bad_file_is_refused_in_one_sentence(name, content, said, process, tmp_path):
     """By the name that its owner knows, and the process goes on."""
     file = tmp_path / f"particles{Path(name).suffix}"
-    file.write_bytes(content)
+    file.write_bytes(content() if callable(content) else content)
     before = process.process_id
     answers, _ = shown_of(process, file, PROBLEMS["bar"].scene(), tmp_path, name)
     assert list(answers) == ["refused"]
