@@ -3,7 +3,7 @@
 (() => {
   const STORE = "mpm-lab/", LONGEST = 20000;
   const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
-  let field = null, lesson = null, link = "", shown = "", count = 0;
+  let field = null, lesson = null, opened = "", link = "", shown = "", count = 0;
   const read = () => {  // the class code is not for keeping; and the viewer cannot connect from an address with a fragment
     const said = location.hash.slice(1).replace(/^code=[^&]*&?/, "");
     try { link = decodeURIComponent(said); } catch { link = said; }
@@ -33,7 +33,8 @@
     if (!kept) return;
     if ((kept.lesson || "") !== lesson) {
       lesson = kept.lesson || "";
-      if (lesson) dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}));
+      if (lesson && lesson !== opened) dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}));
+      opened = lesson;
       if (lesson) tell({lesson, answers: stored(store => store.getItem(STORE + lesson), "") || ""});
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));

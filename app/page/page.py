@@ -280,8 +280,8 @@ class Page:
         self._keep()
         self._cost.refresh()
         self._camera.settle()
-        fitting = max(LEAST_TEXT, min(1.0, self._camera.scale / ROOMY))
-        enlarge(self.client.scene, fitting * (ENLARGED if self._presenter.on else 1.0))
+        largest = ENLARGED if self._presenter.on else 1.0
+        enlarge(self.client.scene, max(LEAST_TEXT, min(largest, self._camera.scale / ROOMY)))
 
     def _say(self) -> None:
         """Say what is seen, now and then; that there is something to see lifts the page's ground (``ground.html``)."""

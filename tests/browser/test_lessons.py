@@ -10,7 +10,7 @@ import pytest
 from app.cli import main
 from app.lessons import shelf
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
-from tests.browser.conftest import PHONE, serving, visit
+from tests.browser.conftest import PHONE, SIZE, serving, visit
 from tests.browser.driving import click, row, scene, shown, until
 from tests.browser.following import answer
 
@@ -104,9 +104,19 @@ def test_a_link_that_means_nothing_is_refused_in_words(server, chromium):
 
 
 def test_a_lesson_opens_on_a_phone(class_room, chromium):
-    """There the viewer has other tabs."""
+    """There the viewer has other tabs; and when it is turned, the tab that was chosen meanwhile stays open."""
+    def selected(name):
+        return page.get_by_role("tab", name=name, exact=True, selected=True).is_visible()
+
     with visit(chromium, class_room[0], size=PHONE) as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+        page.get_by_role("tab", name="Explore", exact=True).click()
+        until(lambda: selected("Explore"), "the controls")
+        page.set_viewport_size(SIZE)
+        until(page.locator("[data-dock-region=left]").count, "another layout")
+        until(lambda: selected("Explore"), "the controls again")
+        page.get_by_role("tab", name="Lessons", exact=True).click()
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson again")
 
 
 def test_a_lesson_leaves_the_controls_that_it_needs(class_room, chromium):

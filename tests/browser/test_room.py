@@ -6,7 +6,7 @@ from axe_playwright_python.sync_playwright import Axe
 
 from app.page.panels.patience import MARK
 from tests.browser.conftest import visit
-from tests.browser.driving import click, coloured, row, stage, stage_box, to_the_ring, unfold, until
+from tests.browser.driving import click, coloured, readout, row, stage, stage_box, steps, to_the_ring, unfold, until
 
 LARGE, LAPTOP, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (800, 1100), (390, 844)
 
@@ -95,6 +95,19 @@ def test_the_open_tab_stays_open_when_the_window_changes(page):
         resize(page, size)
         until(lambda size=size: page.locator("[data-dock-region=left]").count() == (size != PHONE), "another layout")
         until(lambda tab=tab: opened(tab), f"{tab} open again")
+
+
+def test_the_run_goes_on_when_the_window_changes(page):
+    """The browser makes the page's widgets anew then, and says again which link it has: that is no wish."""
+    until(lambda: steps(page) > 20, "a run under way")
+    click(page, "Pause")
+    until(lambda: "paused" in readout(page), "paused")
+    at = steps(page)
+    for size in (PHONE, LAPTOP):
+        resize(page, size)
+        until(lambda size=size: page.locator("[data-dock-region=left]").count() == (size != PHONE), "another layout")
+    until(page.locator(".lab-readout").is_visible, "the readout")
+    assert "paused" in readout(page) and steps(page) == at
 
 
 def test_a_folded_panel_gives_its_room_to_the_stage(own_page):

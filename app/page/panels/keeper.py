@@ -28,6 +28,7 @@ class Keeper:
     def __init__(self, gui: viser.GuiApi):
         self.here = ""  # the address under which this browser has found the lab
         self._hooks: Hooks | None = None
+        self._kept = ""  # the state that the address has
         self._early: list[dict[str, Any]] = []  # said before anybody listened
         gui.add_html(MARK)
         self._text = gui.add_text("kept by the browser", "")
@@ -46,7 +47,7 @@ class Keeper:
         content = f"<i class='lab-kept' data-link='{escape(link)}' data-lesson='{escape(lesson)}' " \
                   f"data-answers='{escape(answers)}'></i>"
         if self._mark.content != content:
-            self._mark.content = content
+            self._mark.content, self._kept = content, link
 
     def _hear(self, text: str) -> None:
         try:
@@ -65,7 +66,8 @@ class Keeper:
         assert hooks is not None
         if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
             self.here = here
-        if isinstance(link := said.get("link"), str) and link:
+        # A browser that makes its widgets anew says again what it was told to keep: that is what is there.
+        if isinstance(link := said.get("link"), str) and link and link != self._kept:
             hooks.on_link(link)
         if isinstance(lesson := said.get("lesson"), str) and isinstance(answers := said.get("answers"), str):
             hooks.on_answers(lesson, answers)
