@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.page.panels.plots import _bounded
+from app.page.panels.plots import _bounded, _time_unit
 from app.scale import BEYOND
 from app.words import power_of_ten
 
@@ -26,3 +26,12 @@ def test_what_is_not_known_stays_so():
 def test_a_power_of_ten_goes_where_digits_would_not(largest, power):
     """Three digits say enough: 6000 as 6 times 10^3, which three digits alone would write 6e+03."""
     assert power_of_ten(largest) == power and "e" not in f"{largest / 10.0**power:.3g}"
+
+
+@pytest.mark.parametrize("end", [0.0, 2e-6, 4e-5, 2e-3, 0.02, 1.0, 300.0])
+def test_an_axis_of_time_tells_its_numbers_apart(end):
+    """It has three digits after the point, and some five numbers."""
+    unit, second = _time_unit(end)
+    assert second == {"s": 1, "ms": 1e3, "µs": 1e6}[unit]
+    numbers = {f"{second * end * k / 5:.3f}" for k in range(6)}
+    assert len(numbers) == 6 or end == 0

@@ -21,7 +21,7 @@ from app.page.worst import WorstRegions
 from solvers.engine.messages import FrameReport
 from solvers.scene import Scene
 
-READOUT_HEIGHT = 330  # pixels more than the stage that readout, titles and axes need, with one estimator
+READOUT_HEIGHT = 352  # pixels more than the stage that readout, titles and axes need, with one estimator
 TRACE_HEADING = 52  # and with a particle traced: the title of its plot
 MOST_HEIGHT = 240  # of a plot
 

@@ -24,14 +24,16 @@ from solvers.scene import Scene
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"
 APART = 0.05  # periods by which a pinned run may be late without a gap at the end of its curves
-LEAST_HEIGHT, LABEL_HEIGHT = 64, 15  # pixels, of a plot and of the label below the last
+LEAST_HEIGHT = 64  # pixels, of a plot
 LEAST_SPACE = 16  # pixels between two numbers of an axis: the smallest plot has two
-_FONT, _LABEL_FONT = "10px sans-serif", "11px sans-serif"
+_FONT = "10px sans-serif"
 _FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
                                      "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
 _RATIOS: uplot.Scale = {"distr": 3, "range": list(INDEX_RANGE)}
 _RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")}
-_EMPTY = np.array([0.0, 1e-9])  # what an empty plot holds
+_EMPTY = np.array([0.0, 1.0])  # what an empty plot holds
+#: Units of time, with the shortest time in s that is counted in them: an axis shows three digits after the point.
+_TIMES = (("s", 1.0, 1e-2), ("ms", 1e-3, 1e-5), ("µs", 1e-6, 0.0))
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
 _TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}
 #: What each plot shows, for who rests on its title.
@@ -40,6 +42,7 @@ INDEX = "estimated over true error, summed over the run so far; on the grey line
 CROSSED = "particles that pass from one cell of the grid into the next, in a second of simulated time"
 TRACE = "true error and its estimates at the particle that is traced; magenta: where it crosses a cell boundary"
 HeadedPlot = tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]
+PlotSet = tuple[list[HeadedPlot], viser.GuiHtmlHandle]  # and the label of their times
 
 
 class Past(Protocol):
@@ -62,7 +65,7 @@ class Plots:
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle):
         self._gui, self._tab = client.gui, tab
-        self._sets: dict[tuple[tuple[str, ...], bool], list[HeadedPlot]] = {}
+        self._sets: dict[tuple[tuple[str, ...], bool], PlotSet] = {}
         self._estimators: tuple[str, ...] = ()
         self.have((), LEAST_HEIGHT, False, False)
 
@@ -72,14 +75,15 @@ class Plots:
         wanted = estimators, pinned
         if wanted not in self._sets:
             self._sets[wanted] = self._build(estimators, height, pinned)
-        for which, pairs in self._sets.items():
+        for which, (pairs, label) in self._sets.items():
+            label.visible = which == wanted
             for k, (heading, plot) in enumerate(pairs):
                 heading.visible = plot.visible = which == wanted and (traced or k > 0)
         self._estimators = estimators
-        (self._trace, *pairs) = self._sets[wanted]
+        (self._trace, *pairs), self._time_label = self._sets[wanted]
         self._headings, self._plots = zip(*pairs, strict=True)
-        for plot, label_height in zip((self._trace[1], *self._plots), (0, 0, 0, LABEL_HEIGHT), strict=True):
-            plot.height = height + label_height
+        for plot in (self._trace[1], *self._plots):
+            plot.height = height
 
     def show(self, history: Past, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
              pinned: PinnedRun | None, drawn: str | None) -> None:
@@ -90,16 +94,18 @@ class Plots:
         nothing = np.full(len(time), np.nan)
         grey, grey_index, grey_rate = grey_curves(pinned, history, series, quantity, drawn, latest)
         errors, unit = self._errors(series, valid, quantity, grey)
-        title = f"error norm of {words.symbol} / {unit}" + "<br>grey: pinned" * bool(grey) + _legend(valid)
+        of_time, second = _time_unit(time[-1])
+        self._time_label.content = _time_label(of_time)
+        title = f"error norm of {words.symbol} / {unit}" + "<br>grey: pinned" * bool(grey) + _legend(valid, of_time)
         self._headings[0].content = _heading(title, NORM, kind="lab-presented")
-        _put(self._plots[0], _finite(time, *errors))
+        _put(self._plots[0], _finite(second * time, *errors))
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
         self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", INDEX, beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        _put(self._plots[1], _finite(time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
+        _put(self._plots[1], _finite(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
                                      np.ones(len(time)), *indices))
-        self._show_crossings(history, series, grey_rate)
+        self._show_crossings(history, series, grey_rate, second)
 
     def show_trace(self, traced: Traced, valid: tuple[str, ...], quantity: str, latest: bool, shown: float) -> None:
         """Draw a particle's errors, with marks on the first line that has values: where it has crossed, and of the
@@ -113,7 +119,7 @@ class Plots:
         crossed = np.where(traced.crossed(time), first, np.nan)
         at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
         heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}", TRACE)
-        _put(plot, (*_finite(time, *errors), crossed, at))
+        _put(plot, (*_finite(_time_unit(time[-1])[1] * time, *errors), crossed, at))
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
@@ -128,10 +134,11 @@ class Plots:
 
     def clear(self) -> None:
         """Show nothing: no time has passed."""
+        self._time_label.content = _time_label("s")
         for plot in self._plots:
             _put(plot, _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
 
-    def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> list[HeadedPlot]:
+    def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> PlotSet:
         grey = [_line("pinned, true", PINNED, 2.5), _line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
         lines = [_line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
         true, perfect = _line("true", TRUTH, 3.5), _line("perfect", PERFECT, 2.5)
@@ -141,9 +148,12 @@ class Plots:
             return [self._plot("particle", (true, *lines, *marks), height),
                     self._plot("error norm", (*grey, true, *lines), height),
                     self._plot("error index", (*grey[1:], perfect, *lines), height, _RATIOS, _RATIO_MARKS),
-                    self._plot("grid crossings per second", (*grey[:1], crossings), height, x_label="t / s")]
+                    self._plot("grid crossings per second", (*grey[:1], crossings), height)], \
+                self._gui.add_html(_time_label("s"))
 
-    def _show_crossings(self, history: Past, series: dict[str, np.ndarray], grey: list[np.ndarray]) -> None:
+    def _show_crossings(self, history: Past, series: dict[str, np.ndarray], grey: list[np.ndarray],
+                        second: float) -> None:
+        """A ``second`` is so many units of the axis."""
         time, rate = history.crossings_per_second(series)
         time = np.append(series["time"][:1], time)  # from where the other plots begin, and the first rate counts too
         power = power_of_ten(max(map(largest, (*grey, rate))))
@@ -151,19 +161,18 @@ class Plots:
             f"grid crossings per second{' / ' * bool(power)}{power_text(power)}", CROSSED,
             "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off")
         rates = [np.append(values[:1], values) / 10.0**power for values in (*grey, rate)]
-        _put(self._plots[2], _finite(time, *rates) if len(time) > 2 else (_EMPTY, *(_EMPTY for _ in rates)))
+        if len(time) < 3:  # nothing to draw yet, over the time that has passed
+            time, rates = series["time"][[0, -1]], [np.full(2, np.nan) for _ in rates]
+        _put(self._plots[2], _finite(second * time, *rates))
 
     def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
-              y_axis: uplot.Axis | None = None, x_label: str = "") -> HeadedPlot:
-        start = np.array([0.0, 1e-3])
+              y_axis: uplot.Axis | None = None) -> HeadedPlot:
         x: uplot.Axis = {"size": 24, "font": _FONT, "grid": _GRID, "ticks": _TICKS}
-        if x_label:
-            x |= {"label": x_label, "labelSize": LABEL_HEIGHT, "labelFont": _LABEL_FONT}
         y: uplot.Axis = {"size": 40, "space": LEAST_SPACE, "font": _FONT, "grid": _GRID, "ticks": {"show": False}}
         return self._gui.add_html(_heading(heading)), self._gui.add_uplot(
-            (start, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
+            (_EMPTY, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
             axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
-            height=height + LABEL_HEIGHT * bool(x_label), padding=(8, 20, 0, 0))
+            height=height, padding=(8, 20, 0, 0))
 
 
 def grey_curves(pinned: PinnedRun | None, history: Past, series: dict[str, np.ndarray], quantity: str,
@@ -231,10 +240,20 @@ def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     return (time, *drawn)
 
 
-def _legend(estimators: Sequence[str]) -> str:
+def _time_unit(end: float) -> tuple[str, float]:
+    """What times until ``end`` in s are counted in, and how many of them a second has."""
+    unit, size = next((unit, size) for unit, size, shortest in _TIMES if end >= shortest or end <= 0)
+    return unit, 1 / size
+
+
+def _time_label(unit: str) -> str:
+    return f"<div class='lab-time'>t / {unit}</div>"
+
+
+def _legend(estimators: Sequence[str], of_time: str) -> str:
     """What the lines of the presented plot are, for where the readout does not say it."""
     lines = "".join(f"<span>{named(name)}</span>" for name in (TRUE, *estimators))
-    return f"<div class='lab-lines'>{lines}<span>over t / s</span></div>"
+    return f"<div class='lab-lines'>{lines}<span>over t / {of_time}</span></div>"
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:
