@@ -6,6 +6,7 @@ import logging
 import os
 import signal
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -131,6 +132,7 @@ def test_an_engine_killed_while_it_compiles_takes_its_successor_along(pool, sess
     assert listener.frame(number + 1)[0].scene == wanted
     assert listener.losses == 1
     assert pool.wait_ready(PATIENCE)
+    until(lambda: not Path(f"/proc/{child}").exists(), "nothing left of it")
 
 
 def test_what_is_usual_is_compiled_unasked():
@@ -166,9 +168,9 @@ def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
     assert heir.compiled == [SCENE] * 2 and prepared == []
     for rests in (True, False, True):
         heir.rest(rests)
-        until(lambda rests=rests: (state(heir._process_id) == "T") == rests, "obedience")
+        until(lambda rests=rests: (state(heir.process_id) == "T") == rests, "obedience")
     heir.take_over("all")
-    assert os.waitstatus_to_exitcode(os.waitpid(heir._process_id, 0)[1]) == 1
+    assert os.waitstatus_to_exitcode(os.waitpid(heir.process_id, 0)[1]) == 1
     heir.pipe.close()
 
 
@@ -182,6 +184,6 @@ def test_a_successor_whose_parent_has_ended_says_nothing(answered, monkeypatch, 
     if answered:
         until(left.pipe.poll, "its answer")
     left.pipe.close()
-    until(lambda: ended(left._process_id), "its end")
-    os.waitpid(left._process_id, 0)
+    until(lambda: ended(left.process_id), "its end")
+    os.waitpid(left.process_id, 0)
     assert capfd.readouterr().err == ""

@@ -113,6 +113,13 @@ class Compiling:
 
 
 @dataclass(frozen=True)
+class Forked:
+    """The engine has a successor at work: should the engine die, that is left to the page."""
+
+    process_id: int
+
+
+@dataclass(frozen=True)
 class Moved:
     """The engine has been replaced by a successor of its own, which has all that it had (``solvers.engine.successor``);
     this is the process that speaks from now on."""

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
-from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
+from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
 from solvers.scene import Scene
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ class EngineProcess:
         self.links: dict[int, SessionLink] = {}
         self._failures = 0
         self._leaving: list[int] = []  # processes that were engines, or will end soon
+        self._successor = 0  # the process that the engine has forked last, if any
         self._warm_up = warm_up
         self._usual: tuple[Scene, ...] = ()
         self._closing = False
@@ -129,6 +130,10 @@ class EngineProcess:
         """Replace a dead process: at once if it had been ready, else after a pause, and not for ever."""
         self._process.join(1)
         self._leaving.append(self._process_id)
+        with suppress(ChildProcessError):  # it had ended before
+            if self._successor and os.waitpid(self._successor, os.WNOHANG) == (0, 0):
+                self._leaving.append(self._successor)
+        self._successor = 0
         had_worked = self.ready.is_set()
         self.ready.clear()
         self._failures += not had_worked
@@ -171,7 +176,7 @@ class EngineProcess:
         self._leaving = [process_id for process_id in self._leaving if here(process_id)]
         return self._leaving
 
-    def _dispatch(self, message: FrameReport | Compiling | Moved | Trouble | Ready) -> None:
+    def _dispatch(self, message: FrameReport | Compiling | Forked | Moved | Trouble | Ready) -> None:
         if self._leaving:
             self._unburied()
         if isinstance(message, Ready):
@@ -179,7 +184,9 @@ class EngineProcess:
             self.ready.set()
         elif isinstance(message, Moved):
             self._leaving.append(self._process_id)
-            self._process_id = message.process_id
+            self._process_id, self._successor = message.process_id, 0
+        elif isinstance(message, Forked):
+            self._successor = message.process_id
         elif link := self.links.get(message.session):
             if isinstance(message, FrameReport):
                 link.receive(message)

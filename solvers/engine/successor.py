@@ -33,7 +33,7 @@ class Successor:
     def __init__(self, process_id: int, pipe: Connection, scenes: Sequence[Scene], asked_for: bool):
         self.scenes, self.asked_for, self.pipe = scenes, asked_for, pipe
         self.compiled: Sequence[Scene] = ()  # those that it has done with
-        self._process_id, self._rests = process_id, False
+        self.process_id, self._rests = process_id, False
 
     def ready(self, announced: Callable[[], Any]) -> bool:
         """Whether it can take over. Once it has compiled it is told what is ``announced``, and prepares for that.
@@ -54,7 +54,7 @@ class Successor:
         if wanted != self._rests:
             self._rests = wanted
             with suppress(ProcessLookupError):  # its end will be noticed
-                os.kill(self._process_id, signal.SIGSTOP if wanted else signal.SIGCONT)
+                os.kill(self.process_id, signal.SIGSTOP if wanted else signal.SIGCONT)
 
     def take_over(self, estate: Any) -> None:
         """Hand everything over. When this returns the parent must touch nothing more and leave; raises EOFError or
@@ -66,8 +66,8 @@ class Successor:
     def end(self) -> None:
         """End it if it has not ended, and bury it."""
         with suppress(ProcessLookupError):
-            os.kill(self._process_id, signal.SIGKILL)
-        os.waitpid(self._process_id, 0)
+            os.kill(self.process_id, signal.SIGKILL)
+        os.waitpid(self.process_id, 0)
         self.pipe.close()
 
 

@@ -21,7 +21,7 @@ from time import perf_counter
 
 from solvers import runtime
 from solvers.engine import successor
-from solvers.engine.messages import Compiling, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
+from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
 from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
 from solvers.run import build
@@ -181,6 +181,7 @@ class Worker:
                 self._inherit(*answer)
                 return True
             self._successor = answer
+            self._pipe.send(Forked(answer.process_id))
         return False
 
     def _handed_over(self, heir: Successor) -> bool:
