@@ -2,6 +2,7 @@
 
 import math
 import random
+from bisect import bisect_right
 from dataclasses import dataclass, field
 from itertools import pairwise
 from time import monotonic
@@ -93,8 +94,12 @@ class Visitor:
     def standstill(self, begin: float, end: float, own: bool = False) -> float:
         """The longest time without a frame between two times, in s, of those that followed a choice of its ``own``, or
         of all others."""
-        return max((until - since for since, until in self._pauses(begin, end)
-                    if own == any(since - ON_ITS_WAY < choice < until for choice in self.choices)), default=0.0)
+        def chosen(since: float, until: float) -> bool:  # found at once: an hour has 100,000 frames and 1,000 choices
+            following = bisect_right(self.choices, since - ON_ITS_WAY)
+            return following < len(self.choices) and self.choices[following] < until
+
+        return max((until - since for since, until in self._pauses(begin, end) if own == chosen(since, until)),
+                   default=0.0)
 
     def _pauses(self, begin: float, end: float) -> list[tuple[float, float]]:
         """From when to when there was no frame between two times, but for where a run had broken down: it stands still
