@@ -76,8 +76,8 @@ def test_health(server):
     assert found["engines"] >= 1
 
 
-@pytest.mark.parametrize("end, thread", [(signal.SIGINT, "first"), (signal.SIGTERM, "first"),
-                                         (signal.SIGINT, "second")])
+@pytest.mark.parametrize("end, thread", [
+    (signal.SIGTERM, "first"), (signal.SIGINT, "second"), pytest.param(signal.SIGINT, "first", marks=pytest.mark.slow)])
 def test_the_end_is_told_and_leaves_nothing(end, thread):
     """Neither a process nor a word of warning (``serving`` looks for that), however it is ended, and whichever of its
     threads the system chooses to tell."""

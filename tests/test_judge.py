@@ -95,8 +95,10 @@ def test_a_patch_test_may_be_wrapped_and_is_as_its_problem_says(tmp_path):
     assert "moved back by a period" in " ".join(grid["notes"])
 
 
-@pytest.mark.parametrize("method", PROBLEMS["vortex"].scene.choices("method"))
-@pytest.mark.parametrize("layout", ["polar", "cartesian"])
+@pytest.mark.parametrize(("layout", "method"), [
+    ("polar", "cpdi"), ("polar", "cpgimp-v"), ("cartesian", "cpdi"),
+    *(pytest.param(layout, method, marks=pytest.mark.slow) for layout in ("polar", "cartesian")
+      for method in PROBLEMS["vortex"].scene.choices("method"))])
 def test_every_method_and_layout_of_the_vortex_is_judged_as_we_do(method, layout, tmp_path):
     scene = PROBLEMS["vortex"].scene(cells=12, periods=0.25, method=method, layout=layout, estimators=())
     shots = []
@@ -209,8 +211,9 @@ def test_a_periodic_code_may_wrap_its_positions(tmp_path):
     assert ("moved back by a period" in " ".join(grid["notes"])) == bool((x != frame.position).any())
 
 
-@pytest.mark.parametrize("problem, force", [("bar", "two-tone"), ("ring", "none"), ("ring", "two-tone"),
-                                            ("vortex", "none"), ("vortex", "two-tone")])
+@pytest.mark.parametrize("problem, force", [
+    ("bar", "two-tone"), ("ring", "two-tone"), ("vortex", "two-tone"),
+    *(pytest.param(problem, "none", marks=pytest.mark.slow) for problem in ("ring", "vortex"))])
 def test_without_a_truth_the_companion_judges(problem, force, tmp_path):
     """A run of ours, by its own companion and by the judge's: the same to the per cent that the former is off."""
     # 0.1 is the bar's and the ring's size too; a free vortex of the default 1 rad is torn apart.

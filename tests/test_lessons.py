@@ -60,7 +60,8 @@ RING = dict(method="ugimp", cells=8, ppc=1, amplitude=0.05, modulus=4e6, density
 
 
 @pytest.mark.parametrize("name, scene, parameters", [
-    ("bar.py", BarScene, {}), ("ring.py", RingScene, {}), ("bar.py", BarScene, BAR), ("ring.py", RingScene, RING),
+    ("bar.py", BarScene, {}), ("ring.py", RingScene, {}), ("bar.py", BarScene, BAR),
+    pytest.param("ring.py", RingScene, RING, marks=pytest.mark.slow),
 ], ids=["bar", "ring", "bar, edited", "ring, edited"])
 def test_scripts(name, scene, parameters, tmp_path, monkeypatch, capsys):
     """A script runs as it is and edited, obeys every parameter, prints what ``run`` finds and leaves a picture."""

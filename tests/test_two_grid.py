@@ -220,6 +220,7 @@ def test_a_packing_gives_back_what_it_took():
     assert (held["memory_reals"][-5:] == 9).all()
 
 
+@pytest.mark.slow
 def test_slabs_tell_the_same():
     """On several threads the second ring steps on one of them, between the slabs. Last: threads restart Taichi."""
     scene = replace(RING, cells=24)

@@ -55,7 +55,7 @@ def test_difference_takes_the_upper_lane(page):
     until(lambda: min(halves(page)) > 0.25, "two coloured lanes again")
 
 
-@pytest.mark.parametrize("problem", ["vibrating bar", "expanding ring"])
+@pytest.mark.parametrize("problem", [pytest.param("vibrating bar", marks=pytest.mark.slow), "expanding ring"])
 def test_without_an_exact_solution(page, problem):
     """The estimate stands alone: no truth, no index, and in words why."""
     if problem != "vibrating bar":
