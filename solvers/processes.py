@@ -156,13 +156,14 @@ class WorkerPool:
             process.close()
 
 
-def ask_fresh(work: str, environment: Mapping[str, str] | None = None, patience: float = 120.0) -> dict:
+def ask_fresh(work: str, question: Mapping | None = None, environment: Mapping[str, str] | None = None,
+              patience: float = 120.0) -> dict:
     """The only answer of a fresh process; :class:`ProcessDied` if none comes within ``patience`` seconds."""
     process = WorkerProcess(work, environment)
     timer = threading.Timer(patience, process.kill)
     timer.start()
     try:
-        [answer] = process.ask({})
+        [answer] = process.ask(question or {})
         return answer
     except ProcessDied:
         if timer.finished.is_set():

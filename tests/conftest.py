@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
+from xdist.workermanage import WorkerController
 
 from solvers.engine.pool import EnginePool
 from solvers.result import Result
@@ -61,11 +62,20 @@ def pytest_configure(config: pytest.Config) -> None:
 
 #: Files with tests in the browser, shared out to two processes: each starts a server and a browser once.
 BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser").glob("test_*.py"))
+#: Few tests that take long. The files with most tests are begun first, and these would be last: one process would still
+#: be at them, half a minute long, when the others have ended.
+DEAR = [f"tests/test_{name}.py" for name in ("extension", "attacks", "lessons", "cluster", "compile_time", "killed")]
 
 
 class FileByFile(LoadScopeScheduling):
     """Tests of a file share what it prepares, so one process runs them; and of those in the browser each half: by the
     alphabet, which halves the time that they take (every second file was one of three fifths of it)."""
+
+    def _assign_work_unit(self, node: WorkerController) -> None:
+        for path in DEAR:
+            if path in self.workqueue:
+                self.workqueue.move_to_end(path, last=False)
+        super()._assign_work_unit(node)
 
     def _split_scope(self, nodeid: str) -> str:
         path = Path(nodeid.partition("::")[0])

@@ -22,7 +22,7 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
     """Measure everything. ``command`` is what a person starts, and ends at once; ``on_progress`` gets 0 to 1."""
     begun, effort = time.perf_counter(), measure.QUICK if quick else measure.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
-        ("start", partial(start_times, command)), ("example", example), ("gpu", partial(gpu, quick)),
+        ("start", partial(start_times, command, tuple(PROBLEMS))), ("example", example), ("gpu", partial(gpu, quick)),
         *(("rates", partial(measure.rates, name, method, effort))
           for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
         *(("estimators", partial(measure.estimator_prices, name, effort)) for name in PROBLEMS),

@@ -45,19 +45,14 @@ def gpu(quick: bool) -> dict:
     if where == devices.CPU:
         return {**nothing, "missing": "no GPU was found"}
     try:
-        return ask_fresh(f"{__name__}:{'measure_quick' if quick else 'measure_full'}", patience=PATIENCE)
+        return ask_fresh(f"{__name__}:measure", {"sizes": QUICK_SIZES if quick else None}, patience=PATIENCE)
     except ProcessDied as error:
         return {**nothing, "missing": f"could not be measured: {error}"}
 
 
-def measure_full(question: dict, answer: Callable[[dict], None]) -> None:
-    """What the fresh process does."""
-    answer(measured(devices.place(devices.GPU), CELLS))
-
-
-def measure_quick(question: dict, answer: Callable[[dict], None]) -> None:
-    """What it does for a quick bench."""
-    answer(measured(devices.place(devices.GPU), {name: cells[:QUICK_SIZES] for name, cells in CELLS.items()}))
+def measure(question: dict, answer: Callable[[dict], None]) -> None:
+    """What the fresh process does: the first ``sizes``, or all."""
+    answer(measured(devices.place(devices.GPU), {name: cells[:question["sizes"]] for name, cells in CELLS.items()}))
 
 
 def measured(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIED) -> dict:

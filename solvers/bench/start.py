@@ -18,13 +18,14 @@ TURNS = 3
 PATIENCE = 120.0  # seconds
 
 
-def start_times(command: Sequence[str]) -> dict:
-    """Seconds of a command, to import, to start Taichi and to compile each problem's default scene, cold and warm; all
-    None, with a reason, where a process fails."""
+def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
+    """Seconds of a command, to import, to start Taichi and to compile the default scenes of the ``problems``, cold and
+    warm; all None, with a reason, where a process fails."""
     try:
         ready = min(seconds(command) for _ in range(TURNS))
         with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
-            cold, warm = (ask_fresh(f"{__name__}:measure", {CACHE: cache}) for _ in range(2))
+            question, environment = {"problems": list(problems)}, {CACHE: cache}
+            cold, warm = (ask_fresh(f"{__name__}:measure", question, environment) for _ in range(2))
     except ProcessDied as error:
         return dict.fromkeys(("command", "import", "taichi", "cold", "warm")) | {"failed": str(error)}
     return {"command": ready, "import": warm["import"], "taichi": warm["taichi"], "cold": cold["compile"],
@@ -51,8 +52,8 @@ def measure(question: dict, answer: Callable[[dict], None]) -> None:
     runtime.start()
     started = time.perf_counter()
     compiled = {}
-    for name, problem in PROBLEMS.items():
-        solver = build(problem.scene())
+    for name in question["problems"]:
+        solver = build(PROBLEMS[name].scene())
         built = time.process_time()  # of the processor: work only, whatever else the machine does
         solver.compile()
         compiled[name] = time.process_time() - built
