@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 SAFE = 0.7  # of the bound: what a nonlinear run stands; measured limits are about 0.75 of linear theory
+AT_ONCE = 1e-30  # seconds: an end that every scene may have; a default one takes too many steps where material is stiff
 INSTANTS = 17  # of the motion ahead, from one extreme to the other
 TOUCHED = 1e-12  # share of a particle's mass below which a node carries nothing
 
@@ -62,7 +63,7 @@ def _hat_integral(s: np.ndarray) -> np.ndarray:
 @functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
 def of_scene(scene: Any) -> float:
     """The bound in seconds for the motion that a scene has ahead, whatever its own step, end and watchers are."""
-    return _of_motion(replace(scene, dt=None, cfl=None, t_end=None, periods=None, sample_every=None,
+    return _of_motion(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
                               estimators=(), effects=()))
 
 

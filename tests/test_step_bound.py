@@ -12,6 +12,7 @@ from solvers.ring.scene import RingScene
 from solvers.rules import SceneError
 from solvers.run import run
 from solvers.step_bound import SAFE, bound, stencil
+from solvers.vortex.scene import VortexScene
 
 METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
 
@@ -83,3 +84,15 @@ def test_the_bound_is_that_of_the_scenes_own_units():
     for other in (replace(base, modulus=1e6), replace(base, density=7.0), replace(base, cells=80)):
         ratio = (other.spacing / other.wave_speed) / (base.spacing / base.wave_speed)
         assert other.step_bound / base.step_bound == pytest.approx(ratio, rel=0.05)
+
+
+@pytest.mark.parametrize("step", [{"dt": "auto"}, {"dt": 1e-14}], ids=str)
+def test_a_short_run_of_stiff_material_has_a_bound(step):
+    """As many steps as are allowed, where a run of the default length could not be."""
+    stiff = {"cells": 12, "modulus": 9e11, "density": 2e-6}
+    with pytest.raises(SceneError, match=r"needs .* steps"):
+        VortexScene(**stiff)
+    scene, usual = VortexScene(**stiff, **step, t_end=1e-12), VortexScene(cells=12)
+    speeds = scene.wave_speed / usual.wave_speed
+    assert scene.step_bound * speeds == pytest.approx(usual.step_bound, rel=1e-12)  # some hundred roundings
+    assert scene.warnings() == []
