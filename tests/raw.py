@@ -11,7 +11,7 @@ import msgspec
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.commands.visitor import FRAME, unpacked
+from app.commands.visitor import is_frame, unpacked
 from app.page.wire import PROTOCOL
 from tests.processes import HANG, until
 
@@ -74,8 +74,7 @@ class Raw:
                 messages = unpacked(raw)
                 for message in messages:
                     self._hear(message)
-                self.frames += any(message.get("name", "").endswith(FRAME) and "points" in message.get("updates", {})
-                                   for message in messages)  # axes have points, too, long before the first frame
+                self.frames += any(map(is_frame, messages))
         except ConnectionClosed:
             pass
         self.closed = self.socket.close_code

@@ -23,6 +23,11 @@ LARGEST = 50 * 2**20  # bytes of a message
 ON_ITS_WAY = 0.25  # seconds after a choice in which a frame may come that was sent before it
 
 
+def is_frame(message: dict) -> bool:
+    """Whether it is a picture of particles: axes, too, are told where their points are, long before the first one."""
+    return message.get("name", "").endswith(FRAME) and "points" in message.get("updates", {})
+
+
 def unpacked(raw: bytes) -> list[dict[str, Any]]:
     """The messages that came together, without their arrays: in front of these is their size, packed and not."""
     size, packed = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
@@ -114,7 +119,7 @@ class Visitor:
         for message in unpacked(raw):
             match message["type"]:
                 case "SceneNodeUpdateMessage":
-                    framed |= message["name"].endswith(FRAME) and "points" in message["updates"]
+                    framed |= is_frame(message)
                 case "GuiUpdateMessage" if message["uuid"] in self.controls:
                     self.controls[message["uuid"]].props.update(message["updates"])
                     self._read(message["uuid"], message["updates"].get("content"))
