@@ -9,8 +9,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from app.scale import largest
-from solvers.estimators.registry import ESTIMATORS
-from solvers.result import Result
+from solvers.scene.registry import ESTIMATORS
+from solvers.solver.result import Result
 
 Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plot``
 DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture

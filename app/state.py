@@ -18,8 +18,8 @@ from urllib.parse import unquote
 
 from app.words import MAGNIFICATIONS, QUANTITIES
 from solvers.problems import PROBLEMS
-from solvers.rules import FIELDS, SceneError, field_key
-from solvers.scene import LISTS, Scene
+from solvers.scene.rules import FIELDS, SceneError, field_key
+from solvers.scene.scene import LISTS, Scene
 
 LONGEST = 2000  # characters that anybody needs
 PINNED = "pinned"

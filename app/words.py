@@ -6,9 +6,9 @@ import re
 from dataclasses import dataclass, fields
 
 from solvers.problems import PROBLEMS
-from solvers.remedies import REMEDIES
-from solvers.rules import field_key, field_label
-from solvers.scene import AUTO, DEFAULT_CFL, Scene
+from solvers.scene.remedies import REMEDIES
+from solvers.scene.rules import field_key, field_label
+from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
 
 NOTHING = "–"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand

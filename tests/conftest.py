@@ -15,9 +15,9 @@ from xdist.scheduler import LoadScopeScheduling
 from xdist.workermanage import WorkerController
 
 from solvers.engine.pool import EnginePool
-from solvers.result import Result
-from solvers.run import run
-from solvers.scene import Scene
+from solvers.running.run import run
+from solvers.scene.scene import Scene
+from solvers.solver.result import Result
 from tests.listening import PATIENCE, SCENE, Listener
 
 # A shell that starts a job in the background has it ignore Ctrl-C, and its children with it; some tests send one.
@@ -121,7 +121,7 @@ def session(pool):
 @pytest.fixture(scope="module")
 def here():
     """A lab without engines for a file's tests, which takes whatever many messages a second."""
-    from app.page.doors import server  # here: few files need the viewer
+    from app.page.viewer import server  # here: few files need the viewer
     from tests.doors import lab
 
     with pytest.MonkeyPatch.context() as patch:

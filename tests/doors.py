@@ -5,10 +5,10 @@ from __future__ import annotations
 import socket
 from contextlib import contextmanager
 
-from app.page.classroom import Classroom
 from app.page.doors.address import Addresses
-from app.page.serve import _start_server
-from solvers.processes import free_port
+from app.page.features.lesson.classroom import Classroom
+from app.page.serving import _start_server
+from solvers.workers.processes import free_port
 
 
 class Link:

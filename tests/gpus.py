@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from solvers import devices
+from solvers.solver import devices
 
 ARCH = os.environ.get("MPM_LAB_TEST_GPU", "vulkan")
 HOW = "no {} device was found ({}): install one (Debian: apt-get install mesa-vulkan-drivers) to run these tests"

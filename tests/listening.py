@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from solvers.bar.scene import BarScene
+from solvers.problems.bar.scene import BarScene
 
 SCENE = BarScene(cells=20, periods=1)  # what the engines of the tests start with
 PATIENCE = 120.0  # seconds; a loaded machine may need to compile

@@ -11,8 +11,8 @@ import msgspec
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.commands.visitor import is_frame, unpacked
-from app.page.wire import PROTOCOL
+from app.commands.bench.visitor import is_frame, unpacked
+from app.page.viewer.wire import PROTOCOL
 from tests.processes import HANG, until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,

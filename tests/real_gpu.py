@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import pytest
 
-from app.commands.bench_text import _gpu
-from solvers import devices
+from app.commands.bench.text import _gpu
 from solvers.bench import gpu
-from solvers.ring.scene import RingScene
-from solvers.run import run
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run
+from solvers.solver import devices
 
 RING = RingScene(method="cpdi", cells=768, periods=1, estimators=("companion",), effects=("truth", "estimate"))
 

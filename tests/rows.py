@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from solvers.bar.scene import BarScene
-from solvers.effects import EFFECTS
-from solvers.fingerprint import fingerprint
-from solvers.samples import QUANTITIES
+from solvers.problems.bar.scene import BarScene
+from solvers.running.fingerprint import fingerprint
+from solvers.scene.effects import EFFECTS
+from solvers.solver.samples import QUANTITIES
 from solvers.study.grid import Task
 
 

@@ -8,9 +8,9 @@ from itertools import product
 import pytest
 
 from app.cli import main
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run
 from solvers.study.advise import Goal, advise, families
 from solvers.study.family import Family, Point
 

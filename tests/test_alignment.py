@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from solvers.arrays import ALIGNMENT, aligned
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
-from solvers.run import build
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.solver.arrays import ALIGNMENT, aligned
 
 
 @pytest.mark.parametrize("kind", [np.int32, np.float64])

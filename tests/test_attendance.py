@@ -11,10 +11,10 @@ import urllib.request
 
 import pytest
 
-from app.page import health
-from app.page import session as page
-from app.page.health import Tally
-from app.page.serve import OVER
+from app.page.serving import OVER
+from app.page.visit import health
+from app.page.visit import session as page
+from app.page.visit.health import Tally
 from tests.browser.conftest import serving
 from tests.listening import PATIENCE, SCENE
 from tests.processes import children, ended, until

@@ -11,9 +11,9 @@ import math
 import numpy as np
 import pytest
 
-from solvers.bar import exact
-from solvers.bar.scene import BarScene
-from solvers.bar.solver import BarSolver
+from solvers.problems.bar import exact
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
 
 SCENE = BarScene(amplitude=0.05, modulus=7.0, density=1.3)
 X = np.linspace(0, 1, 37)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.bar.solver import BarSolver
-from solvers.scene import Scene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
+from solvers.scene.scene import Scene
 from tests.reference import Bar
 
 STEPS = 40

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.run import run
-from solvers.scene import Scene
+from solvers.problems.bar.scene import BarScene
+from solvers.running.run import run
+from solvers.scene.scene import Scene
 from tests.reference import NUMBERS
 
 TABLE = NUMBERS["table1"]

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.bar.solver import BarSolver
-from solvers.effects import EFFECTS
-from solvers.run import run
-from solvers.timing import estimator_shares
-from solvers.turn import CHECK_EVERY
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
+from solvers.running.run import run
+from solvers.running.timing import estimator_shares
+from solvers.scene.effects import EFFECTS
+from solvers.solver.loop import CHECK_EVERY
 
 SCENE = BarScene(amplitude=0.05, cells=20, periods=1)
 STATE = ("position", "velocity", "deformation_gradient")

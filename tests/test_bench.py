@@ -15,15 +15,15 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.commands.bench_text import bench_table
-from solvers.bar.scene import BarScene
+from app.commands.bench.text import bench_table
 from solvers.bench import example, start
 from solvers.bench.measure import QUICK, bare, priced
 from solvers.problems import PROBLEMS
-from solvers.processes import ProcessDied, ask_fresh
-from solvers.ring.scene import RingScene
-from solvers.run import build
-from solvers.timing import Stretch, rate, take_turns
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.running.timing import Stretch, rate, take_turns
+from solvers.workers.processes import ProcessDied, ask_fresh
 from tests.processes import HANG, wait_for_library
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.camera import MARGIN, FlatCamera
-from app.page.notice import Notice
+from app.page.stage.camera import MARGIN, FlatCamera
+from app.page.visit.notice import Notice
 
 RECTANGLE = (0.0, 1.0, -0.2, 1.0)
 

@@ -7,9 +7,9 @@ import json
 import pytest
 
 from app.cli import main
-from app.commands.class_load import SCHEMA, Load, class_load, class_table
-from app.commands.visitor import BROKEN, Control, Visitor
-from solvers.processes import LINUX
+from app.commands.bench.class_load import SCHEMA, Load, class_load, class_table
+from app.commands.bench.visitor import BROKEN, Control, Visitor
+from solvers.workers.processes import LINUX
 
 VISITORS, SECONDS = 3, 4.0
 

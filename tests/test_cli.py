@@ -15,9 +15,9 @@ from app import __version__
 from app.cli import main
 from app.commands import commands
 from app.commands.output import Target, json_text, noted_interrupts
-from app.commands.run_text import run_table
-from solvers.bar.scene import BarScene
-from solvers.effects import EFFECTS
+from app.commands.run.text import run_table
+from solvers.problems.bar.scene import BarScene
+from solvers.scene.effects import EFFECTS
 from tests.processes import HANG, wait_for_library
 
 RunBar = commands()["run", "bar"]
@@ -130,7 +130,7 @@ BAD = [
 @pytest.mark.parametrize(("flags", "names", "allows"), BAD, ids=[" ".join(bad[0])[:30] for bad in BAD])
 def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("app.commands.run._run", lambda *_: pytest.fail("it ran before it had checked"))
+    monkeypatch.setattr("app.commands.run.command._run", lambda *_: pytest.fail("it ran before it had checked"))
     assert main(["run", "bar", *flags]) == 2
     seen = capsys.readouterr()
     assert seen.out == "" and seen.err.count("\n") == 1
@@ -286,7 +286,7 @@ def test_json_refuses_what_json_has_not():
 
 
 def test_unexpected_failures_are_one_line(monkeypatch, capsys):
-    monkeypatch.setattr("app.commands.run._run", lambda *_: (_ for _ in ()).throw(MemoryError("no room")))
+    monkeypatch.setattr("app.commands.run.command._run", lambda *_: (_ for _ in ()).throw(MemoryError("no room")))
     monkeypatch.setattr("app.commands.dispatch._wants_traceback", lambda: False)
     assert main(["run", "bar"]) == 1
     assert capsys.readouterr().err == "mpm-lab: failed: MemoryError: no room\n"

@@ -12,8 +12,8 @@ import pytest
 
 from app.cli import main
 from app.commands import commands
-from app.commands.run_text import run_table
-from solvers.ring.scene import RingScene
+from app.commands.run.text import run_table
+from solvers.problems.ring.scene import RingScene
 from tests.processes import HANG
 
 RunBar, RunRing = commands()["run", "bar"], commands()["run", "ring"]
@@ -114,7 +114,7 @@ BAD = [
 
 @pytest.mark.parametrize(("flags", "names", "allows"), BAD, ids=[" ".join(bad[0])[:30] for bad in BAD])
 def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys, monkeypatch):
-    monkeypatch.setattr("app.commands.run._run", lambda *_: pytest.fail("it ran before it had checked"))
+    monkeypatch.setattr("app.commands.run.command._run", lambda *_: pytest.fail("it ran before it had checked"))
     assert main(["run", "ring", *flags]) == 2
     seen = capsys.readouterr()
     assert seen.out == "" and seen.err.count("\n") == 1

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from solvers.processes import free_port
 from solvers.study import places
 from solvers.study.grid import plan
+from solvers.workers.processes import free_port
 from tests.processes import until
 from tests.rows import without_timings
 

@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from solvers.bar import exact as bar_exact
-from solvers.bar.estimators import companion as companion_bar
-from solvers.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
-from solvers.bar.scene import BarScene
 from solvers.estimators import companion
 from solvers.estimators.spectral import Elements, unresolved
-from solvers.ring import exact as ring_exact
-from solvers.ring.estimators import companion_mesh as companion_ring_mesh
-from solvers.ring.exact import SECOND_FREQUENCY as RING_FREQUENCY
-from solvers.ring.exact import SECOND_SIZE as RING_SIZE
-from solvers.ring.scene import RingScene
-from solvers.run import build
-from solvers.samples import QUANTITIES
-from solvers.timing import estimator_shares
+from solvers.problems.bar import exact as bar_exact
+from solvers.problems.bar.estimators import companion as companion_bar
+from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring import exact as ring_exact
+from solvers.problems.ring.estimators import companion_mesh as companion_ring_mesh
+from solvers.problems.ring.exact import SECOND_FREQUENCY as RING_FREQUENCY
+from solvers.problems.ring.exact import SECOND_SIZE as RING_SIZE
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.running.timing import estimator_shares
+from solvers.solver.samples import QUANTITIES
 
 ONLY = ("companion",)
 BAR = BarScene(estimators=ONLY, linearity_preserving=True, dt=2.5e-5, t_end=1.0)

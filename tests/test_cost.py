@@ -10,18 +10,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.page.cost import words
-from app.page.cost.jobs import timings
-from app.page.cost.live import LiveRows, live_row
-from app.page.cost.picture import Axis, picture
-from app.page.cost.runs import LIVE, SWEEP, Runs, csv_bytes
-from app.page.history import History
-from app.page.panels.cost import CostTab
-from solvers.bar.scene import BarScene
+from app.page.features.cost import words
+from app.page.features.cost.jobs import timings
+from app.page.features.cost.live import LiveRows, live_row
+from app.page.features.cost.panel import CostTab
+from app.page.features.cost.picture import Axis, picture
+from app.page.features.cost.runs import LIVE, SWEEP, Runs, csv_bytes
+from app.page.visit.history import History
 from solvers.engine.messages import FrameReport
 from solvers.engine.verdict import Verdict
-from solvers.ring.scene import RingScene
-from solvers.run import build
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
 from solvers.study.grid import task_of
 from solvers.study.row import failed
 from solvers.study.summary import flat

@@ -10,15 +10,15 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.page.cost import jobs as jobs_module
-from app.page.cost import words
-from app.page.cost.jobs import Jobs, JobStatus, Slots, question, search, small_sweep
-from app.page.cost.quiet import QuietStage
-from app.page.cost.runs import Runs
+from app.page.features.cost import jobs as jobs_module
+from app.page.features.cost import words
+from app.page.features.cost.jobs import Jobs, JobStatus, Slots, question, search, small_sweep
+from app.page.features.cost.panel import CostTab
+from app.page.features.cost.quiet import QuietStage
+from app.page.features.cost.runs import Runs
 from app.page.page import Page
-from app.page.panels.cost import CostTab
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
 from solvers.study.grid import task_of
 from solvers.study.jobs import SearchJob
 from tests.processes import has_library, until

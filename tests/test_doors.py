@@ -7,7 +7,7 @@ from websockets.exceptions import InvalidStatus
 
 from app.page.doors.address import Addresses
 from app.page.doors.refusals import Refusals
-from app.page.wire import PROTOCOL
+from app.page.viewer.wire import PROTOCOL
 from tests.doors import get
 from tests.processes import until
 from tests.raw import Raw

@@ -13,12 +13,12 @@ from time import thread_time
 import numpy as np
 import pytest
 
-from solvers import samples
-from solvers.bar.scene import BarScene
 from solvers.engine.messages import Wish
 from solvers.engine.worker import FAILED
-from solvers.ring.scene import RingScene
-from solvers.run import build
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.solver import samples
 from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import Watch, held, until
 
@@ -39,7 +39,7 @@ class Failing(BarScene):
 
 def test_page_process_stays_free_of_taichi():
     """A kernel launch would hold the lock that the web server needs: the page never even imports Taichi."""
-    code = "import sys, app.page.page, app.page.serve, solvers.engine.pool; sys.exit('taichi' in sys.modules)"
+    code = "import sys, app.page.page, app.page.serving, solvers.engine.pool; sys.exit('taichi' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from solvers.estimators.registry import ESTIMATORS, EXTENSIONS
+from solvers.scene.registry import ESTIMATORS, EXTENSIONS
 from tests.processes import HANG
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -12,11 +12,11 @@ from app.axis import ROOM, Axis
 from app.problems.bar.stage import FIELD as BAR_FIELD
 from app.problems.field import FieldPlot, seen
 from app.problems.ring.stage import FIELD as RING_FIELD
-from solvers.bar.scene import BarScene
-from solvers.ring.layout import particle_layout
-from solvers.ring.scene import RingScene
-from solvers.run import build
-from solvers.samples import QUANTITIES
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.layout import particle_layout
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.solver.samples import QUANTITIES
 from tests.drawn import Scene
 
 BAR, RING = BarScene(cells=10, ppc=2, periods=1), RingScene(cells=12, periods=1)

@@ -7,7 +7,7 @@ import pytest
 import taichi as ti
 
 import solvers
-from solvers import runtime
+from solvers.kernels import runtime
 
 SOURCES = sorted(Path(solvers.__file__).parent.rglob("*.py"))
 

@@ -13,20 +13,21 @@ import pytest
 import taichi as ti
 
 from app.cli import main
-from app.commands.bench_text import bench_table
-from solvers import devices, elementary, runtime, samples
-from solvers.bar.scene import BarScene
+from app.commands.bench.text import bench_table
 from solvers.bench import gpu
-from solvers.kinds import quads, reals
-from solvers.remedies import COUPLED, FILTER, FROZEN
-from solvers.result import Snapshot
-from solvers.ring.scene import RingScene
-from solvers.rules import SceneError
-from solvers.run import build, run
-from solvers.scene import MOST_ON_GPU, Scene
-from solvers.solver import Solver
-from solvers.tables import plan
-from solvers.vortex.scene import VortexScene
+from solvers.kernels import elementary, runtime
+from solvers.kernels.kinds import quads, reals
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build, run
+from solvers.scene.remedies import COUPLED, FILTER, FROZEN
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import MOST_ON_GPU, Scene
+from solvers.solver import devices, samples
+from solvers.solver.base import Solver
+from solvers.solver.result import Snapshot
+from solvers.study.tables import plan
 from tests.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.scene import Scene
+from solvers.problems.bar.scene import BarScene
+from solvers.scene.scene import Scene
 
 #: method, linearity preserving, amplitude, largest stable cfl
 EDGES = [("ugimp", False, 1e-6, 0.7), ("ugimp", False, 0.025, 0.8), ("ugimp", True, 0.025, 0.8),

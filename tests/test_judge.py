@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.judge import handout, writing
-from solvers.judge.frames import FileError, Frame
-from solvers.judge.placing import grids
-from solvers.judge.reading import read
-from solvers.judge.verdict import judge
-from solvers.judge.vtk import write_vtu
+from solvers.judging import handout, writing
+from solvers.judging.frames import FileError, Frame
+from solvers.judging.placing import grids
+from solvers.judging.reading import read
+from solvers.judging.verdict import judge
+from solvers.judging.vtk import write_vtu
 from solvers.problems import PROBLEMS
-from solvers.run import run
+from solvers.running.run import run
 
 QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "--periods", "0.5"],
          "vortex": ["--cells", "24", "--periods", "0.25"]}
@@ -106,7 +106,7 @@ def test_every_method_and_layout_of_the_vortex_is_judged_as_we_do(method, layout
     scene = PROBLEMS["vortex"].scene(cells=12, periods=0.25, method=method, layout=layout, estimators=())
     shots = []
     result = run(scene, prices=False, on_sample=shots.append)
-    from solvers.judge.ours import framed
+    from solvers.judging.ours import framed
     file = tmp_path / "run.npz"
     file.write_bytes(writing.npz([framed(shot, scene) for shot in shots], scene))
     judged = judge([read(str(file))], scene, [12], [], compare=False)
@@ -116,7 +116,7 @@ def test_every_method_and_layout_of_the_vortex_is_judged_as_we_do(method, layout
 
 def test_crossings_are_of_the_vortexs_own_grid():
     """Its lines begin at -1.5 m, and with an odd number of cells none passes through the centre."""
-    from solvers.judge.measure import crossings
+    from solvers.judging.measure import crossings
     scene = PROBLEMS["vortex"].scene(cells=15)
     X = np.array([[1.0, 0.0], [0.0, 1.0]])
     assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X - 0.09)]) == 0
@@ -224,7 +224,7 @@ def test_without_a_truth_the_companion_judges(problem, force, tmp_path):
                                     **({"amplitude": 0.1} if problem == "vortex" else {}))
     shots = []
     result = run(scene, prices=False, on_sample=shots.append)
-    from solvers.judge.ours import framed
+    from solvers.judging.ours import framed
     file = tmp_path / "run.npz"
     file.write_bytes(writing.npz([framed(shot, scene) for shot in shots], scene))
     [grid] = judge([read(str(file))], scene, [24], [], compare=False).to_dict()["grids"]
@@ -260,7 +260,7 @@ def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):
 
 def test_times_between_our_steps_are_met(tmp_path):
     """At times that no step of ours ends at, ours is interpolated: its error is that of its neighbours in time."""
-    from solvers.judge.ours import compared
+    from solvers.judging.ours import compared
     scene = scene_of("bar", estimators=(), effects=())
     t = 0.1 * scene.period
     near = compared(scene, [t, t + 0.37 * scene.time_step, t + scene.time_step]).norms
@@ -282,7 +282,7 @@ def test_crossings_are_counted(tmp_path):
     scene = scene_of("bar")
     X = handout.start(scene).material_position
     frames = [Frame("", t, np.arange(len(X)), X, X + shift) for t, shift in ((0.1, scene.spacing), (0.2, 0.0))]
-    from solvers.judge.measure import crossings
+    from solvers.judging.measure import crossings
     assert crossings(scene, frames) == 2 * len(X)
 
 

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from solvers.fingerprint import fingerprint
+from solvers.running.fingerprint import fingerprint
 from solvers.study.grid import Task
 from solvers.study.store import Store, StoreError
-from solvers.tables import plan
-from solvers.tables.rows import NotThisRow, read_row, run_row, write_row
+from solvers.study.tables import plan
+from solvers.study.tables.rows import NotThisRow, read_row, run_row, write_row
 from tests.processes import HANG
 from tests.rows import made_up
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from app.commands.class_load import serving
-from solvers.processes import LINUX, descendants
+from app.commands.bench.class_load import serving
+from solvers.workers.processes import LINUX, descendants
 from tests.processes import GONE, until
 from tests.raw import Raw
 

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import runtime
-from solvers.bar.scene import BarScene
-from solvers.bar.step import advance
-from solvers.ring.scene import RingScene
-from solvers.run import build
-from solvers.solver import STEP
+from solvers.kernels import runtime
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.step import advance
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.solver.base import STEP
 
 BAR = BarScene(cells=10, ppc=2, periods=1, estimators=("companion",), effects=("truth", "estimate", "crossings"))
 RING = RingScene(cells=12, periods=1)
@@ -57,7 +57,7 @@ def test_nothing_is_kept_when_taichi_starts_anew():
 
 @pytest.mark.parametrize("scene", ["BarScene(cells=8)", "RingScene(cells=8, plan='parallel', threads=2)"])
 def test_a_process_that_keeps_launches_ends_well(scene):
-    code = ("from solvers.bar.scene import BarScene\nfrom solvers.ring.scene import RingScene\n"
-            f"from solvers.run import build\nsolver = build({scene})\nsolver.advance(5)\nsolver.measure()\n")
+    code = ("from solvers.problems.bar.scene import BarScene\nfrom solvers.problems.ring.scene import RingScene\n"
+            f"from solvers.running.run import build\nsolver = build({scene})\nsolver.advance(5)\nsolver.measure()\n")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")

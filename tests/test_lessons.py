@@ -11,9 +11,9 @@ import pytest
 from app.lessons.checking import checks
 from app.lessons.outcomes import Outcomes, scene_texts
 from app.lessons.shelf import lessons, names
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run
 
 LESSONS = Path(__file__).parents[1] / "lessons"
 LONG = ("07", "09")  # lessons that run what tests of the Cost tab and of each estimator run, for half a minute each

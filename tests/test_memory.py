@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.bar.solver import BarSolver
-from solvers.bar.step import advance
-from solvers.scene import Scene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
+from solvers.problems.bar.step import advance
+from solvers.scene.scene import Scene
 
 PAGE = 4096
 #: The smallest scene's arrays take 7e4 bytes: 600 kept would be 42 MB, so 5 MB means that nothing is kept.

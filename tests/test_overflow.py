@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.commands.run_text import run_table
+from app.commands.run.text import run_table
 from app.pictures.run import png_bytes, run_figure
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
 from solvers.study import fit
 
 LEFT = {"huge": [1e308], "tiny": [5e-324], "anything": [1e308, np.inf, np.nan, 1e-300, 0.0, 1e155]}

@@ -16,19 +16,19 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from app.cli import main
-from app.page.cost.jobs import Slots
-from app.page.doors import post, server
-from app.page.limits import MOST_WATCHED
-from app.page.own.judging import BUSY, Judging, shown
-from app.page.own.run import OwnRun
-from app.page.panels.own import OwnCode
-from solvers.judge import writing
-from solvers.judge.handout import exact
-from solvers.judge.measure import sizes
-from solvers.judge.show import MOST_ROWS, MOST_TIMES, Question, Shown
+from app.page.features.cost.jobs import Slots
+from app.page.features.own.judging import BUSY, Judging, shown
+from app.page.features.own.panel import OwnCode
+from app.page.features.own.run import OwnRun
+from app.page.viewer import server, upload
+from app.page.visit.limits import MOST_WATCHED
+from solvers.judging import writing
+from solvers.judging.handout import exact
+from solvers.judging.measure import sizes
+from solvers.judging.show import MOST_ROWS, MOST_TIMES, Question, Shown
 from solvers.problems import PROBLEMS
-from solvers.processes import WorkerProcess
 from solvers.study.grid import task_of
+from solvers.workers.processes import WorkerProcess
 from tests.doors import lab
 from tests.processes import until
 from tests.raw import Raw, unknown
@@ -41,7 +41,7 @@ QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "
 @pytest.fixture(scope="module")
 def process():
     """The process that reads files: one for all that is asked here."""
-    worker = WorkerProcess("solvers.judge.show:show")
+    worker = WorkerProcess("solvers.judging.show:show")
     yield worker
     worker.close()
 
@@ -196,7 +196,7 @@ def test_memory_of_the_process_is_limited(process, tmp_path):
 
 
 def test_a_file_that_takes_too_long_or_is_not_wanted_any_more_ends_its_process(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.page.own.judging.PATIENCE", 0.05)
+    monkeypatch.setattr("app.page.features.own.judging.PATIENCE", 0.05)
     heard = []
     file = tmp_path / "coming"
     file.write_bytes(b"x")
@@ -255,12 +255,12 @@ class Sender:
         self.visitor, self.box = visitor, visitor.find("file of particles")
 
     def start(self, size, name="mine.csv", transfer="t1", **other):
-        self.visitor.say({"type": post.START, "source_component_uuid": self.box, "transfer_uuid": transfer,
-                          "filename": name, "mime_type": "", "part_count": -(-size // post.PART_BYTES),
+        self.visitor.say({"type": upload.START, "source_component_uuid": self.box, "transfer_uuid": transfer,
+                          "filename": name, "mime_type": "", "part_count": -(-size // upload.PART_BYTES),
                           "size_bytes": size} | other)
 
     def part(self, index, content, transfer="t1", **other):
-        self.visitor.say({"type": post.PART, "source_component_uuid": self.box, "transfer_uuid": transfer,
+        self.visitor.say({"type": upload.PART, "source_component_uuid": self.box, "transfer_uuid": transfer,
                           "part_index": index, "content": content} | other)
 
 
@@ -283,10 +283,10 @@ def sender(here, arrived, monkeypatch):
 
 def test_a_file_comes_part_by_part(here, sender, arrived):
     """In the middle of other messages; and another after it, and an empty one."""
-    content = os.urandom(2 * post.PART_BYTES + 77)
+    content = os.urandom(2 * upload.PART_BYTES + 77)
     sender.start(len(content))
     for k in range(3):
-        sender.part(k, content[k * post.PART_BYTES:(k + 1) * post.PART_BYTES])
+        sender.part(k, content[k * upload.PART_BYTES:(k + 1) * upload.PART_BYTES])
         settle(here[0], sender.visitor)
     until(lambda: len(arrived[0]) == 1, "the file")
     sender.start(3, "other.npz", "t2")
@@ -302,12 +302,12 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
     """Too large, too many, out of order, of other lengths, for other widgets, and in other words than a browser's: what
     was on its way comes all the same, the viewer holds nothing, and another visitor notices nothing."""
     one, raw = here[0], sender.visitor
-    first, last = os.urandom(post.PART_BYTES), b"end"
+    first, last = os.urandom(upload.PART_BYTES), b"end"
     whole = len(first) + len(last)
     with Raw(here[1]) as neighbour:
         neighbour.find("Download CSV")
         sender.part(0, b"of nothing")
-        sender.start(post.LARGEST + 1)
+        sender.start(upload.LARGEST + 1)
         sender.start(2**53)
         for count in (0, 1, 3, 2**40):
             sender.start(whole, part_count=count)
@@ -331,19 +331,19 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
         sender.part(0, first)
         sender.part(0, first)
         sender.part(2, last)
-        turned = {"part_index": 1, "type": post.PART, "source_component_uuid": sender.box, "transfer_uuid": "t1",
+        turned = {"part_index": 1, "type": upload.PART, "source_component_uuid": sender.box, "transfer_uuid": "t1",
                   "content": last}
         raw.say(turned)  # fields in another order
-        raw.say(msgspec.msgpack.encode({"type": post.PART})[:-1] + b"\x91" * 400_000)
+        raw.say(msgspec.msgpack.encode({"type": upload.PART})[:-1] + b"\x91" * 400_000)
         settle(one, raw)
         assert arrived[0] == []
         sender.part(1, last)
         until(lambda: arrived[0], "the file")
-        assert arrived[0] == [("mine.csv", first + last)] and arrived[1] == [post.TOO_LARGE] * 2
+        assert arrived[0] == [("mine.csv", first + last)] and arrived[1] == [upload.TOO_LARGE] * 2
         assert neighbour.closed is None
         for client in one._connected_clients.values():
             assert client.gui._current_file_upload_states == {}
-            boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if post.of(h)]
+            boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if upload.of(h)]
             assert [box.value.content for box in boxes] == [b""]
 
 
@@ -351,7 +351,7 @@ def test_who_floods_with_parts_is_sent_away(here, arrived):
     with Raw(here[1], source_address=("127.0.7.7", 0)) as raw:  # who must wait afterwards
         raw.find("Download CSV")
         sender = Sender(raw)
-        noise = bytes(post.PART_BYTES)
+        noise = bytes(upload.PART_BYTES)
         with pytest.raises(ConnectionClosed):
             for _ in range(3000):
                 sender.part(0, noise)
@@ -363,9 +363,9 @@ def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
         raw.find("Download CSV")
         sender = Sender(raw)
         page_of(here[0])
-        [box] = [h for h in page_of(here[0]).values() if post.of(h)]
-        folder = post.of(box).folder
-        sender.start(2 * post.PART_BYTES)
-        sender.part(0, bytes(post.PART_BYTES))
+        [box] = [h for h in page_of(here[0]).values() if upload.of(h)]
+        folder = upload.of(box).folder
+        sender.start(2 * upload.PART_BYTES)
+        sender.part(0, bytes(upload.PART_BYTES))
         until(lambda: (folder / "coming").exists(), "the beginning of a file")
     until(lambda: not folder.exists(), "its folder has gone")

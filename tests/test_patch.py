@@ -8,10 +8,10 @@ import pytest
 from app import state
 from app.export.record import Wanted, recording
 from app.problems.bar.view import change
-from solvers.bar import exact, patch
-from solvers.bar.scene import BarScene
-from solvers.rules import SceneError
-from solvers.run import build, run, shown_step
+from solvers.problems.bar import exact, patch
+from solvers.problems.bar.scene import BarScene
+from solvers.running.run import build, run, shown_step
+from solvers.scene.rules import SceneError
 from solvers.study.grid import task_of
 from solvers.study.row import measure
 from solvers.study.row_form import fault

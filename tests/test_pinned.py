@@ -8,15 +8,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page import session as page
 from app.page.panels.plots import grey_curves
+from app.page.visit import session as page
 from app.words import differing
-from solvers.bar.scene import BarScene
 from solvers.engine import successor
 from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.stepper import MOST_APART
-from solvers.ring.scene import RingScene
-from solvers.run import build
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
 from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import until
 

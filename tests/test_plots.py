@@ -13,11 +13,11 @@ from matplotlib.colors import to_rgb
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
 from app.pictures.run import png_bytes, run_figure, save_png
-from solvers.bar.scene import BarScene
-from solvers.estimators.registry import ESTIMATORS, Estimator
-from solvers.result import Result
-from solvers.ring.scene import RingScene
-from solvers.run import run, shown_step
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run, shown_step
+from solvers.scene.registry import ESTIMATORS, Estimator
+from solvers.solver.result import Result
 
 SCENE = BarScene(cells=8, ppc=2, periods=0.3)
 RING = RingScene(cells=12, periods=0.1)

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.bar.scene import BarScene
 from solvers.estimators.alone import solve
-from solvers.judge.handout import companion, exact, initial
-from solvers.judge.reading import read
+from solvers.judging.handout import companion, exact, initial
+from solvers.judging.reading import read
 from solvers.problems import PROBLEMS
-from solvers.ring.scene import RingScene
-from solvers.run import build
-from solvers.vortex.scene import VortexScene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build
 
 FILES = {"particles.csv", "particles.vtu", "body_force.csv", "exact.csv", "problem.json", "problem.md"}
 

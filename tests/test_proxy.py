@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from solvers.processes import free_port
+from solvers.workers.processes import free_port
 from tests.doors import lab
 from tests.processes import HANG, until
 from tests.raw import Raw

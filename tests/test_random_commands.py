@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from app.cli import main
 from app.commands import commands
-from app.commands.advise import Advise
-from app.commands.study import Study
+from app.commands.study.advise import Advise
+from app.commands.study.rows import Study
 from tests.random_scenes import ASKED
 
 FLAGS = {name: sorted("--" + field.replace("_", "-") for field in kind.__dataclass_fields__
@@ -57,9 +57,9 @@ def test_random_command_lines_end_as_they_should(name, tmp_path, monkeypatch, ca
         capsys.readouterr()
         begun = False
         line = [*name, *arguments, *(ENDS_SOON if name[0] == "run" else [])]
-        with patch("app.page.serve.serve", begin), patch.object(Study, "_place", begin), \
-                patch.object(Advise, "_search", begin), patch("app.commands.tables._run_rows", begin), \
-                patch("app.commands.bench.working", begin), patch("app.commands.lesson.working", begin), \
+        with patch("app.page.serving.serve", begin), patch.object(Study, "_place", begin), \
+                patch.object(Advise, "_search", begin), patch("app.commands.study.tables._run_rows", begin), \
+                patch("app.commands.bench.command.working", begin), patch("app.commands.lesson.working", begin), \
                 patch("app.commands.export.working", begin):
             try:
                 status = main(line)

@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from solvers.problems import PROBLEMS
-from solvers.rules import SceneError
-from solvers.run import run
-from solvers.soundness import LOST, OK, UNSTABLE
+from solvers.running.run import run
+from solvers.scene.rules import SceneError
+from solvers.solver.soundness import LOST, OK, UNSTABLE
 from tests.random_scenes import ASKED, Inputs, inputs, odd_inputs, scenes_a_set, sets
 
 MOST_ERROR = 0.5  # amplitudes of the motion, of x: no run beyond it may be called ok

@@ -8,17 +8,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.course import LAST_PERIODS, MOST_ROWS, Course, until
-from app.page.history import History
 from app.page.panels.readout import readout
-from app.page.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
+from app.page.stage.worst import WorstRegions
 from app.page.summary import summary
-from app.page.view import NOT_COMPARED, look
-from app.page.worst import WorstRegions
-from solvers.bar.scene import BarScene
+from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS, Course, until
+from app.page.visit.history import History
+from app.page.visit.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
+from app.page.visit.view import NOT_COMPARED, look
 from solvers.engine.frames import block_bytes, read, write
-from solvers.run import build
-from solvers.samples import column_count
+from solvers.problems.bar.scene import BarScene
+from solvers.running.run import build
+from solvers.solver.samples import column_count
 from tests.test_view import BAR, SIGNED, TRUE, arrays_of, report_of
 
 

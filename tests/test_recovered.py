@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from solvers.bar.scene import BarScene
-from solvers.bar.solver import BarSolver
 from solvers.estimators.lattice_lines import Line
 from solvers.estimators.memory import memory_parts
 from solvers.estimators.recovery import TAU
-from solvers.ring.scene import RingScene
-from solvers.ring.solver import RingSolver
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring.solver import RingSolver
 from tests.reference import NUMBERS
 from tests.test_companion import radial_solution
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
-from solvers.rules import SceneError
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run
+from solvers.scene.rules import SceneError
 
 BOTH = ("null-space-filter", "coupled-deformation")
 FROZEN = ("frozen-weights",)

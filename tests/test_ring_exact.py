@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers.ring import exact
-from solvers.ring.layout import particle_layout
-from solvers.ring.scene import RingScene
+from solvers.problems.ring import exact
+from solvers.problems.ring.layout import particle_layout
+from solvers.problems.ring.scene import RingScene
 
 SCENE = RingScene(amplitude=0.15, density=1300.0, modulus=3e6)
 TIME = 0.37 * SCENE.period

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers.arrays import aligned
-from solvers.kinds import quads
-from solvers.planar import phases
-from solvers.ring import exact
-from solvers.ring.layout import GHOSTS
-from solvers.ring.material import radial_forces
-from solvers.ring.phases import TRAITS
-from solvers.ring.scene import RingScene
-from solvers.ring.solver import RingSolver
-from solvers.ring.state import RingState
+from solvers.kernels.kinds import quads
+from solvers.problems.planar import phases
+from solvers.problems.ring import exact
+from solvers.problems.ring.layout import GHOSTS
+from solvers.problems.ring.material import radial_forces
+from solvers.problems.ring.phases import TRAITS
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring.solver import RingSolver
+from solvers.problems.ring.state import RingState
+from solvers.solver.arrays import aligned
 
 METHODS = ["mpm", "ugimp", "cpgimp", "cpdi"]
 BASE = RingScene(cells=16, estimators=(), effects=())

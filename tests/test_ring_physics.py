@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers.ring import exact
-from solvers.ring.scene import RingScene
-from solvers.ring.solver import RingSolver
-from solvers.rules import SceneError
+from solvers.problems.ring import exact
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring.solver import RingSolver
+from solvers.scene.rules import SceneError
 
 TABLE = json.loads((Path(__file__).parents[1] / "assets/reference/ring.json").read_text())
 METHODS = ["ugimp", "cpgimp", "cpdi"]

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.ring.scene import RingScene
-from solvers.run import build, run
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build, run
 
 METHODS = ["mpm", "ugimp", "cpgimp", "cpdi"]
 SCENE = RingScene(cells=24, periods=0.25)

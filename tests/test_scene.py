@@ -11,11 +11,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from solvers.bar.scene import BAR_AMPLITUDE_LIMIT, BarScene
-from solvers.effects import EFFECTS
-from solvers.ring.scene import RingScene
-from solvers.rules import FLAGS, SceneError
-from solvers.scene import MOST_PARTICLES, MOST_STEPS
+from solvers.problems.bar.scene import BAR_AMPLITUDE_LIMIT, BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.scene.effects import EFFECTS
+from solvers.scene.rules import FLAGS, SceneError
+from solvers.scene.scene import MOST_PARTICLES, MOST_STEPS
 
 NUMBERS = [f.name for f in fields(BarScene) if f.type.split(" ")[0] in ("int", "float")]
 WHOLE = [f.name for f in fields(BarScene) if f.type.split(" ")[0] == "int"]

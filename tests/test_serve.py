@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.serve import OVER, Visitors, _engine_count
+from app.page.serving import OVER, Visitors, _engine_count
 from solvers.engine import process
 from solvers.engine.messages import Trouble, Wish
 from solvers.engine.pool import EnginePool

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers import runtime
-from solvers.shapes import weights_1d
+from solvers.kernels import runtime
+from solvers.kernels.shapes import weights_1d
 from tests.reference import weight
 
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]

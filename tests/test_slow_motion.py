@@ -13,11 +13,11 @@ from app.problems.phases import PHASES, scaled
 from app.problems.slow import NUMBERS, shape
 from app.problems.views import VIEWS
 from app.words import PREFIXES
-from solvers.bar.scene import BarScene
 from solvers.engine.messages import Wish
-from solvers.ring.scene import RingScene
-from solvers.run import build
-from solvers.vortex.scene import VortexScene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build
 from tests.drawn import Scene
 from tests.test_stepper import one_session
 

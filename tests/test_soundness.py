@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run
 
 LOOKS = ("truth", "soundness")
 ONE_EACH = BarScene(ppc=1, estimators=(), effects=LOOKS)

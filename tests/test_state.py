@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from app.cli import main
 from app.state import VIEW, State, StateError, read, write
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
 
 BAR = BarScene(method="mpm", cells=20, amplitude=0.03, linearity_preserving=True, estimators=("recovered", "companion"))
 STATES = [

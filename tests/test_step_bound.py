@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
-from solvers.rules import SceneError
-from solvers.run import run
-from solvers.step_bound import SAFE, bound, stencil
-from solvers.vortex.scene import VortexScene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import run
+from solvers.scene.rules import SceneError
+from solvers.scene.step_bound import SAFE, bound, stencil
 
 METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
 

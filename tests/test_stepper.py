@@ -10,16 +10,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solvers import samples
-from solvers.bar.scene import BarScene
-from solvers.bar.solver import BarSolver
-from solvers.bar.validity import RULES
 from solvers.engine import frames as memory
 from solvers.engine import stepper
 from solvers.engine.messages import FRAME_SECONDS, Wish
 from solvers.engine.stepper import Stepper
 from solvers.engine.verdict import Verdict
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
+from solvers.problems.bar.validity import RULES
+from solvers.running.run import run
+from solvers.solver import samples
 
 SCENE = BarScene(cells=20, periods=1)
 

@@ -18,8 +18,8 @@ from app.problems.planar_stage import MIDDLE
 from app.problems.ring.stage import RingStage
 from app.scale import ColourScale
 from solvers.engine import frames as memory
-from solvers.ring.scene import RingScene
-from solvers.ring.solver import RingSolver
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring.solver import RingSolver
 from tests.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders

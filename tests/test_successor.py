@@ -14,8 +14,8 @@ import pytest
 from solvers.engine import successor
 from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
-from solvers.ring.scene import RingScene
-from solvers.run import build
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
 from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import children, ended, held, state, until
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.page.history import CROSSING_WINDOW
+from app.page.stage.worst import WorstRegions
 from app.page.summary import SAY_SECONDS, WAITING, Pace, compared, summary
-from app.page.view import NONE_CHOSEN, UNKNOWN, look
-from app.page.worst import WorstRegions
-from solvers.soundness import LOST, UNSTABLE
+from app.page.visit.history import CROSSING_WINDOW
+from app.page.visit.view import NONE_CHOSEN, UNKNOWN, look
+from solvers.solver.soundness import LOST, UNSTABLE
 from tests.test_view import BAR, arrays_of, report_of
 
 ERROR = np.full(20, 0.1)

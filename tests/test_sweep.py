@@ -10,12 +10,12 @@ from concurrent.futures import Future
 
 import pytest
 
-from solvers.bar.scene import BarScene
-from solvers.processes import ProcessDied
+from solvers.problems.bar.scene import BarScene
 from solvers.study import row
 from solvers.study.grid import Task, combinations, plan
 from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute, row_process
 from solvers.study.store import Store, StoreError
+from solvers.workers.processes import ProcessDied
 from tests.processes import processor_seconds, until
 from tests.rows import made_up
 
@@ -64,9 +64,10 @@ def test_a_row_holds_the_run_and_what_it_cost():
 
 
 def test_the_timed_run_computes_nothing_but_the_method(monkeypatch):
-    import solvers.run
-    seen, real = [], solvers.run.run
-    monkeypatch.setattr(solvers.run, "run", lambda scene, **options: seen.append(scene) or real(scene, **options))
+    import solvers.running.run
+    seen, real = [], solvers.running.run.run
+    monkeypatch.setattr(solvers.running.run, "run",
+                        lambda scene, **options: seen.append(scene) or real(scene, **options))
     row.time_bare(BarScene(cells=8), 2)
     assert len(seen) > 2 and seen[0].steps < seen[1].steps  # warmed up first
     assert {(scene.effects, scene.estimators) for scene in seen} == {((), ())}
@@ -77,7 +78,7 @@ def test_bad_runs_are_rows(monkeypatch):
     assert unstable["status"] == "unstable" and "unstable" in unstable["reason"] and unstable["seconds"]["min"] > 0
     refused = row.measure(Task("bar", {"amplitude": 0.2}))
     assert refused["status"] == "refused" and "inverts" in refused["reason"] and refused["scene"] is None
-    monkeypatch.setattr("solvers.run.build", lambda scene: (_ for _ in ()).throw(MemoryError("no\nroom")))
+    monkeypatch.setattr("solvers.running.run.build", lambda scene: (_ for _ in ()).throw(MemoryError("no\nroom")))
     failed = row.measure(Task("bar", QUICK))
     assert (failed["status"], failed["reason"]) == ("failed", "MemoryError: no room")
 

@@ -15,8 +15,8 @@ import pytest
 from app.cli import main
 from app.commands import commands
 from app.pictures.study import FIGURES
-from solvers.processes import WorkerProcess
 from solvers.study.grid import Task
+from solvers.workers.processes import WorkerProcess
 from tests.processes import HANG
 from tests.rows import made_up, without_timings
 

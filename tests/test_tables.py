@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from app.commands import tables as command
-from app.commands.tables_text import markdown
+from app.commands.study import tables as command
+from app.commands.study.tables_text import markdown
 from app.pictures.tables import figure
 from app.words import QUANTITIES
-from solvers.estimators.registry import ESTIMATORS
-from solvers.tables import paper, plan, rows
-from solvers.tables.digits import digits, short
-from solvers.tables.document import document
+from solvers.scene.registry import ESTIMATORS
+from solvers.study.tables import paper, plan, rows
+from solvers.study.tables.digits import digits, short
+from solvers.study.tables.document import document
 from tests.processes import HANG
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -8,17 +8,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.course import LAST_PERIODS, MOST_ROWS
-from app.page.mark import RADIUS, Mark
-from app.page.recent import Recent
-from app.page.trace import Trace
+from app.page.stage.mark import RADIUS, Mark
+from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS
+from app.page.visit.recent import Recent
+from app.page.visit.trace import Trace
 from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
 from app.problems.ring.stage import MIRRORS, RingStage
 from app.scale import ColourScale
-from solvers.bar.scene import BarScene
-from solvers.ring.scene import RingScene
-from solvers.run import build
-from solvers.samples import QUANTITIES
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.solver.samples import QUANTITIES
 from tests.drawn import Scene
 from tests.test_recent import engine_frame
 from tests.test_view import report_of

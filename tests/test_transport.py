@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import norms
-from solvers.bar.scene import BarScene
-from solvers.bar.solver import BarSolver
-from solvers.bar.state import HOOKS
 from solvers.estimators.memory import memory_parts
-from solvers.ring.scene import RingScene
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
+from solvers.problems.bar.state import HOOKS
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run
+from solvers.solver import norms
 from tests.reference import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]

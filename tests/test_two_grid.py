@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers.bar.scene import BarScene
 from solvers.estimators import lattice
 from solvers.estimators.memory import memory_parts
-from solvers.estimators.packing import Packing
 from solvers.estimators.phase_lag import lag
-from solvers.kinds import matrix, pairs, quads, real, reals
-from solvers.ring.scene import RingScene
-from solvers.run import build, run
+from solvers.kernels.kinds import matrix, pairs, quads, real, reals
+from solvers.kernels.packing import Packing
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build, run
 
 NAME = "two-grid"
 BAR = BarScene(linearity_preserving=True, cells=40, amplitude=2.5e-4, periods=1.0, estimators=(NAME,))

@@ -9,10 +9,10 @@ import pytest
 from app import state
 from app.lessons import shelf
 from app.lessons.variants import filled
-from app.page.session import first_scene
-from app.page.usual import usual_scenes
+from app.page.prewarm import usual_scenes
+from app.page.visit.session import first_scene
 from solvers.problems import PROBLEMS
-from solvers.switches import combination
+from solvers.scene.switches import combination
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ import pytest
 
 from app import words
 from app.page.panels.readout import _percent, readout
-from app.page.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
-from app.page.worst import Worst, WorstRegions
+from app.page.stage.worst import Worst, WorstRegions
+from app.page.visit.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.ring.view import ANGLES, RING
@@ -20,14 +20,14 @@ from app.problems.stage import Stage
 from app.problems.views import VIEWS
 from app.scale import DECADES, MOST_TICKS, ColourScale
 from app.words import with_unit
-from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
-from solvers.estimators.registry import ESTIMATORS
 from solvers.problems import PROBLEMS
-from solvers.ring.layout import particle_layout
-from solvers.ring.scene import RingScene
-from solvers.rules import SceneError
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.layout import particle_layout
+from solvers.problems.ring.scene import RingScene
+from solvers.scene.registry import ESTIMATORS
+from solvers.scene.rules import SceneError
 
 BAR = BarScene(cells=10, ppc=2, estimators=("transport",))
 PLACES = (np.arange(20)[:, None] + 0.5) / 20

@@ -10,15 +10,15 @@ import pytest
 from app import state
 from app.cli import main
 from app.export.record import Wanted, recording
-from app.page.session import first_scene
+from app.page.visit.session import first_scene
 from app.problems.vortex.view import ANGLES, FIFTHS, VORTEX
 from app.words import choices, unit_of
-from solvers.effects import EFFECTS
 from solvers.problems import PROBLEMS
-from solvers.run import build
+from solvers.problems.vortex.layout import particle_layout
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build
+from solvers.scene.effects import EFFECTS
 from solvers.study.stability import offered
-from solvers.vortex.layout import particle_layout
-from solvers.vortex.scene import VortexScene
 
 QUICK = ["--cells", "12", "--ppc", "2", "--amplitude", "0.25", "--t-end", "0.2", "--quiet"]
 

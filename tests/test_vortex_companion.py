@@ -11,14 +11,14 @@ from numpy.polynomial import legendre
 from solvers.estimators import companion
 from solvers.estimators.memory import memory_parts
 from solvers.estimators.spectral import Elements
-from solvers.run import build
-from solvers.samples import QUANTITIES
-from solvers.vortex import exact
-from solvers.vortex.estimators import companion as companion_vortex
-from solvers.vortex.estimators import companion_mesh
-from solvers.vortex.material import SECOND_FREQUENCY, SECOND_SIZE
-from solvers.vortex.scene import VortexScene
-from solvers.vortex.state import HOOKS
+from solvers.problems.vortex import exact
+from solvers.problems.vortex.estimators import companion as companion_vortex
+from solvers.problems.vortex.estimators import companion_mesh
+from solvers.problems.vortex.material import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.vortex.state import HOOKS
+from solvers.running.run import build
+from solvers.solver.samples import QUANTITIES
 
 VORTEX = VortexScene(estimators=("companion",), cfl=0.1, t_end=1.0)  # A = 1: the middle turns by 57 degrees
 #: Fixed before anything was run, and asked of all of them: index .9 to 1.1 of x and v, .8 to 1.25 of sigma and a.

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import samples
-from solvers.estimators import registry
-from solvers.run import build
-from solvers.scene import SceneError
-from solvers.vortex import exact
-from solvers.vortex.scene import VortexScene
+from solvers.problems.vortex import exact
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build
+from solvers.scene import registry
+from solvers.scene.scene import SceneError
+from solvers.solver import samples
 
 VORTEX = VortexScene(estimators=("transport",), cells=24, amplitude=0.25, cfl=0.2, t_end=1.0)
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solvers.vortex import exact
+from solvers.problems.vortex import exact
 
 #: Not the usual numbers: a rotation beyond 45 degrees, another material, another period.
 SCENE = SimpleNamespace(amplitude=1.2, angular_frequency=0.7 * np.pi, modulus=1700.0, poisson_ratio=0.4, density=900.0)

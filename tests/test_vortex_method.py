@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers import runtime
-from solvers.arrays import aligned
-from solvers.kinds import quads, reals
-from solvers.planar import phases
-from solvers.planar.layout import box_stretch, half_edges
-from solvers.run import build, run
-from solvers.vortex import exact
-from solvers.vortex.material import FAR, forces, logarithms
-from solvers.vortex.phases import TRAITS
-from solvers.vortex.scene import VortexScene
-from solvers.vortex.solver import VortexSolver
-from solvers.vortex.state import VortexState
+from solvers.kernels import runtime
+from solvers.kernels.kinds import quads, reals
+from solvers.problems.planar import phases
+from solvers.problems.planar.layout import box_stretch, half_edges
+from solvers.problems.vortex import exact
+from solvers.problems.vortex.material import FAR, forces, logarithms
+from solvers.problems.vortex.phases import TRAITS
+from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.vortex.solver import VortexSolver
+from solvers.problems.vortex.state import VortexState
+from solvers.running.run import build, run
+from solvers.solver.arrays import aligned
 
 METHODS = ["mpm", "ugimp", "cpgimp", "cpgimp-v", "cpdi"]
 BASE = VortexScene(cells=16, estimators=(), effects=())

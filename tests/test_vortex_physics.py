@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import samples
-from solvers.norms import largest
-from solvers.planar.layout import CORNERS
-from solvers.result import Result
-from solvers.rules import SceneError
-from solvers.run import build
-from solvers.soundness import BROKEN
-from solvers.vortex import exact, step_bound
-from solvers.vortex.layout import particle_layout
-from solvers.vortex.scene import VortexScene
+from solvers.problems.planar.layout import CORNERS
+from solvers.problems.vortex import exact, step_bound
+from solvers.problems.vortex.layout import particle_layout
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build
+from solvers.scene.rules import SceneError
+from solvers.solver import samples
+from solvers.solver.norms import largest
+from solvers.solver.result import Result
+from solvers.solver.soundness import BROKEN
 
 ROWS = json.loads((Path(__file__).parents[1] / "assets/reference/vortex.json").read_text())["rows"]
 SHEARED = ("ugimp", "cpgimp", "cpgimp-v", "cpdi")

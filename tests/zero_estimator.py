@@ -6,9 +6,9 @@ It keeps an array and a number of its own, counts in them, and doubts itself if 
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.interface import EstimatorHooks
-from solvers.estimators.registry import Estimator, register
-from solvers.kinds import real, reals
+from solvers.kernels.kinds import real, reals
+from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.scene.registry import Estimator, register
 
 
 @ti.func

@@ -7,19 +7,19 @@ write the dataclass and list it here.
 
 import functools
 
-from app.commands.advise import Advise, search_flags
-from app.commands.bench import Bench
+from app.commands.bench.command import Bench
 from app.commands.export import Export
 from app.commands.flags import Switch
-from app.commands.judge import Judge
+from app.commands.judge.command import Judge
+from app.commands.judge.problem import Problem
 from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList
-from app.commands.problem import Problem
-from app.commands.run import Run, RunText
+from app.commands.run.command import Run, RunText
 from app.commands.scene_flags import of_problem, with_flags
 from app.commands.serve import Serve
-from app.commands.stability import Stability, map_flags
-from app.commands.sweep import Sweep
-from app.commands.tables import Tables
+from app.commands.study.advise import Advise, search_flags
+from app.commands.study.stability import Stability, map_flags
+from app.commands.study.sweep import Sweep
+from app.commands.study.tables import Tables
 from solvers.problems import PROBLEMS
 
 #: What ``mpm-lab`` does when no command is given.

@@ -18,8 +18,8 @@ from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput, shown
 from app.commands.output import say
-from solvers.estimators.registry import ExtensionError
-from solvers.rules import SceneError, field_key
+from solvers.scene.registry import ExtensionError
+from solvers.scene.rules import SceneError, field_key
 
 PROGRAM = "mpm-lab"
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141

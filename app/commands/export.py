@@ -11,7 +11,7 @@ from app.commands.flags import BadInput, NumberFlag, Switch, TextFlag, default_h
 from app.commands.lesson import lesson_called
 from app.commands.output import Target, say, working
 from app.state import StateError, begins, read
-from solvers.rules import require_whole
+from solvers.scene.rules import require_whole
 
 OK, FAILED = 0, 1
 LONGEST_RUN = 2e9  # particle-steps: a minute or two

@@ -22,7 +22,7 @@ from app.commands.flags import (
     shown,
 )
 from app.commands.output import Target, json_target, json_text, say, working
-from solvers.rules import require_whole
+from solvers.scene.rules import require_whole
 
 if TYPE_CHECKING:
     from app.lessons.lesson import Lesson

@@ -6,8 +6,8 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.flags import BadInput, NumberFlag, RealFlag, one_of, several_of
-from solvers.rules import FIELDS, field_key
-from solvers.scene import Scene
+from solvers.scene.rules import FIELDS, field_key
+from solvers.scene.scene import Scene
 
 #: Words that stand for no names, or all.
 SPECIAL = {"estimators": ("none",), "effects": ("all", "none"), "remedies": ("none",)}

@@ -6,7 +6,7 @@ from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
 from app.commands.lesson import lesson_called
 from app.page.doors.address import is_name
 from app.page.doors.code import LONGEST, SHORTEST, plain
-from solvers.rules import require_number, require_whole
+from solvers.scene.rules import require_number, require_whole
 
 MOST_FRAMES = 60
 
@@ -44,7 +44,10 @@ class Serve:
         require_whole("max_sessions", self.max_sessions, 1, 10_000)
         require_number("frames", self.frames, 0, MOST_FRAMES)
         lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
-        from app.page.serve import ServeError, serve  # here: bad input and --help must not wait for the page's imports
+        from app.page.serving import (  # here: bad input and --help must not wait for the page's imports
+            ServeError,
+            serve,
+        )
         try:
             serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name, self.frames,
                   lesson, self.teacher)

@@ -10,8 +10,8 @@ from typing import Any
 from app import state
 from app.problems.views import VIEWS
 from app.words import METHODS as NAMES
-from solvers.rules import SceneError
-from solvers.scene import Scene
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
 
 #: Times the scene's own: tried in this order until there are enough that the problem can be.
 CELLS = (1.0, 0.5, 2.0, 4.0, 0.25, 1.5, 3.0)

@@ -15,7 +15,7 @@ from app.export.plan import Plan, described, planned
 from app.export.recorders import recordings
 from app.problems.views import VIEWS
 from app.words import QUANTITIES
-from solvers.estimators.registry import ESTIMATORS
+from solvers.scene.registry import ESTIMATORS
 
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.

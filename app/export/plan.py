@@ -10,7 +10,7 @@ from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
 from app.words import METHODS, OF_SOME, differing, moving, per_cell, unit_of, with_unit
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
 
 LABELS = {field: name for name, field in lattice.CONTROLS.items()}
 BUDGET = 8_000_000  # bytes of all recordings before they are compressed, about what they take in the file afterwards

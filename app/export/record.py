@@ -12,13 +12,13 @@ from app import state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
 from app.problems.views import VIEWS
 from app.scale import LEAST_REACH, LEAST_TOP
-from solvers import samples
-from solvers.norms import distance, error_index
-from solvers.result import Snapshot
-from solvers.run import build
-from solvers.scene import Scene
-from solvers.solver import Solver
-from solvers.soundness import find, verdict
+from solvers.running.run import build
+from solvers.scene.scene import Scene
+from solvers.solver import samples
+from solvers.solver.base import Solver
+from solvers.solver.norms import distance, error_index
+from solvers.solver.result import Snapshot
+from solvers.solver.soundness import find, verdict
 
 CURVE_POINTS = 41  # at which the exact field is kept
 FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most

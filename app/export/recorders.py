@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from app.export.record import Wanted
-from solvers.processes import WorkerPool
+from solvers.workers.processes import WorkerPool
 
 WORK = "app.export.record:work"
 
@@ -14,7 +14,7 @@ WORK = "app.export.record:work"
 def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
     """A recording for each of the wanted ones, in their order; ``on_progress`` is told how many there are so far.
 
-    Raises :class:`~solvers.processes.ProcessDied` where one cannot be made.
+    Raises :class:`~solvers.workers.processes.ProcessDied` where one cannot be made.
     """
     pool = WorkerPool(WORK, processes)
 

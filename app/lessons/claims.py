@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from app.words import EXTRA_NORMS, QUANTITIES
-from solvers.estimators.registry import ESTIMATORS
+from solvers.scene.registry import ESTIMATORS
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
 _ESTIMATORS = tuple(name.replace("-", "_") for name in ESTIMATORS)

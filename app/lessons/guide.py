@@ -9,7 +9,7 @@ from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.shelf import FOLDER
 from app.lessons.variants import Numbers
-from solvers.markdown import grid
+from solvers.study.markdown import grid
 
 STYLE = """
 body { font: 15px/1.55 system-ui, sans-serif; max-width: 46em; margin: 2em auto; padding: 0 1em; color: #222831; }

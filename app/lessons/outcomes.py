@@ -11,7 +11,7 @@ from app import state
 from app.lessons.claims import Outcome, Scope, needed
 from app.lessons.lesson import Lesson, Run, Step
 from app.lessons.variants import Numbers, filled
-from solvers.processes import ProcessDied, WorkerPool
+from solvers.workers.processes import ProcessDied, WorkerPool
 
 WORK = "app.lessons.outcomes:work"
 KEPT = 500  # results
@@ -85,7 +85,7 @@ def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
     """In a process of its own: run one scene."""
-    from solvers.run import run
+    from solvers.running.run import run
 
     if os.nice(0) < question["politeness"]:
         os.nice(question["politeness"] - os.nice(0))

@@ -8,7 +8,7 @@ from typing import Any
 
 from app.lessons.lesson import Lesson
 from app.lessons.marks import trouble
-from solvers.forms import Each, mismatch, parsed
+from solvers.study.forms import Each, mismatch, parsed
 
 SCHEMA = "mpm-lab/answers/1"
 LONGEST_NAME = 80

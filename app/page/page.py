@@ -10,31 +10,31 @@ import numpy as np
 import viser
 
 from app.drawing import RECTANGLE, ColourBar, enlarge
-from app.page.camera import FlatCamera
-from app.page.classroom import Classroom
-from app.page.mark import Mark
-from app.page.own.run import OwnRun
+from app.page.features.cost.panel import CostTab
+from app.page.features.lesson.classroom import Classroom
+from app.page.features.lesson.panel import Player
+from app.page.features.own.panel import OwnCode
+from app.page.features.own.run import OwnRun
+from app.page.features.own.words import sentence as said_of_file
+from app.page.features.slow.panel import SlowMotion
 from app.page.panels.controls import Controls
-from app.page.panels.cost import CostTab
 from app.page.panels.head import add_head, set_up
 from app.page.panels.keeper import Hooks, Keeper
-from app.page.panels.lesson import Player
 from app.page.panels.looking import Looking
 from app.page.panels.measurements import Measurements
-from app.page.panels.own import OwnCode
-from app.page.panels.own_words import sentence as said_of_file
 from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.sharing import Sharing, link, parts
-from app.page.panels.slow import SlowMotion
 from app.page.panels.texts import add_about
-from app.page.pinned import PinnedRun
-from app.page.probe import Probe
-from app.page.recent import Recent
-from app.page.session import FIRST_SCENE, PageLinks, Session
+from app.page.stage.camera import FlatCamera
+from app.page.stage.mark import Mark
+from app.page.stage.probe import Probe
+from app.page.stage.worst import WorstRegions
 from app.page.summary import Pace, compared, summary
-from app.page.trace import Trace
-from app.page.view import View, look
-from app.page.worst import WorstRegions
+from app.page.visit.pinned import PinnedRun
+from app.page.visit.recent import Recent
+from app.page.visit.session import FIRST_SCENE, PageLinks, Session
+from app.page.visit.trace import Trace
+from app.page.visit.view import View, look
 from app.problems.stage import Stage
 from app.problems.views import VIEWS
 from app.scale import LEAST_TOP, ColourScale
@@ -43,7 +43,7 @@ from app.state import read as read_state
 from app.words import QUANTITIES, differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
 
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from app.page.course import until
-from app.page.history import CROSSING_WINDOW
-from app.page.view import View
-from app.page.worst import WorstRegions
+from app.page.stage.worst import WorstRegions
+from app.page.visit.downsampled import until
+from app.page.visit.history import CROSSING_WINDOW
+from app.page.visit.view import View
 from app.words import QUANTITIES, brief, number, ratio, with_unit
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
-from solvers.soundness import LOST, UNSTABLE
+from solvers.solver.soundness import LOST, UNSTABLE
 
 WAITING = "Waiting for the first frame."
 ROUND_OFF = 1e-9  # of a quantity's size, and far above what a patch test that is passed has

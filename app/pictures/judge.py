@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from app.colours import COLOUR_MAP, ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
 from app.figures import positive, say, thinned
 from app.words import QUANTITIES, method_name
-from solvers.judge.measure import QUANTITIES as JUDGED
-from solvers.judge.measure import series, sizes
-from solvers.judge.verdict import GridJudgement, Judgement
-from solvers.norms import largest
+from solvers.judging.measure import QUANTITIES as JUDGED
+from solvers.judging.measure import series, sizes
+from solvers.judging.verdict import GridJudgement, Judgement
+from solvers.solver.norms import largest
 
 THEIRS = "#222222"
 MARKS = "os^Dv"

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from app.pictures.series import DRAWN, draw_index, draw_norm
 from app.problems.views import VIEWS
 from app.words import method_name, moving, per_cell, unit_of
-from solvers.result import Result
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
+from solvers.solver.result import Result
 
 DOTS_PER_INCH = 110
 

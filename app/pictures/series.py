@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from app.colours import ESTIMATE, TRUTH
 from app.figures import positive, say, styled
 from app.words import QUANTITIES
-from solvers.result import Result
+from solvers.solver.result import Result
 
 DRAWN = ("x", "v", "sigma")
 INDEX_STYLES = {"x": "-", "v": "--", "sigma": ":"}

@@ -19,7 +19,7 @@ from app.pictures.study_cost import cost_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
 from app.pictures.study_step import error_step_figure
 from app.words import QUANTITIES
-from solvers.soundness import BROKEN, OK
+from solvers.solver.soundness import BROKEN, OK
 from solvers.study.fit import pareto
 from solvers.study.series import Series, error_of, measured
 

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from app.colours import ESTIMATE, METHOD_COLOURS, METHOD_MARKS
 from app.pictures.study_parts import frame, logarithmic, method_handles, nothing, ticks_at
 from app.words import METHODS
-from solvers.soundness import OK
+from solvers.solver.soundness import OK
 from solvers.study.series import measured
 
 REST = "everything else\nthat was measured"

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from app.figures import Look
 from app.pictures import study_parts as parts
 from app.pictures.series import DRAWN
-from solvers.soundness import OK
+from solvers.solver.soundness import OK
 from solvers.study.fit import balance
 from solvers.study.series import Series, error_of
 

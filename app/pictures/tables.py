@@ -11,9 +11,9 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullForm
 from app.colours import ESTIMATE, TRUTH
 from app.figures import Look, line_style, say
 from app.words import EXTRA_NORMS, QUANTITIES, method_name
-from solvers.estimators.registry import ESTIMATORS
-from solvers.tables.digits import short
-from solvers.tables.document import parts
+from solvers.scene.registry import ESTIMATORS
+from solvers.study.tables.digits import short
+from solvers.study.tables.document import parts
 
 PAPER: Look = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")

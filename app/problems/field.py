@@ -12,8 +12,8 @@ from app.axis import ROOM, Axis
 from app.colours import TRUTH
 from app.scale import LEAST_REACH, largest
 from app.words import QUANTITIES, with_unit
-from solvers.effects import EFFECTS
-from solvers.scene import Scene
+from solvers.scene.effects import EFFECTS
+from solvers.scene.scene import Scene
 
 CURVE_POINTS = 121
 INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.words import PREFIXES
-from solvers.anatomy import Anatomy
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import Anatomy
 
 #: What a node's weight is, by method.
 WEIGHT = {"mpm": "the node's hat function at the particle", "bspline": "the node's quadratic B-spline at the particle",

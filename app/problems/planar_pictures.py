@@ -5,8 +5,8 @@ from matplotlib.axes import Axes
 
 from app.colours import TRUTH
 from app.figures import MOST_CELL_LINES, moment, positive, say, styled, thinned
-from solvers.result import Result
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
+from solvers.solver.result import Result
 
 UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
 LEGEND_ROOM = 0.3  # above the data, as a part of their decades

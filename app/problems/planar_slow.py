@@ -3,9 +3,9 @@
 import numpy as np
 
 from app.problems.slow import DOMAINS, FRONT, OTHERS, SlowStage, shape
-from solvers.anatomy import Anatomy
-from solvers.planar.layout import CORNERS
-from solvers.scene import Scene
+from solvers.problems.planar.layout import CORNERS
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import Anatomy
 
 AROUND = 0.75  # of a cell, that is seen around the nodes
 HEIGHT = 0.12  # of a shape function that is one

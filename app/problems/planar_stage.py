@@ -10,7 +10,7 @@ from app import drawing
 from app.problems.stage import AnyScene, Stage
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
-from solvers.planar.layout import Layout, half_edges
+from solvers.problems.planar.layout import Layout, half_edges
 
 MIDDLE = (0.5, 0.44)
 RADIUS = 0.44  # of the outermost the body should come, on the stage

@@ -10,8 +10,8 @@ import viser
 from app import drawing
 from app.problems.phases import PHASES, scaled
 from app.problems.sketch import SIZES, Sketch
-from solvers.anatomy import Anatomy
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import Anatomy
 
 #: Colours: the particle in front, the others, their domains, forces of stress and of the body, what moves.
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)

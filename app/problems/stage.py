@@ -12,7 +12,7 @@ from app.problems.field import Dots, FieldPlot, Place
 from app.scale import ColourScale
 from app.words import brief
 from solvers.engine.frames import FrameArrays
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
 TOUCH = 0.03  # of the stage, within which a click means a particle: as much as a finger needs

@@ -6,10 +6,10 @@
 Change a number and run it again, from the root of the repository:    uv run python lessons/scripts/bar.py
 """
 
-from app.commands.run_text import run_table
+from app.commands.run.text import run_table
 from app.pictures.run import save_png
-from solvers.bar.scene import BarScene
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.running.run import run
 
 method = "ugimp"  # shape functions: mpm (hat functions), ugimp, cpgimp or bspline
 cells = 40  # the grid has cells of h = 1 m / cells

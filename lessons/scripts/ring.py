@@ -7,10 +7,10 @@
 Change a number and run it again, from the root of the repository:    uv run python lessons/scripts/ring.py
 """
 
-from app.commands.run_text import run_table
+from app.commands.run.text import run_table
 from app.pictures.run import save_png
-from solvers.ring.scene import RingScene
-from solvers.run import run
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import run
 
 method = "cpdi"  # shape functions: mpm (hat functions), ugimp, cpgimp or cpdi
 cells = 24  # cells along a side of the grid: h = 1.2 m / cells

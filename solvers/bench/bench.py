@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from solvers import runtime
 from solvers.bench import measure
 from solvers.bench.example import example
 from solvers.bench.gpu import gpu
 from solvers.bench.start import start_times
+from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 
 SCHEMA = "mpm-lab/bench/1"

@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from solvers import runtime
-from solvers.processes import ProcessDied, ask_fresh
+from solvers.kernels import runtime
+from solvers.workers.processes import ProcessDied, ask_fresh
 
 NAME = "mpm99"
 METHOD = "MLS-MPM, quadratic B-splines, plasticity"

@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from solvers.norms import finite
 from solvers.problems import PROBLEMS
-from solvers.rules import SceneError
-from solvers.run import build
-from solvers.scene import Scene
-from solvers.solver import Solver
+from solvers.running.run import build
+from solvers.running.timing import Stretch, rate, take_turns
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
+from solvers.solver.base import Solver
+from solvers.solver.norms import finite
 from solvers.study.row import PRICED
-from solvers.timing import Stretch, rate, take_turns
 
 
 def priced(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:

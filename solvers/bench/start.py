@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from solvers.processes import ProcessDied, ask_fresh
+from solvers.workers.processes import ProcessDied, ask_fresh
 
 CACHE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable by which Taichi is told where its cache is
 ROOT = Path(__file__).resolve().parents[2]  # where the packages lie, so that -m finds them
@@ -45,9 +45,9 @@ def seconds(command: Sequence[str]) -> float:
 def measure(question: dict, answer: Callable[[dict], None]) -> None:
     """What the fresh process does."""
     begun = time.perf_counter()
-    from solvers import runtime
+    from solvers.kernels import runtime
     from solvers.problems import PROBLEMS
-    from solvers.run import build
+    from solvers.running.run import build
     imported = time.perf_counter()
     runtime.start()
     started = time.perf_counter()

@@ -11,9 +11,9 @@ from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
 
-from solvers.result import Snapshot
-from solvers.samples import QUANTITIES
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
+from solvers.solver.result import Snapshot
+from solvers.solver.samples import QUANTITIES
 
 WIDTH = len(QUANTITIES)
 HEADER = 64  # bytes in front of the arrays

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.anatomy import Anatomy
-from solvers.scene import Scene
-from solvers.soundness import OK
+from solvers.scene.scene import Scene
+from solvers.solver.soundness import OK
+from solvers.solver.step_breakdown import Anatomy
 
 FRAME_SECONDS = 1 / 30
 
@@ -58,14 +58,13 @@ class Usual:
 class FrameReport:
     """A frame lies in the session's block called ``memory``. ``rows`` are the samples since the last frame.
 
-    ``fresh`` marks the first frame after a build, when what was collected before belongs to another run.
-    ``rate`` is million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a
-    second, None until it has been measured. ``not_valid`` has a sentence for each estimator that does not hold here,
-    known beforehand or found out by now; ``differences`` says that the frame holds estimate minus truth, ``plotted`` is
-    the key of the quantity whose field it holds. ``status`` is
-    "ok", "unstable" or "lost" (``solvers.soundness``), ``reason`` says why in a sentence, ``since`` from which time in
-    s on. An unstable run has stopped; a lost one goes on. ``anatomy`` is of the last step, if the wish asks for it
-    and that was a single one.
+    ``fresh`` marks the first frame after a build, when what was collected before belongs to another run. ``rate`` is
+    million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a second, None until it has
+    been measured. ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found
+    out by now; ``differences`` says that the frame holds estimate minus truth, ``plotted`` is the key of the quantity
+    whose field it holds. ``status`` is "ok", "unstable" or "lost" (``solvers.solver.soundness``), ``reason`` says why
+    in a sentence, ``since`` from which time in s on. An unstable run has stopped; a lost one goes on. ``anatomy`` is of
+    the last step, if the wish asks for it and that was a single one.
     """
 
     session: int

@@ -13,8 +13,8 @@ from solvers.engine import frames
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
-from solvers.processes import adopt_orphans
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
+from solvers.workers.processes import adopt_orphans
 
 DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between before its scene is given up
 

@@ -17,7 +17,7 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
 from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
 
 if TYPE_CHECKING:
     from solvers.engine.pool import SessionLink

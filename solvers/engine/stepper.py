@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from solvers.anatomy import Anatomy
 from solvers.engine import frames
 from solvers.engine.messages import FrameReport, Wish
 from solvers.engine.verdict import Verdict
-from solvers.run import build
-from solvers.scene import MOST_STEPS
-from solvers.solver import Solver
+from solvers.running.run import build
+from solvers.scene.scene import MOST_STEPS
+from solvers.solver.base import Solver
+from solvers.solver.step_breakdown import Anatomy
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn and frame: shorter ones then

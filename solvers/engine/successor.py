@@ -17,9 +17,9 @@ from multiprocessing.connection import Connection
 from time import monotonic
 from typing import Any
 
-from solvers import processes
-from solvers.run import build
-from solvers.scene import Scene
+from solvers.running.run import build
+from solvers.scene.scene import Scene
+from solvers.workers import processes
 
 POSSIBLE = processes.LINUX
 PREPARED, TAKEN = "prepared", "taken over"

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers import samples
-from solvers.scene import Scene
-from solvers.solver import Solver
-from solvers.soundness import Finding, earliest, findings, verdict
+from solvers.scene.scene import Scene
+from solvers.solver import samples
+from solvers.solver.base import Solver
+from solvers.solver.soundness import Finding, earliest, findings, verdict
 
 MOST_WAITING = 20  # samples
 REMEMBERED = 0.5  # periods
 
 
 class Verdict:
-    """What has been found so far in the samples of one run (``solvers.soundness``)."""
+    """What has been found so far in the samples of one run (``solvers.solver.soundness``)."""
 
     def __init__(self, scene: Scene):
         self._scene = scene

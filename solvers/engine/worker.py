@@ -19,15 +19,15 @@ from multiprocessing import connection
 from multiprocessing.connection import Connection
 from time import perf_counter
 
-from solvers import runtime
 from solvers.engine import successor
 from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
 from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
-from solvers.run import build
-from solvers.scene import Scene
-from solvers.solver import Solver
-from solvers.switches import combination
+from solvers.kernels import runtime
+from solvers.running.run import build
+from solvers.scene.scene import Scene
+from solvers.scene.switches import combination
+from solvers.solver.base import Solver
 
 IDLE_SECONDS = 0.5
 WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms

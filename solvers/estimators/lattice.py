@@ -9,11 +9,11 @@ as coefficients it interpolates, with more it also smooths.
 import numpy as np
 import taichi as ti
 
-from solvers.kinds import integers, pairs
+from solvers.kernels.kinds import integers, pairs
 
 CUBIC = 4  # coefficients
 
-#: Types of the members of a set of stencils, for ``solvers.estimators.packing``.
+#: Types of the members of a set of stencils, for ``solvers.kernels.packing``.
 MEMBERS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
 
 

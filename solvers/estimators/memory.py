@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solvers.estimators.interface import EstimatorHooks
-from solvers.estimators.packing import Packing
+from solvers.kernels.packing import Packing
+from solvers.scene.estimator_hooks import EstimatorHooks
 
 if TYPE_CHECKING:
-    from solvers.scene import Scene
+    from solvers.scene.scene import Scene
 
 
 def packing(estimators: Mapping[str, EstimatorHooks]) -> Packing:

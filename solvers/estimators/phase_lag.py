@@ -17,7 +17,7 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from solvers.scene import Scene
+    from solvers.scene.scene import Scene
 
 #: Radians that a wave of the coarse run may be behind at the end: the estimate is off by .45 of itself then, and by
 #: half of that in the mean. Measured on bars of one and two waves: distances of x up to .5 below, .2 to 1.5 beyond 1.2.

@@ -3,8 +3,8 @@
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.packing import part
-from solvers.kinds import integers, quads
+from solvers.kernels.kinds import integers, quads
+from solvers.kernels.packing import part
 
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
 #: Places in the estimators' numbers: the reference's time step, the damping's time, how far the reference has come, and

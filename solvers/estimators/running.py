@@ -2,10 +2,10 @@
 
 import taichi as ti
 
-from solvers.estimators.interface import NEVER
 from solvers.estimators.memory import packing
-from solvers.estimators.packing import Look
-from solvers.read_once import as_it_is
+from solvers.kernels.hoist import as_it_is
+from solvers.kernels.packing import Look
+from solvers.scene.estimator_hooks import NEVER
 
 
 @as_it_is

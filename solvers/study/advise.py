@@ -13,8 +13,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 
-from solvers.rules import SceneError
-from solvers.scene import Scene
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
 from solvers.study.family import Family
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on

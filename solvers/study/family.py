@@ -10,10 +10,10 @@ from bisect import insort
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
-from solvers.rules import SceneError
-from solvers.run import build, run
-from solvers.scene import Scene
-from solvers.timing import rate
+from solvers.running.run import build, run
+from solvers.running.timing import rate
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
 
 #: By which the advisor goes. It compares methods and steps, so it needs one that sees every error of the particles
 #: whatever they are: "transport" misses that of the step, "two-grid" needs second order, "recovered" a polar lattice.

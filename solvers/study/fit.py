@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.norms import UNBOUNDED
+from solvers.solver.norms import UNBOUNDED
 
 WIDEST = 1e12  # errors of one study over each other: beyond, none of them says anything about the others
 STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability

@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.rules import FIELDS, SceneError, field_key
-from solvers.scene import Scene
+from solvers.scene.rules import FIELDS, SceneError, field_key
+from solvers.scene.scene import Scene
 
 MOST_ROWS = 10_000
 

@@ -15,11 +15,11 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from solvers.effects import EFFECTS
-from solvers.norms import finite
-from solvers.processes import ProcessDied, WorkerProcess
-from solvers.scene import Scene
+from solvers.scene.effects import EFFECTS
+from solvers.scene.scene import Scene
+from solvers.solver.norms import finite
 from solvers.study.grid import Task, task_of
+from solvers.workers.processes import ProcessDied, WorkerProcess
 
 NICENESS = 10  # more than that of the process that asks
 NO_CHOICE = "no method makes a valid scene with these settings"

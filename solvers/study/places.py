@@ -16,10 +16,10 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from typing import Protocol
 
-from solvers.estimators.registry import EXTENSIONS
-from solvers.processes import WorkerProcess
+from solvers.scene.registry import EXTENSIONS
 from solvers.study.grid import Task
 from solvers.study.row import failed, measure
+from solvers.workers.processes import WorkerProcess
 
 ATTEMPTS = 3  # that a row has to lose its worker until it is given up
 LOOK_SECONDS = 1.0

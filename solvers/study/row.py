@@ -16,15 +16,15 @@ import platform
 import statistics
 from dataclasses import replace
 
-from solvers.effects import EFFECTS
-from solvers.fingerprint import fingerprint
-from solvers.result import Result
-from solvers.rules import SceneError
-from solvers.scene import Scene
+from solvers.running.fingerprint import fingerprint
+from solvers.scene.effects import EFFECTS
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
+from solvers.solver.result import Result
 from solvers.study.grid import Task
 
 SCHEMA = "mpm-lab/row/1"
-FAILED, REFUSED = "failed", "refused"  # and what a run ends with, ``solvers.soundness``
+FAILED, REFUSED = "failed", "refused"  # and what a run ends with, ``solvers.solver.soundness``
 WARM_UP_STEPS = 256
 TIMED_SECONDS = 0.05  # that the timed runs of a scene take together at least,
 MOST_TIMES = 10  # unless that needs more than so many times the runs asked for
@@ -44,7 +44,7 @@ def measure(task: Task) -> dict:
 
 
 def _measured(task: Task, scene: Scene) -> dict:
-    from solvers.run import run  # here: a row can be read, kept and drawn without Taichi
+    from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     results = [run(scene, prices=task.repeats > 0, moment=False) for _ in range(max(1, task.repeats))]
     full, values = results[0], results[0].to_dict()
@@ -81,7 +81,7 @@ def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
 def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tuple[list[float], Result]:
     """Seconds of the runs of a warmed-up scene with these effects alone: ``repeats``, and more of a short one, until
     together they have taken long enough to time; and the last run. The shortest is the one to believe."""
-    from solvers.run import run
+    from solvers.running.run import run
 
     scene = replace(scene, effects=effects, estimators=())
     short = min(scene.end_time, WARM_UP_STEPS * scene.time_step)

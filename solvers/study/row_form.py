@@ -3,10 +3,10 @@
 from dataclasses import fields
 from typing import Any
 
-from solvers.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
 from solvers.problems import PROBLEMS
-from solvers.rules import field_key
-from solvers.soundness import BROKEN, OK
+from solvers.scene.rules import field_key
+from solvers.solver.soundness import BROKEN, OK
+from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
 from solvers.study.row import FAILED, REFUSED
 
 ANY = (object, bool)

@@ -4,8 +4,8 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
-from solvers.samples import QUANTITIES
-from solvers.soundness import OK
+from solvers.solver.samples import QUANTITIES
+from solvers.solver.soundness import OK
 from solvers.study.fit import Slope, slope
 
 TIME_INPUTS = ("dt", "cfl")

@@ -11,10 +11,10 @@ from dataclasses import replace
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.remedies import CENTRED, COUPLED, FILTER, FROZEN
-from solvers.rules import SceneError
-from solvers.scene import LOOKS_A_PERIOD, Scene
-from solvers.soundness import BROKEN
+from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import LOOKS_A_PERIOD, Scene
+from solvers.solver.soundness import BROKEN
 from solvers.study.grid import Task
 
 EFFECTS = ["truth", "soundness", "margin"]
@@ -104,8 +104,8 @@ def held(row: Mapping) -> bool:
 
 def prices(scenes: Mapping[str, Scene]) -> dict[str, float]:
     """Seconds of a step of each scene over those of the first, bare, taken in turns on this machine."""
-    from solvers.run import build
-    from solvers.timing import Stretch, take_turns
+    from solvers.running.run import build
+    from solvers.running.timing import Stretch, take_turns
 
     bare = [replace(scene, effects=(), estimators=(), sample_every=None) for scene in scenes.values()]
     turns = take_turns([Stretch(build(scene)) for scene in bare], PRICE_TURNS)

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from solvers.markdown import grid
 from solvers.problems import PROBLEMS
-from solvers.scene import Scene
-from solvers.step_bound import SAFE
+from solvers.scene.scene import Scene
+from solvers.scene.step_bound import SAFE
+from solvers.study.markdown import grid
 from solvers.study.series import measured
 from solvers.study.stability import TREATMENTS, held, scene_of, survived, treatment_of
 
@@ -46,7 +46,7 @@ def _scene(kind: type[Scene], row: Mapping) -> Scene | None:
 def _predicted(scene: Scene) -> float | None:
     """The life that the drift of FLIP's null space predicts, for a problem that has such a prediction."""
     try:
-        return importlib.import_module(f"solvers.{scene.problem}.drift").predicted_life(scene)
+        return importlib.import_module(f"solvers.problems.{scene.problem}.drift").predicted_life(scene)
     except ModuleNotFoundError:
         return None
 

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
-from solvers.fingerprint import fingerprint
-from solvers.forms import parsed
+from solvers.running.fingerprint import fingerprint
+from solvers.study.forms import parsed
 from solvers.study.row import FAILED
 from solvers.study.row_form import fault
 

@@ -5,9 +5,9 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from solvers.markdown import grid
-from solvers.soundness import BROKEN, OK
+from solvers.solver.soundness import BROKEN, OK
 from solvers.study.fit import pareto
+from solvers.study.markdown import grid
 from solvers.study.row import FAILED, REFUSED
 from solvers.study.series import error_of, fits, measured, series, varying
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import sync_playwright
 
-from solvers.processes import free_port
+from solvers.workers.processes import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
 from tests.processes import HANG, STARVED, until

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 import pytest
 
 from app.words import CHOICES
-from solvers.bar.scene import BarScene
-from solvers.effects import EFFECTS
-from solvers.estimators.registry import ESTIMATORS
-from solvers.remedies import FROZEN, REMEDIES
-from solvers.ring.scene import RingScene
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.scene.effects import EFFECTS
+from solvers.scene.registry import ESTIMATORS
+from solvers.scene.remedies import FROZEN, REMEDIES
 from tests.browser.driving import choose, click, press, row, scene, tick, to_the_ring, unfold, until
 
 

@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 
-from app.page.session import FIRST_SCENE
-from solvers.estimators.registry import ESTIMATORS
+from app.page.visit.session import FIRST_SCENE
+from solvers.scene.registry import ESTIMATORS
 from tests.browser.driving import (
     choose,
     click,

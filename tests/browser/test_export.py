@@ -16,7 +16,7 @@ from app.lessons.marks import mark
 from app.lessons.outcomes import Outcomes
 from app.lessons.reading import parse
 from app.lessons.variants import drawn
-from app.page.panels.answer import _number
+from app.page.features.lesson.answer import _number
 from tests.browser.conftest import SIZE
 from tests.test_lesson_format import TEXT
 

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from app.colours import colour_table
-from app.page.session import FIRST_SCENE
+from app.page.visit.session import FIRST_SCENE
 from app.words import size_in
 from tests.browser.conftest import visit
 from tests.browser.driving import (

@@ -1,1 +1,1 @@
-"""Who may come in, and what may be said: addresses, the class code, and every message of a browser."""
+"""Who may come in: addresses, the class code, and the log of what was refused."""

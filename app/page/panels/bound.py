@@ -11,11 +11,11 @@ from app import words
 from app.page.panels.head import WIDE_LABEL
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
-from app.page.session import Session
+from app.page.visit.session import Session
 from app.problems.interface import LinearSlider
-from solvers.effects import Effect
-from solvers.remedies import Remedy
-from solvers.rules import field_label
+from solvers.scene.effects import Effect
+from solvers.scene.remedies import Remedy
+from solvers.scene.rules import field_label
 
 
 class BoundWidgets:

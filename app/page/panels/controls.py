@@ -5,22 +5,22 @@ from collections.abc import Callable
 import viser
 
 from app import words
+from app.page.features.slow.panel import SlowMotion
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.looking import Looking
 from app.page.panels.motion import MotionControls
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size
-from app.page.panels.slow import SlowMotion
-from app.page.session import Session, first_scene
+from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.scale import ColourScale
 from app.state import State
-from solvers.effects import ALL
 from solvers.problems import PROBLEMS
-from solvers.remedies import REMEDIES
-from solvers.scene import AUTO, DEFAULT_CFL, Scene
-from solvers.step_bound import SAFE
+from solvers.scene.effects import ALL
+from solvers.scene.remedies import REMEDIES
+from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
+from solvers.scene.step_bound import SAFE
 
 CFL = (0.01, 2.0)
 PIN, UNPIN = "Pin this run", "Unpin"

@@ -6,10 +6,10 @@ import viser
 
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.head import HALF_WIDE
-from app.page.session import Session
-from app.page.view import DIFFERENCE, SIDE_BY_SIDE
-from solvers.estimators.registry import ESTIMATORS
+from app.page.visit.session import Session
+from app.page.visit.view import DIFFERENCE, SIDE_BY_SIDE
 from solvers.problems import PROBLEMS
+from solvers.scene.registry import ESTIMATORS
 
 NONE = "none"
 

@@ -24,7 +24,7 @@ BARE = "<i class='lab-bare'></i>"
 WIDE_LABEL = "<i class='lab-wide'></i>"
 
 _PIXEL = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///ywAAAAAAQABAAACAUwAOw=="
-_STYLE = "".join((Path(__file__).parents[1] / name).read_text(encoding="utf-8")
+_STYLE = "".join((Path(__file__).parents[1] / "web" / name).read_text(encoding="utf-8")
                  for name in ("style.css", "room.css", "present.css"))
 # An image's onload is the one moment in a page's life that html alone can hook. The viewer's own buttons (its server,
 # its scene tree, its share link) are of no use to a visitor, and its warning of slow graphics, which would cover the

@@ -8,7 +8,7 @@ from typing import Any
 
 import viser
 
-from app.page.doors.widgets import allow
+from app.page.viewer.widgets import allow
 
 LONGEST = 20_000  # characters that a browser may tell at once
 MARK = "<i class='lab-keeper'></i>"

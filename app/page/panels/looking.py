@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import viser
 
-from app.page.course import LAST_PERIODS
-from app.page.recent import Recent
-from app.page.session import Session
-from app.page.trace import Trace
+from app.page.visit.downsampled import LAST_PERIODS
+from app.page.visit.recent import Recent
+from app.page.visit.session import Session
+from app.page.visit.trace import Trace
 
 ALL, LATEST = "all", f"last {LAST_PERIODS} periods"
 

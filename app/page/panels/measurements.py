@@ -6,20 +6,20 @@ from html import escape
 
 import viser
 
-from app.page.own.run import JUDGE, OwnRun
+from app.page.features.own.run import JUDGE, OwnRun
+from app.page.features.own.words import lines as own_lines
+from app.page.features.own.words import readout as own_readout
 from app.page.panels.controls import Controls
 from app.page.panels.head import MEASUREMENTS_WIDTH
-from app.page.panels.own_words import lines as own_lines
-from app.page.panels.own_words import readout as own_readout
 from app.page.panels.plots import LEAST_HEIGHT, Plots
 from app.page.panels.readout import LINE, extra_lines, pinned_lines, readout
-from app.page.recent import Recent
-from app.page.session import Session
-from app.page.trace import Traced
-from app.page.view import why_no_truth
-from app.page.worst import WorstRegions
+from app.page.stage.worst import WorstRegions
+from app.page.visit.recent import Recent
+from app.page.visit.session import Session
+from app.page.visit.trace import Traced
+from app.page.visit.view import why_no_truth
 from solvers.engine.messages import FrameReport
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
 
 READOUT_HEIGHT = 352  # pixels more than the stage that readout, titles and axes need, with one estimator
 TRACE_HEADING = 52  # and with a particle traced: the title of its plot

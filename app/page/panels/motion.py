@@ -6,10 +6,10 @@ import viser
 
 from app import words
 from app.page.panels.bound import BoundWidgets
-from app.page.session import Session, first_scene
+from app.page.visit.session import Session, first_scene
 from app.problems.interface import Motion
 from app.problems.views import VIEWS
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
 
 
 class MotionControls:

@@ -14,12 +14,12 @@ from viser import uplot
 
 from app.colours import PINNED, TRUTH
 from app.page.panels.readout import TRUE, named
-from app.page.pinned import PinnedRun
-from app.page.trace import Traced
+from app.page.visit.pinned import PinnedRun
+from app.page.visit.trace import Traced
 from app.scale import BEYOND, largest
 from app.words import QUANTITIES, number, power_of_ten, power_text
-from solvers.estimators.registry import ESTIMATORS
-from solvers.scene import Scene
+from solvers.scene.registry import ESTIMATORS
+from solvers.scene.scene import Scene
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge
 CROSSINGS, PERFECT = "#cc0078", "#c3c9d1"

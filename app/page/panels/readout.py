@@ -6,17 +6,17 @@ import math
 import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
-from app.page.course import until
-from app.page.history import History
-from app.page.pinned import PinnedRun
-from app.page.session import Session
-from app.page.view import NONE_CHOSEN, why_no_estimate, why_no_truth
-from app.page.worst import WorstRegion, WorstRegions
+from app.page.stage.worst import WorstRegion, WorstRegions
+from app.page.visit.downsampled import until
+from app.page.visit.history import History
+from app.page.visit.pinned import PinnedRun
+from app.page.visit.session import Session
+from app.page.visit.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
-from solvers.estimators.registry import ESTIMATORS
-from solvers.norms import energy_drift, spin_drift
-from solvers.soundness import UNSTABLE
+from solvers.scene.registry import ESTIMATORS
+from solvers.solver.norms import energy_drift, spin_drift
+from solvers.solver.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
 LINE = 18  # pixels that a line of the readout is high

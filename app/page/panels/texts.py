@@ -5,25 +5,25 @@ from pathlib import Path
 import viser
 
 from app.problems.views import VIEWS
-from solvers.estimators.registry import ESTIMATORS
 from solvers.problems import PROBLEMS
-from solvers.remedies import REMEDIES
-from solvers.soundness import CONTRADICTIONS, MOST_ERROR
-from solvers.step_bound import SAFE
+from solvers.scene.registry import ESTIMATORS
+from solvers.scene.remedies import REMEDIES
+from solvers.scene.step_bound import SAFE
+from solvers.solver.soundness import CONTRADICTIONS, MOST_ERROR
 
-PAGE = Path(__file__).resolve().parents[1]
+WEB = Path(__file__).resolve().parents[1] / "web"
 
 
 def add_about(gui: viser.GuiApi) -> None:
     """Fill the tab: the page, each estimator behind its name, what to believe and something to try."""
-    about = (PAGE / "about.html").read_text(encoding="utf-8")
+    about = (WEB / "about.html").read_text(encoding="utf-8")
     gui.add_html(about.format(problems="".join(view.about for view in VIEWS.values()),
                               divisions=", ".join(view.division for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(f"The estimator {estimator.title}", expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation}</div>")
     gui.add_html(_trust())
-    gui.add_html((PAGE / "try.html").read_text(encoding="utf-8"))
+    gui.add_html((WEB / "try.html").read_text(encoding="utf-8"))
 
 
 def _trust() -> str:
@@ -32,7 +32,7 @@ def _trust() -> str:
                     for rule in CONTRADICTIONS.values())
     remedies = "".join(f"<dt>{remedy.label}{_only(remedy.name)}</dt><dd>{remedy.explanation}.</dd>"
                        for remedy in REMEDIES.values())
-    text = (PAGE / "trust.html").read_text(encoding="utf-8")
+    text = (WEB / "trust.html").read_text(encoding="utf-8")
     return text.format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE)
 
 

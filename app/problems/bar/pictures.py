@@ -9,9 +9,9 @@ from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.figures import MOST_CELL_LINES, colour_bar, drawable, moment, robust_size, say, shared_scale, thinned
-from solvers.bar import exact
-from solvers.bar.scene import BarScene
-from solvers.result import Result
+from solvers.problems.bar import exact
+from solvers.problems.bar.scene import BarScene
+from solvers.solver.result import Result
 
 
 def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:

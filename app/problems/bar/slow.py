@@ -4,8 +4,8 @@ import numpy as np
 import viser
 
 from app.problems.slow import DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
-from solvers.anatomy import Anatomy
-from solvers.scene import Scene
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import Anatomy
 
 NODES_AT, PARTICLES_AT = 0.43, 0.14
 HEIGHT = 0.42  # of a shape function that is one

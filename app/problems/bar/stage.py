@@ -10,9 +10,9 @@ from app import drawing
 from app.problems.field import Place
 from app.problems.stage import TOUCH, Stage
 from app.scale import ColourScale
-from solvers.bar import exact
-from solvers.bar.scene import BarScene
 from solvers.engine.frames import FrameArrays
+from solvers.problems.bar import exact
+from solvers.problems.bar.scene import BarScene
 
 ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
 CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from app.problems.interface import Motion, ProblemView, Reach, Regions
-from solvers.bar.patch import PATCH
-from solvers.bar.scene import BarScene
+from solvers.problems.bar.patch import PATCH
+from solvers.problems.bar.scene import BarScene
 
 #: With the usual modulus and step a patch test's particles come to stand on cell boundaries to the last digit, where
 #: rounding says in which cell they are (``patch.edge_step``).

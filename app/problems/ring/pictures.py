@@ -11,9 +11,9 @@ from matplotlib.gridspec import SubplotSpec
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.figures import colour_bar, drawable, moment, robust_size, say, shared_scale, thinned
 from app.problems.planar_pictures import UNKNOWN_COLOUR, dot_area, draw_cells, draw_profile
-from solvers.result import Result
-from solvers.ring import exact
-from solvers.ring.scene import RingScene
+from solvers.problems.ring import exact
+from solvers.problems.ring.scene import RingScene
+from solvers.solver.result import Result
 
 LEFT, RIGHT = -1, 1  # the sign of x
 POINTS_PER_METRE = 400  # of the picture of the ring, roughly

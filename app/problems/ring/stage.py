@@ -9,11 +9,11 @@ from app.problems.field import Place
 from app.problems.planar_stage import PlanarStage
 from app.problems.stage import Stage
 from app.scale import ColourScale
-from solvers.planar.layout import Layout, half_edges
-from solvers.ring import exact
-from solvers.ring.exact import INNER, OUTER
-from solvers.ring.layout import particle_layout
-from solvers.ring.scene import RingScene
+from solvers.problems.planar.layout import Layout, half_edges
+from solvers.problems.ring import exact
+from solvers.problems.ring.exact import INNER, OUTER
+from solvers.problems.ring.layout import particle_layout
+from solvers.problems.ring.scene import RingScene
 
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")

@@ -3,8 +3,8 @@
 import numpy as np
 
 from app.problems.interface import ProblemView, Reach, Regions
-from solvers.ring.exact import INNER, OUTER
-from solvers.ring.scene import INVERSION, RESONANCE, WRINKLING
+from solvers.problems.ring.exact import INNER, OUTER
+from solvers.problems.ring.scene import INVERSION, RESONANCE, WRINKLING
 
 ANGLES, THIRDS = 6, ("inner", "middle", "outer")  # regions of the quarter: 15 degrees each, from the x axis on
 

@@ -11,9 +11,9 @@ from matplotlib.gridspec import SubplotSpec
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.figures import colour_bar, drawable, moment, say, shared_scale, thinned
 from app.problems.planar_pictures import UNKNOWN_COLOUR, dot_area, draw_cells, draw_profile
-from solvers.result import Result
-from solvers.vortex import exact
-from solvers.vortex.scene import VortexScene
+from solvers.problems.vortex import exact
+from solvers.problems.vortex.scene import VortexScene
+from solvers.solver.result import Result
 
 SPOKES = 12  # material lines that were straight along e_R, drawn where the exact solution has them
 POINTS_PER_METRE = 160  # of the picture, roughly

@@ -11,12 +11,12 @@ from app.problems.planar_stage import PlanarStage
 from app.problems.stage import Stage
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
-from solvers.planar.layout import Layout, half_edges
-from solvers.vortex import exact
-from solvers.vortex.exact import INNER, OUTER
-from solvers.vortex.field import exact_field
-from solvers.vortex.layout import particle_layout
-from solvers.vortex.scene import VortexScene
+from solvers.problems.planar.layout import Layout, half_edges
+from solvers.problems.vortex import exact
+from solvers.problems.vortex.exact import INNER, OUTER
+from solvers.problems.vortex.field import exact_field
+from solvers.problems.vortex.layout import particle_layout
+from solvers.problems.vortex.scene import VortexScene
 
 SPOKES, SPOKE_POINTS = 12, 41
 FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact_field, "angular")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from app.problems.interface import ProblemView, Reach, Regions
-from solvers.vortex.scene import INNER, MOST_AMPLITUDE, OUTER
+from solvers.problems.vortex.scene import INNER, MOST_AMPLITUDE, OUTER
 
 ANGLES, FIFTHS = 8, ("innermost", "inner", "middle", "outer", "outermost")  # regions: 45 degrees each
 

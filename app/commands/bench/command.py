@@ -1,0 +1,56 @@
+"""``mpm-lab bench``: how fast it is here."""
+
+import sys
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from app.commands.bench.text import bench_table
+from app.commands.flags import NumberFlag, PathFlag, Switch, default_hint
+from app.commands.output import Target, json_target, report, working
+from solvers.scene.rules import require_number, require_whole
+
+COMMAND = (sys.executable, "-m", "app", "--version")
+MOST_VISITORS, MOST_MINUTES = 200, 600
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Measure rates, what estimators and effects cost, and start-up times on this machine.
+
+    One thread of the processor, in its own time; takes less than a minute. Beside them stands the rate of Taichi's own
+    example mpm99. With --class, have so many visitors use the page on a server of this machine instead.
+    """
+
+    json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
+    """File for the result as a JSON object; - is standard output."""
+    quick: Annotated[Switch, default_hint("off")] = False
+    """Fewer sizes and turns: less time, more noise."""
+    visitors: Annotated[NumberFlag, tyro.conf.arg(name="class", help_behavior_hint="(default: no class)")] = None
+    """Visitors without a browser who come within five seconds and move sliders; says what each of them gets."""
+    minutes: NumberFlag = 1
+    """How long the class stays."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar on standard error."""
+
+    def execute(self) -> int:
+        """Measure, then write or print."""
+        target = json_target(self.json)
+        if self.visitors is not None:
+            return self._attend(target)
+        with working(self.quiet) as show:
+            from solvers.bench.bench import bench  # here: bad input and --help must not wait for Taichi
+            values = bench(self.quick, COMMAND, show)
+        report(values, target, bench_table)
+        return 0
+
+    def _attend(self, target: Target | None) -> int:
+        """The class instead."""
+        require_whole("class", self.visitors, 1, MOST_VISITORS)
+        require_number("minutes", self.minutes, 0, MOST_MINUTES)
+        with working(self.quiet) as show:
+            from app.commands.bench.class_load import Load, class_load, class_table  # here, as above
+            found = class_load(Load(self.visitors, 60 * self.minutes), show)
+        report(found, target, class_table)
+        return 0

@@ -1,0 +1,1 @@
+"""A problem for other codes, and their particles judged."""

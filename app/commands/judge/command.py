@@ -1,0 +1,108 @@
+"""``mpm-lab judge PROBLEM FILES... --out DIR``: how wrong the particles of any code are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+import tyro
+
+from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
+from app.commands.folder import Folder
+from app.commands.judge.problem import times_of
+from app.commands.output import json_text, say, working
+from app.commands.scene_flags import SceneFlags
+from solvers.judging.frames import FileError
+from solvers.problems.reference import OF_METHODS
+from solvers.scene.scene import Scene
+
+OK, FAILED = 0, 1
+MOST_FILES = 10_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judge(SceneFlags):
+    """The files, and where the report goes."""
+
+    HELP: ClassVar[str] = """Judge the particles of any code that ran the {title}: errors, where they are worst, order.
+
+    FILES are .csv, .npz, .vtk, .vtu or .vtp with particles at one or many times, of one grid or several: positions, id
+    or material position, and velocity, F or stress as there are (`mpm-lab problem` says how, and writes one). The flags
+    say what was run. The directory gets report.md, report.html, report.json and pictures.
+    Exit status: 0 judged, 1 could not write, 2 bad input.
+    """
+    OUTPUT: ClassVar[frozenset[str]] = frozenset({"files", "time", "out", "no_compare", "quiet"})
+    LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS - {"dt", "cfl"}
+
+    files: Annotated[FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
+    """Files of particles."""
+    time: Annotated[NamesFlag, default_hint("the files say it")] = ()
+    """Time of each file, s, in their order, where they do not say it."""
+    out: Annotated[PathFlag, default_hint("none, it must be given")] = None
+    """Directory for the report; it must be new or empty."""
+    no_compare: Annotated[Switch, default_hint("off")] = False
+    """Run none of our own methods on the same grid beside."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar and no summary on standard output."""
+
+    def execute(self) -> int:
+        """Read and check everything, judge, then write the report."""
+        if not self.files:
+            raise BadInput("", "", "give one or several files of particles")
+        if len(self.files) > MOST_FILES:
+            raise BadInput("", f"{len(self.files)} files", f"are too many; give at most {MOST_FILES:,}, each with many "
+                           "times perhaps")
+        cells = self._cells()
+        scene, *_ = (self.scene_with(cells=count) for count in cells)  # each says what is wrong with it
+        times = times_of(self.time, "time")
+        if times and len(times) != len(self.files):
+            raise BadInput("time", " ".join(self.time),
+                           f"gives {len(times)} times for {len(self.files)} files; give one for each")
+        folder = Folder(self.out)
+        try:
+            judged = self._judge(scene, cells, times)
+        except FileError as error:
+            raise BadInput("", error.file, error.sentence) from None
+        return self._write(folder, judged)
+
+    def _cells(self) -> list[Any]:
+        """Cells of the grid, one number for all files or one for each."""
+        given = self.inputs()["cells"]
+        words = given.replace(",", " ").split() if isinstance(given, str) else []
+        cells = [number([word]) for word in words] or [given]
+        if len(cells) > 1 and len(cells) != len(self.files):
+            raise BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one number for "
+                                           "all or one for each")
+        return cells
+
+    def _judge(self, scene: Scene, cells: list[int], times: list[float]) -> Any:
+        from solvers.judging.reading import read  # here: bad input must not wait for Taichi
+        raw = [read(file) for file in self.files]
+        with working(self.quiet) as show:
+            from solvers.judging.verdict import judge
+            return judge(raw, scene, cells, times, not self.no_compare, show)
+
+    def _write(self, folder: Folder, judged: Any) -> int:
+        """The report in three forms, and its pictures; one that fails costs nothing else."""
+        from app.commands.judge.text import as_html, as_markdown
+        from app.pictures.judge import FIGURES
+        from app.pictures.run import png_bytes
+
+        status, drawn = OK, []
+        for name, figure in FIGURES.items():
+            try:
+                if (picture := figure(judged)) is not None:
+                    folder.put(f"{name}.png", png_bytes(picture))
+                    drawn.append(f"{name}.png")
+            except Exception as error:
+                say(f"--out {folder.text}: the picture {name} failed ({type(error).__name__}: {error}); "
+                    "the rest is fine")
+                status = FAILED
+        values = judged.to_dict()
+        text = as_markdown(values, judged, drawn)
+        folder.put("report.json", json_text(values, lines=True).encode())
+        folder.put("report.md", text.encode())
+        folder.put("report.html", as_html(text, folder.path).encode())
+        if not self.quiet:
+            print(text.partition("\n\n![")[0], flush=True)
+        return status

@@ -1,0 +1,101 @@
+"""``mpm-lab problem PROBLEM --out DIR``: all that another code needs to set the problem up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint
+from app.commands.folder import Folder
+from app.commands.judge.problem_text import page
+from app.commands.output import json_text, say
+from app.commands.scene_flags import SceneFlags
+from solvers.problems.reference import OF_METHODS
+from solvers.scene.scene import Scene
+
+OK = 0
+TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
+QUARTERS = 4  # of a period: the times of the exact solution where none are asked for
+MOST_TIMES = 10_000
+MOST_ROWS = 5_000_000
+
+
+def times_of(words: tuple[str, ...], flag: str) -> list[float]:
+    """Times in seconds, as they were typed."""
+    times = []
+    for word in words:
+        try:
+            time = float(word)
+        except ValueError:
+            time = math.nan
+        if not 0 <= time < math.inf:
+            raise BadInput(flag, word, "is no time; give seconds from 0 on")
+        times.append(time)
+    return times
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem(SceneFlags):
+    """Where the problem goes, and the times of its exact solution."""
+
+    HELP: ClassVar[str] = """Write all that another code needs to set up the {title}: plain numbers and text.
+
+    {setting} The directory gets the initial particles (CSV and VTU), the body force as a table in space and time, the
+    exact solution at the times asked for, in the form that `mpm-lab judge` reads, and a page of text with the formulas.
+    Exit status: 0 ok, 1 could not write, 2 bad input.
+    """
+    OUTPUT: ClassVar[frozenset[str]] = frozenset({"out", "times"})
+    LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS
+
+    out: Annotated[PathFlag, default_hint("none, it must be given")] = None
+    """Directory for the files; it must be new or empty."""
+    times: Annotated[NamesFlag, default_hint("each quarter of a period up to the end")] = ()
+    """Times of the exact solution, s."""
+
+    def execute(self) -> int:
+        """Check everything, then write the files."""
+        scene = self.scene()
+        times = sorted(set(times_of(self.times, "times"))) or _quarters(scene)
+        if len(times) > MOST_TIMES or len(times) * scene.particles > MOST_ROWS:
+            raise BadInput("times", f"{len(times)} times", f"make {len(times) * scene.particles:,} rows; at most "
+                           f"{MOST_ROWS:,} are allowed, of at most {MOST_TIMES:,} times")
+        folder = Folder(self.out)
+        for name, content in _files(scene, times).items():
+            folder.put(name, content)
+        say(f"{folder.text}: begin with problem.md")
+        return OK
+
+
+def _quarters(scene: Scene) -> list[float]:
+    count = max(1, min(MOST_TIMES, round(QUARTERS * scene.end_time / scene.period)))
+    return [k * scene.period / QUARTERS for k in range(1, count + 1)]
+
+
+def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
+    """Every file by its name."""
+    from solvers.judging import handout, writing  # here: bad input must not wait for them
+    from solvers.judging.vtk import write_vtu
+
+    start, first = handout.start(scene), handout.initial(scene)
+    more = {"volume": start.volume, "mass": handout.masses(scene), **start.more}
+    force = handout.force_table(scene, TABLE_POINTS, TABLE_TIMES)
+    said: dict[str, Any] = {"problem": scene.problem, "cells": scene.cells, "ppc": scene.ppc}
+    data = {"id": first.number, "material_position": _in_space(first.material_position),
+            "velocity": _in_space(np.asarray(first.velocity)), **more}
+    solution = [handout.exact(scene, t) for t in times] if scene.solution_known else handout.companion(scene, times)
+    numbers, name = handout.numbers(scene), "exact" if scene.solution_known else "companion"
+    return {
+        "particles.csv": writing.csv(writing.table([first], more), {**said, "t": 0.0}),
+        "particles.vtu": write_vtu(first.position, data, 0.0),
+        "body_force.csv": writing.csv(force, {"problem": scene.problem}),
+        f"{name}.csv": writing.csv(writing.table(solution), said),
+        "problem.json": json_text({"schema": handout.SCHEMA, **numbers}, lines=True).encode(),
+        "problem.md": page(scene, handout.texts(scene), times, name).encode()}
+
+
+def _in_space(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (P, D) as VTK's, with three components."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

@@ -1,0 +1,203 @@
+"""The report of ``mpm-lab judge`` in Markdown, made from the JSON object, and the same as a page of HTML."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.lessons.markup import html
+from app.problems.views import VIEWS
+from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, title, with_unit
+from solvers.judging.measure import QUANTITIES as JUDGED
+from solvers.judging.verdict import Judgement
+from solvers.study.markdown import grid
+
+CAPTIONS = {"norms.png": "Error norms over time: against the truth where there is one, and as the companion sees them",
+            "space.png": "Where the error of x is, at the time at which it is largest",
+            "order.png": "Largest errors over the cell size, beside our own methods"}
+#: Inputs that some problems have: their keys, names and units.
+OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
+WHAT = """Errors are computed minus exact at each particle's material point; their sizes are Euclidean and Frobenius
+norms, and a norm is the root of the mean square over the particles that are there, as in our own runs. *Final*,
+*largest* and *mean* are over the times in the files after the start. The *companion* is a spectral-element solution
+of the same problem which knows nothing of the exact one; *index* is its estimate over the truth, summed over time (1
+is perfect), *distance* the size of their difference over that of the truth (0 is perfect). *Crossings* count
+particles that are in another cell than at the time before: between two times they may have gone to and fro. A
+particle is *not where its neighbours are* where its error of x is 20 times as far from a plane through theirs as is
+usual at that time, and by 0.02 h or more; the rim of particles that do not fill the body does that too."""
+
+
+def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
+    """The report; pictures stand after the summary."""
+    scene = judged.scene
+    files = sorted({file for g in values["grids"] for file in g["files"]})
+    head = [f"# {title(scene).capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
+            f"{_said(values, judged)}, against the {values['against']}.", _summary(values, judged)]
+    head += [_verdict(g, values) for g in values["grids"]]
+    shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
+    body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
+    order = [_order(values)] if values["order"] else []
+    return "\n\n".join([*head, *shown, *order, *body, f"## How it is judged\n\n{WHAT}"]) + "\n"
+
+
+def as_html(text: str, folder: Path) -> str:
+    """The report as one page, its pictures in it."""
+    title = escape(text.partition("\n")[0].lstrip("# "))
+    return (f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
+            f'content="width=device-width, initial-scale=1">\n<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n'
+            f"<body>\n<main>\n{_scrolling(html(text, folder))}</main>\n</body>\n</html>\n")
+
+
+def _scrolling(body: str) -> str:
+    """Tables that are wider than a phone scroll by themselves."""
+    return body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
+
+
+def _said(values: dict, judged: Judgement) -> str:
+    scene = values["scene"]
+    more = [f"{name} {scene[key]:g}{unit}" for key, name, unit in OF_SOME if key in scene]
+    return (f"{values['problem'].capitalize()}: {moving(judged.scene)}, E = {scene['modulus']:g} Pa, density "
+            f"{scene['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {scene['body_force']}, "
+            f"{per_cell(values['problem'], scene['ppc'])} particles per cell unless files say which they are")
+
+
+def _summary(values: dict, judged: Judgement) -> str:
+    heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
+    rows = []
+    for g, one in zip(values["grids"], judged.grids, strict=True):
+        errors = _errors(g)
+        rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", _times(g["times"]),
+                     *(_size(errors[q]["max"], q) for q in JUDGED),
+                     _percent(errors["x"]["max"], one.scene.size_of("x"))])
+    return grid(heads, rows, words=("times",))
+
+
+def _errors(g: dict) -> dict:
+    """Summaries against the best that is known."""
+    return g["error"] or g["estimate"]["companion"]
+
+
+def _times(times: list[float]) -> str:
+    return f"t = {times[0]:.4g} s" if len(times) == 1 else f"{len(times)}, {times[0]:.4g} to {times[-1]:.4g} s"
+
+
+def _verdict(g: dict, values: dict) -> str:
+    """A grid in two or three sentences: how large, against ours, and whether something is by itself."""
+    x = _errors(g)["x"]["max"]
+    sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}."]
+    ours = [run for run in g["ours"] if run["status"] == "ok" and run["error"]["x"]["max"]]
+    if ours and x is not None:
+        best = min(ours, key=lambda run: run["error"]["x"]["max"])
+        worst = max(ours, key=lambda run: run["error"]["x"]["max"])
+        sentences.append(f"Of our methods on this grid {_method(best)} has the least, "
+                         f"{_size(best['error']['x']['max'], 'x')} (these particles: "
+                         f"{ratio(x / best['error']['x']['max'])} "
+                         f"times), and {_method(worst)} the most, {_size(worst['error']['x']['max'], 'x')}.")
+    if found := g["apart"]:
+        sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
+                         f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
+                         f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
+                         f"{found['particle']} at {_place(found['X'])}, {_region(values['problem'], found['X'])} "
+                         f"({Path(found['file']).name}).")
+    return " ".join(sentences)
+
+
+def _grid(g: dict, values: dict, several: bool) -> str:
+    """Everything about one grid."""
+    parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g), _worst(g, values["problem"])]
+    parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
+    if g["ours"]:
+        parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
+    if g["notes"]:
+        parts.append("\n".join(f"* {note}" for note in g["notes"]))
+    parts.append("Files: " + ", ".join(f"`{Path(file).name}`" for file in g["files"][:20])
+                 + (f" and {len(g['files']) - 20} more" if len(g["files"]) > 20 else "") + ".")
+    return "\n\n".join(parts)
+
+
+def _error_table(g: dict) -> str:
+    heads = ["error of", "final", "largest", "mean", "companion: largest", "index", "distance", "companion's own error"]
+    estimate, rows = g["estimate"], []
+    for q in JUDGED:
+        true = (g["error"] or {}).get(q, {"final": None, "max": None, "mean": None})
+        rows.append([str(QUANTITIES[q]), *(_size(true[part], q) for part in ("final", "max", "mean")),
+                     _size(estimate["companion"][q]["max"], q), _ratio((estimate["index"] or {}).get(q)),
+                     _ratio((estimate["distance"] or {}).get(q)), _size(estimate["own_error"][q], q)])
+    return grid(heads, rows, words=("error of",))
+
+
+def _worst(g: dict, problem: str) -> str:
+    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
+             _region(problem, found["X"]), f"{found['t']:.4g} s", f"`{Path(found['file']).name}`"]
+            for q, found in g["worst"].items() if found]
+    return "Worst of all particles and times:\n\n" + grid(
+        ["error of", "size", "particle", "X", "where", "t", "file"], rows, words=("error of", "where", "file"))
+
+
+def _ours(g: dict) -> str:
+    here = _errors(g)
+    heads = ["method", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED),
+             *(f"these over ours, {QUANTITIES[q].symbol}" for q in JUDGED), "ran"]
+    rows = []
+    for run in g["ours"]:
+        theirs = run["error"]
+        rows.append([_method(run), *(_size(theirs[q]["max"], q) for q in JUDGED),
+                     *(_over(here[q]["max"], theirs[q]["max"]) for q in JUDGED),
+                     f"{run['status']}, cfl {run['cfl']:.3g}"])
+    return grid(heads, rows, words=("method", "ran"))
+
+
+def _order(values: dict) -> str:
+    """Order in h over the times that all grids have."""
+    common = values["common_times"]
+    if not any(t > 0 for t in common):
+        return "## Order in h\n\nThe grids have no time in common after the start, so that no order can be found."
+    rows = [[str(QUANTITIES[q]), NOTHING if fit is None else f"{fit['order']:.2f}",
+             NOTHING if fit is None else ", ".join(f"{one:.2f}" for one in fit["pairwise"])]
+            for q, fit in values["order"].items()]
+    return (f"## Order in h\n\nOf the largest norm over the {len(common)} times that all {len(values['grids'])} grids "
+            f"have.\n\n"
+            + grid(["error of", "order", "between neighbours"], rows, words=("error of",)))
+
+
+def _method(run: dict) -> str:
+    return method_name(run["method"]) + (", linearity preserving" if run["linearity_preserving"] else "")
+
+
+def _place(X: list[float]) -> str:
+    return "X = " + ", ".join(f"{c:.4f}" for c in X)
+
+
+def _region(problem: str, X: list[float]) -> str:
+    regions = VIEWS[problem].regions(np.array([X]))
+    return regions.names[int(regions.number[0])]
+
+
+def _size(value: Any, quantity: str) -> str:
+    return NOTHING if value is None else f"{value:.3e} {QUANTITIES[quantity].unit}"
+
+
+def _ratio(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.3f}"
+
+
+def _over(one: float | None, other: float | None) -> str:
+    return NOTHING if one is None or not other else ratio(one / other)
+
+
+def _percent(value: float | None, whole: float) -> str:
+    return NOTHING if value is None else f"{100 * value / whole:.3g} %"
+
+
+STYLE = """
+body { margin: 0; font: 16px/1.5 system-ui, sans-serif; color: #1c2128; background: #fff; }
+main { max-width: 1080px; margin: 0 auto; padding: 16px 20px 48px; }
+h1 { font-size: 1.6em; line-height: 1.2; } h2 { font-size: 1.25em; margin-top: 2em; }
+img { max-width: 100%; height: auto; } .wide { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .9em; margin: .5em 0; }
+code { font-size: .92em; overflow-wrap: anywhere; }
+th, td { padding: 3px 10px; border-bottom: 1px solid #d6dbe1; white-space: nowrap; } th { background: #f3f5f7; }
+"""

@@ -1,0 +1,111 @@
+"""``mpm-lab run PROBLEM``: one run without a page, to JSON, a picture or a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import tyro
+
+from app import state
+from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
+from app.commands.output import Target, json_target, report, say, working
+from app.commands.run.particles import Keeper
+from app.commands.run.text import run_table
+from app.commands.scene_flags import SceneFlags
+from solvers.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from solvers.solver.result import Result
+
+OK, FAILED, BROKEN = 0, 1, 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Output:
+    """What comes of a run, and where it goes."""
+
+    json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
+    """File for the result as a JSON object; - is standard output."""
+    plot: Annotated[PathFlag, default_hint("no picture")] = None
+    """File for a picture of the result, .png."""
+    particles: Annotated[PathFlag, default_hint("none")] = None
+    """File for the particles at every sample, .npz or .csv, as mpm-lab judge reads them."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar, no warnings and no remarks on standard error."""
+
+    def run_and_write(self, scene: Scene) -> int:
+        """Run a scene and write what was asked for; the exit status. Files are tried first, so that no run is lost to
+        a typo."""
+        target = json_target(self.json)
+        picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
+        if target and picture and target.path == picture.path:
+            raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
+        keeper = None if self.particles is None else Keeper(self.particles, scene)
+        for sentence in () if self.quiet else scene.warnings():
+            say(f"warning: {sentence}")
+        result = _run(scene, self.quiet, keeper)
+        if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
+            why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
+            say(f"{why}: this ran on the processor ({result.arch})")
+        report(result.to_dict(), target, run_table)
+        if keeper:
+            keeper.write()
+        drawn = picture is None or _draw(result, picture)
+        if result.status != "ok":
+            say(result.reason)
+            return BROKEN
+        return OK if drawn else FAILED
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Output, SceneFlags):
+    """What is done with a scene, and where its result goes."""
+
+    HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
+
+    {setting} Without --json a table goes to standard output.
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
+    """
+    OUTPUT: ClassVar[frozenset[str]] = frozenset(Output.__dataclass_fields__)
+
+    def execute(self) -> int:
+        """Run, then write what was asked for."""
+        return self.run_and_write(self.scene())
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunText(Output):
+    """Run a scene that is given as a text, as a link to the page or a lesson has it.
+
+    Such as "bar;method=mpm;cells=80"; what it says of the view and of a pinned run is left aside. Exit status: 0 ok,
+    1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
+    """
+
+    text: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="TEXT")] = ""
+    """The scene: a problem, and what differs from its defaults."""
+
+    def execute(self) -> int:
+        """Run, then write what was asked for."""
+        try:
+            scene = state.read(self.text.rpartition("#")[2]).scene  # a whole link does as well
+        except state.StateError as error:
+            raise BadInput("scene", self.text, str(error)) from None
+        return self.run_and_write(scene)
+
+
+def _run(scene: Scene, quiet: bool, keeper: Keeper | None) -> Result:
+    with working(quiet) as show:
+        from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
+        return run(scene, on_progress=show, on_sample=keeper.keep if keeper else None)
+
+
+def _draw(result: Result, target: Target) -> bool:
+    """Draw and write the picture; a failure is told and costs nothing else of the run."""
+    try:
+        from app.pictures.run import png_bytes, run_figure
+        target.write(png_bytes(run_figure(result)))
+    except Exception as error:
+        say(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")
+        return False
+    return True

@@ -1,0 +1,1 @@
+"""Many runs: sweeps, searches, maps and the paper's tables."""

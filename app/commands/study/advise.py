@@ -1,0 +1,172 @@
+"""``mpm-lab advise PROBLEM``: the cheapest run for a tolerance."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from app.commands.flags import (
+    BadInput,
+    PathFlag,
+    RealFlag,
+    Switch,
+    default_hint,
+    number,
+    real,
+    several_of,
+    several_to_choose,
+)
+from app.commands.output import json_target, noted_interrupts, report, say, stdout_to_stderr
+from app.words import command_line, per_cell
+from solvers.scene.rules import require_choice, require_number
+from solvers.scene.scene import Scene
+from solvers.solver.samples import QUANTITIES
+
+if TYPE_CHECKING:
+    from solvers.study.advise import Advice
+
+SCHEMA = "mpm-lab/advice/1"
+OK, UNREACHABLE = 0, 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Advise:
+    """What is left open (method, particles per cell, cfl) is searched; cells always are."""
+
+    HELP: ClassVar[str] = """Find the cheapest run of the {title} whose own estimate meets a tolerance.
+
+    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
+    """
+    SCENE: ClassVar[type[Scene]]
+
+    tolerance: Annotated[RealFlag, default_hint("required")] = None
+    """Largest RMS error that is allowed at any time of the run."""
+    relative: bool = True
+    """Whether the tolerance is a part of the quantity's own size (of A for x) or in its unit."""
+    quantity: Annotated[Any, several_of(QUANTITIES)] = ("x",)
+    """What the tolerance is about: position, velocity, stress or acceleration."""
+    budget: RealFlag = 60.0
+    """Longest run that may be recommended, s."""
+    method: Any = ()
+    ppc: Any = ()
+    cfl: Any = ()
+    amplitude: Any = None
+    modulus: Any = None
+    density: Any = None
+    t_end: Any = None
+    periods: Any = None
+    body_force: Any = None
+    json: Annotated[PathFlag, default_hint("a text is printed instead")] = None
+    """File for the advice as a JSON object; - is standard output."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """Nothing on standard error about the runs that are made."""
+
+    def execute(self) -> int:
+        """Search, then say what to run; exit status 1 if nothing within the budget meets the tolerance."""
+        physics = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
+        base = self.SCENE(**{name: getattr(self, name) for name in physics}, estimators=(), effects=())
+        quantity = self._quantity()
+        tolerance = self._tolerance(base, quantity)
+        target = json_target(self.json)
+        begun = time.monotonic()
+        with stdout_to_stderr(), noted_interrupts() as check_interrupts:
+            advice = self._search(base, quantity, tolerance, check_interrupts)
+        values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
+        report(values, target, as_text)
+        if not advice.met:
+            say(values["reason"])
+        return OK if advice.met else UNREACHABLE
+
+    def _quantity(self) -> str:
+        if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
+            raise BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
+        return self.quantity[0]
+
+    def _tolerance(self, base: Scene, quantity: str) -> float:  # in the quantity's unit
+        if self.tolerance is None:
+            raise BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
+        require_number("tolerance", self.tolerance, 0, math.inf)
+        require_number("budget", self.budget, 0, math.inf)
+        return self.tolerance * (base.size_of(quantity) if self.relative else 1.0)
+
+    def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
+        from solvers.study.advise import Goal, advise, families
+
+        def told(looks: int, scene: Scene) -> None:
+            check_interrupts()
+            if not self.quiet and sys.stderr.isatty():
+                say(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "
+                    f"per cell, cfl {scene.cfl:g}")
+
+        choices = families(base, self._methods(base), self._numbers("ppc", self.ppc, (2, 3, 4)),
+                           self._numbers("cfl", self.cfl, (0.1, 0.3, 0.5)), quantity)
+        return advise(choices, Goal(quantity, tolerance, self.budget), told)
+
+    def _methods(self, base: Scene) -> list[tuple[str, bool]]:
+        for method in self.method:
+            require_choice("method", method, base.choices("method"))
+        return [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
+
+    def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The words of a flag as numbers that a scene accepts."""
+        numbers = tuple(real([word]) if flag == "cfl" else number([word]) for word in words)
+        for value in numbers:
+            self.SCENE(**{flag: value})  # says what is wrong with it
+        return numbers or default
+
+
+def search_flags(scene: type[Scene]) -> dict[str, Any]:
+    """Flags that hold several values to choose from, where a run has one."""
+    preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
+    return {"method": several_to_choose(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
+            "ppc": several_to_choose(("N",), "2 3 4",
+                                     f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
+            "cfl": several_to_choose(("X",), "0.1 0.3 0.5", "Lengths of the time step, dt c/h, to choose from.")}
+
+
+def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:
+    """The advice as one JSON object; errors in the quantity's unit and, as ``relative``, over its size."""
+    chosen, goal, other, size = advice.chosen, advice.goal, advice.runner_up, base.size_of(advice.goal.quantity)
+
+    def finite(value: float, unit: float = 1.0) -> float | None:
+        return value / unit if math.isfinite(value) else None
+
+    def errors(value: float) -> dict:
+        return {"error": finite(value), "relative": finite(value, size)}
+
+    return {
+        "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
+        "reason": None if advice.met else _reason(advice, tolerance, relative),
+        "problem": base.problem, "quantity": goal.quantity, "tolerance": tolerance, "relative": relative,
+        "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command_line(chosen.scene),
+        "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
+        "verified": errors(chosen.error) if chosen.measured else None,
+        "runner_up": other and {**_inputs(other.scene), **errors(other.error), "seconds": finite(other.seconds)},
+        "why": advice.why, "runs": advice.looks, "seconds": spent}
+
+
+def _reason(advice: Advice, tolerance: float, relative: bool) -> str:
+    best, of_size = advice.chosen, " of the size" if relative else ""
+    return (f"nothing that runs within {advice.goal.budget:g} s is expected to meet {tolerance:g}{of_size}: the best "
+            f"within reach is {best.error:.3g} ({'measured' if best.measured else 'expected'}) in {best.seconds:.2g} s")
+
+
+def as_text(values: dict) -> str:
+    """The advice for a reader."""
+    got, predicted = values["verified"] or values["predicted"], values["predicted"]
+    said = "by its own estimate" if values["verified"] else "expected, not run"
+    rows = [("run" if values["status"] == "ok" else "closest", values["command"]),
+            (f"error of {values['quantity']}", f"{got['error']:.3g}, {got['relative']:.3g} of its size, {said}"
+             + (f"; {predicted['error']:.3g} was expected" if values["verified"] else "")),
+            ("time", f"{predicted['seconds']:.2g} s for the bare run on one thread"),
+            ("runner-up", values["why"]),
+            ("search", f"{values['runs']} runs in {values['seconds']:.1f} s")]
+    return "\n".join(f"{name:<12}{text}" for name, text in rows)
+
+
+def _inputs(scene: Scene) -> dict:
+    values = scene.to_dict()
+    return {key: values[key] for key in ("method", "linearity_preserving", "cells", "ppc", "dt", "cfl")}

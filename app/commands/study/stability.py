@@ -1,0 +1,102 @@
+"""``mpm-lab stability PROBLEM``: how long each method lives, with and without remedies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from app import __version__
+from app.commands.flags import RealFlag, default_hint, number, several_of, several_to_choose
+from app.commands.output import json_text
+from app.commands.study.rows import INCOMPLETE, Study
+from app.words import unit_of
+from solvers.scene.rules import require_choice
+from solvers.scene.scene import Scene
+from solvers.study.grid import combinations
+from solvers.study.series import measured
+from solvers.study.stability import TREATMENTS, map_tasks, offered, prices, scene_of, treatment_of
+from solvers.study.stability_table import as_dict, as_markdown
+from solvers.study.summary import csv_text
+
+DEFAULT_CFL = (0.1, 0.3, 0.5, 0.7)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stability(Study):
+    """What is mapped; every combination that a method has is run."""
+
+    HELP: ClassVar[str] = """Map how many periods each method of the {title} survives, with and without remedies.
+
+    A run counts until its error of x exceeds a tenth of the amplitude or it breaks. Tables and a picture follow at the
+    end, with each remedy's price per step and the life that FLIP's drift predicts.
+    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
+    """
+    SCENE: ClassVar[type[Scene]]
+
+    method: Any = ()
+    treatment: Annotated[Any, several_of(TREATMENTS), default_hint("all that the problem has")] = ()
+    """What is called for: remedies, linearity preservation (lp), domains whose corners move with the grid (tiled)."""
+    amplitude: Any = ()
+    cfl: Any = ()
+    cells: Any = None
+    ppc: Any = None
+    periods: RealFlag = 50.0
+    """Longest life that is looked for, in periods."""
+
+    def execute(self) -> int:
+        """Run what is not there yet, then write table and picture of all rows."""
+        from app.pictures.stability import stability_figure
+
+        problem, inputs = self.SCENE.problem, combinations(self.axes())
+        for treatment in self.treatment:
+            require_choice("treatment", treatment, offered(self.SCENE))
+        self.check_place(len(inputs) * len(TREATMENTS))
+        tasks = map_tasks(problem, inputs, self.treatment or offered(self.SCENE), __version__)
+        rows = self.rows(problem, tasks)
+        if rows is None:
+            return INCOMPLETE
+        values = as_dict(problem, rows, _prices(self.SCENE, rows))
+        _, status = self.draw({"stability": stability_figure}, rows)
+        text = as_markdown(values)
+        self.put("stability.csv", csv_text(rows).encode())
+        self.put("stability.json", json_text(values, lines=True).encode())
+        self.put("stability.md", text.encode())
+        print(text, flush=True)
+        return status
+
+    def axes(self) -> dict[str, list]:
+        """The values of each input of a scene, by the name of its flag."""
+        for method in self.method:
+            require_choice("method", method, self.SCENE.choices("method"))
+        lists = {"amplitude": _numbers(self.amplitude) or list(self.SCENE.HARD_AMPLITUDES),
+                 "cfl": _numbers(self.cfl) or list(DEFAULT_CFL)}
+        one = {name: [getattr(self, name)] for name in ("cells", "ppc", "periods")}
+        axes = {"method": list(self.method or self.SCENE.choices("method")), **one, **lists}
+        for name, values in axes.items():
+            for value in values:
+                self.SCENE(**{name: value})  # says what is wrong with it
+        return axes
+
+
+def map_flags(scene: type[Scene]) -> dict[str, Any]:
+    """Flags that hold several values, where a run has one."""
+    return {"method": several_to_choose(scene.choices("method"), "all", "Methods to map."),
+            "amplitude": several_to_choose(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES),
+                                              f"Amplitudes, {unit_of(scene, 'amplitude')}."),
+            "cfl": several_to_choose(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
+            "periods": RealFlag}
+
+
+def _prices(kind: type[Scene], rows: list[dict]) -> dict[tuple[str, str], float]:
+    """What each treatment of each method costs a step, over the plain method's, measured here and now."""
+    scenes: dict[str, dict[str, Scene]] = {}
+    for row in measured(rows):
+        method, treatment = row["scene"]["method"], treatment_of(row)
+        scenes.setdefault(method, {"plain": scene_of(kind, row, "plain")})[treatment] = scene_of(kind, row, treatment)
+    return {(method, treatment): price for method, treated in scenes.items()
+            for treatment, price in prices(treated).items()}
+
+
+def _numbers(words: Iterable[str]) -> list[Any]:
+    return [number([word]) for word in words]

@@ -1,0 +1,80 @@
+"""``mpm-lab sweep PROBLEM``: every combination of values, one row each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, get_args, get_type_hints
+
+from app import __version__
+from app.commands.flags import NumberFlag, Switch, default_hint
+from app.commands.output import json_text
+from app.commands.scene_flags import SceneFlags
+from app.commands.study.rows import INCOMPLETE, Study
+from solvers.scene.rules import require_whole
+from solvers.study import summary as table
+from solvers.study.grid import plan
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep(Study, SceneFlags):
+    """The flags of a sweep beside those of its scenes.
+
+    Every flag of a scene may hold several values; those that are lists in one scene already (estimator, effects,
+    remedies) are not swept over.
+    """
+
+    HELP: ClassVar[str] = """Run the {title} for every combination of the values given: what accuracy costs in time.
+
+    Give any flag of a scene several values: --cells 20 40 80 --method {methods}. Each combination is a row with its
+    errors, estimates, times and status; rows are kept as they finish. Tables and pictures follow at the end.
+    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
+    """
+    OUTPUT: ClassVar[frozenset[str]] = frozenset({"out", "workers", "scheduler", "resume", "repeats", "each_effect",
+                                                  "quiet", "no_linearity_preserving"})
+    LISTS: ClassVar[frozenset[str]] = frozenset({"estimator", "effects", "remedies"})
+
+    no_linearity_preserving: Annotated[Switch, default_hint("on")] = False
+    """Plain transfers; give both to compare."""
+    repeats: NumberFlag = 3
+    """Timed runs of each row; the shortest counts."""
+    each_effect: Annotated[Switch, default_hint("off")] = False
+    """Time each effect alone as well, which compiles and runs more."""
+
+    def execute(self) -> int:
+        """Check everything, run what is not there yet, then write tables and pictures of all rows."""
+        require_whole("repeats", self.repeats, 1, 1000)
+        self.check_place(math.prod(map(len, self.axes().values())))
+        problem = self.SCENE.problem
+        rows = self.rows(problem, plan(problem, self.axes(), repeats=self.repeats, price_effects=self.each_effect,
+                                       version=__version__))
+        return INCOMPLETE if rows is None else self._write(problem, rows)
+
+    def axes(self) -> dict[str, list]:
+        """The values of each input of a scene, by the name of its flag."""
+        hints = get_type_hints(type(self), include_extras=True)
+        axes = {name: [value] if name in self.LISTS else _values(value, hints[name])
+                for name, value in self.inputs().items()}
+        on = axes["linearity_preserving"][0]
+        return axes | {"linearity_preserving": [True] * on + [False] * (self.no_linearity_preserving or not on)}
+
+    def _write(self, problem: str, rows: list[dict]) -> int:
+        """Tables, pictures and summary."""
+        from app.pictures.study import FIGURES
+
+        drawn, status = self.draw(FIGURES, rows)
+        text = table.summary(problem, rows, drawn)
+        self.put("table.csv", table.csv_text(rows).encode())
+        self.put("table.json", json_text(table.table_dict(problem, rows), lines=True).encode())
+        self.put("summary.md", text.encode())
+        print(text.partition("\n\n![")[0], flush=True)
+        return status
+
+
+def _values(value: Any, hint: Any) -> list:
+    """The values in what was typed after one flag, which the flag left in one piece if it was several words."""
+    if not isinstance(value, str):
+        return [value]
+    words = value.replace(",", " ").split()
+    parse = next(part for part in get_args(hint) if hasattr(part, "instance_from_str")).instance_from_str
+    return [parse([word]) for word in words] if len(words) > 1 else [value]

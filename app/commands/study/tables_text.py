@@ -1,0 +1,119 @@
+"""A table's JSON object as Markdown: the paper's numbers, ours and their ratio, then what each estimator says."""
+
+from app.words import NOTHING, QUANTITIES, method_name
+from solvers.study.markdown import grid
+from solvers.study.tables.digits import digits
+from solvers.study.tables.document import PAPERS_ESTIMATOR, parts
+
+#: The inputs that tell the rows of each table from one another.
+INPUTS = {"1": ("cells",), "2": ("method", "cells"), "3": ("method", "cells")}
+#: What is compared with the paper in each table: key and heading with the unit.
+COMPARED = {"1": {"x": "x (m)", "v": "v (m/s)", "sigma_log": "σ (Pa)", "grid_crossings": "crossings"},
+            "2": {"x": "x (m)", "v": "v (m/s)", "a_nodes": "Err A (m/s²)"},
+            "3": {"index_x": "index of x, transport"}}
+Footnotes = dict[str, int]  # sentences under the table, each once, with their numbers
+
+
+def markdown(table: dict) -> str:
+    """The whole file."""
+    notes: Footnotes = {}
+    blocks = [f"# {table['title']}", *table["setup"]]
+    for part, rows in parts(table).items():
+        blocks += [f"## {part}", _comparison(table["table"], rows, notes)]
+        if table["table"] != "2":
+            blocks += [f"Index of each estimator, its distance and its cost — {part}:", _estimators(table, rows, notes)]
+    seconds = table["seconds"]
+    blocks.append(f"These runs took {seconds['run']:.0f} s, and {seconds['setup'] + seconds['compile']:.0f} s to set "
+                  "up and compile.")
+    return "\n\n".join([*blocks, *(f"[^{number}]: {sentence}" for sentence, number in notes.items())]) + "\n"
+
+
+def _mark(sentence: str, notes: Footnotes) -> str:
+    """The mark of a footnote, which is added if it is new."""
+    return f"[^{notes.setdefault(sentence, len(notes) + 1)}]"
+
+
+def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
+    """Ours, the paper's and the ratio, one line a row."""
+    heads = list(INPUTS[number])
+    for key, heading in COMPARED[number].items():
+        ours = [f"{heading} to {rows[0]['inputs'][end]:g} s" for end in ("t_end_crossings", "t_end")] \
+            if key == "grid_crossings" else [heading]
+        heads += [*ours, "paper", "ratio"]
+    others = [name for name in rows[0]["estimators"] if name != PAPERS_ESTIMATOR] if number == "3" else []
+    heads += others
+    lines = []
+    for row in rows:
+        cells = _row_cells(number, row, notes)
+        for key in COMPARED[number]:
+            cells.append(_ours(row, key, notes))
+            if key == "grid_crossings":
+                cells.append(_count(row["ours"]["grid_crossings_short"]))
+            cells += [_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
+        lines.append([*cells, *(_index_of_x(row, name, notes) for name in others)])
+    return grid(heads, lines, words=("method",))
+
+
+def _ours(row: dict, key: str, notes: Footnotes) -> str:
+    if key == "index_x":
+        return _index_of_x(row, PAPERS_ESTIMATOR, notes)
+    value = row["ours"][key]
+    return _count(value) if key == "grid_crossings" else NOTHING if value is None else digits(value, 3)
+
+
+def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
+    """Index, distance and cost, one line for each estimator of a row; the paper's indices of Table 1 above them."""
+    number, symbols = table["table"], [quantity.symbol for quantity in QUANTITIES.values()]
+    heads = [*INPUTS[number], "estimator", *(f"{kind} {s}" for kind in ("index", "distance") for s in symbols), "cost"]
+    lines = []
+    for row in rows:
+        if number == "1":
+            printed = [_printed(f"index_{q}", row["paper"].get(f"index_{q}")) for q in QUANTITIES]
+            lines.append([*_row_cells(number, row, notes), "the paper's, printed", *printed, *[NOTHING] * 5])
+        for name, said in row["estimators"].items():
+            values = [_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
+            cost = NOTHING if said["cost"] is None else f"{100 * said['cost']:.0f} %"
+            lines.append([*_row_cells(number, row, notes), name + _why(name, said, notes), *values, cost])
+    return grid(heads, lines, words=("method", "estimator"))
+
+
+def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
+    """An estimator's index; where it does not hold, a dash and why."""
+    said = row["estimators"].get(name)
+    return _factor(said["index"]["x"]) + _why(name, said, notes) if said else NOTHING
+
+
+def _why(name: str, said: dict, notes: Footnotes) -> str:
+    """The mark of the sentence in which an estimator says that it does not hold; nothing where it does."""
+    return _mark(f"{name}: {said['not_valid']}", notes) if said["not_valid"] else ""
+
+
+def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
+    scene = row["inputs"]
+    words = {"method": method_name(scene["method"]),
+             "cells": str(scene["cells"]) + (_mark(row["unstable"], notes) if row["unstable"] else "")}
+    return [words[name] for name in INPUTS[number]]
+
+
+def _printed(key: str, value: float | None) -> str:
+    """A number of the paper, with the digits that it has."""
+    if value is None:
+        return NOTHING
+    if key == "grid_crossings":
+        return _count(round(value))
+    if key.startswith("index"):
+        return f"{value:.1f}" if value < 10 and value == round(value, 1) else f"{value:g}"
+    return digits(value, 2)
+
+
+def _count(value: int | None) -> str:
+    return NOTHING if value is None else f"{value:,}"
+
+
+def _factor(value: float | None) -> str:
+    """A ratio or an index: two digits at least, hundredths where they mean something."""
+    if value is None:
+        return NOTHING
+    if value >= 1000 or value == 0:
+        return f"{value:,.0f}"
+    return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.3g}" if value > 1 else digits(value, 2)

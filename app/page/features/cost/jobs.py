@@ -1,0 +1,183 @@
+"""One visitor's sweep or search in the background: at most one at a time, and few on the whole server."""
+
+import os
+import threading
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+
+from app import __version__
+from app.page.features.cost.runs import LIVE, SWEEP, NumberedRun, Runs
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
+from solvers.study.grid import Task, task_of
+from solvers.study.jobs import BackgroundJob, SearchJob
+
+MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
+#: Cells of a small sweep, by dimension.
+SMALL = {1: (10, 20, 40, 80), 2: (12, 24, 36, 48)}
+REPEATS = 2
+PARTICLES_PER_CELL, COURANT_NUMBERS = (2, 3, 4), (0.1, 0.3, 0.5)  # that a search chooses from
+BUSY = "Other visitors' sweeps and searches keep this server busy: it does {} at a time. Try again in a while."
+
+
+class Slots:
+    """Places for jobs: a job takes one and gives it back. Any thread may call."""
+
+    def __init__(self, places: int):
+        self._places, self._lock, self.taken = places, threading.Lock(), 0
+
+    def take(self) -> bool:
+        """Whether there was one left."""
+        with self._lock:
+            free = self.taken < self._places
+            self.taken += free
+            return free
+
+    def give_back(self) -> None:
+        with self._lock:
+            self.taken -= 1
+
+
+SLOTS = Slots(MOST_JOBS)
+
+
+def small_sweep(scene: Scene) -> list[Task]:
+    """A scene on four grids with each of its methods; what does not go together is left out."""
+    if scene.velocity == "corners":  # goes with one method only
+        scene = replace(scene, velocity="grid")
+    effects = tuple(dict.fromkeys((*scene.effects, "truth", "estimate")))
+    tasks = []
+    for method in scene.choices("method"):
+        for cells in SMALL[scene.DIMENSIONS]:
+            try:
+                other = replace(scene, method=method, cells=cells, effects=effects)
+            except SceneError:
+                continue
+            tasks.append(task_of(other, repeats=REPEATS, version=__version__))
+    return tasks
+
+
+def timings(runs: Sequence[NumberedRun]) -> list[Task]:
+    """The scenes of those runs that were timed on the stage only: there they go in small pieces, with every effect."""
+    return [Task(run.row["problem"], run.row["asked"], repeats=REPEATS, version=__version__)
+            for run in runs if run.source == LIVE]
+
+
+def question(scene: Scene) -> dict:
+    """What an advice depends on, of the scene that it is asked for."""
+    chosen = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # by the search
+    return {"problem": scene.problem} | {name: value for name, value in task_of(_base(scene)).inputs.items()
+                                         if name not in chosen}
+
+
+def search(scene: Scene, tolerance: float, budget: float) -> SearchJob:
+    """The job of finding the cheapest run of this problem with an error of x of ``tolerance`` times A at most."""
+    return SearchJob(task_of(_base(scene)).to_dict(), scene.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, "x",
+                     tolerance * scene.size_of("x"), budget)
+
+
+def _base(scene: Scene) -> Scene:
+    """The scene without what a search brings with it."""
+    return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
+
+
+@dataclass(frozen=True)
+class JobStatus:
+    """How a visitor's job goes. ``kind`` is "", "sweep" or "search"; the last one's outcome stays until the next.
+
+    ``total`` counts a sweep's runs, or those of a search that are certain; ``task`` is what a search looks at;
+    ``trouble`` is a sentence about what went wrong.
+    """
+
+    kind: str = ""
+    running: bool = False
+    cancelled: bool = False
+    done: int = 0
+    total: int = 0
+    task: Task | None = None
+    advice: dict | None = None
+    trouble: str | None = None
+
+
+class Jobs:
+    """Starts and ends one visitor's jobs. Rows of a sweep go to ``runs``. Any thread may call."""
+
+    def __init__(self, runs: Runs, slots: Slots = SLOTS):
+        self._runs, self._slots, self._lock = runs, slots, threading.Lock()
+        self._job: BackgroundJob | None = None
+        self._closed = False
+        self.status = JobStatus()
+
+    @property
+    def process_id(self) -> int | None:
+        """Of the process that runs, if one does."""
+        job = self._job
+        return job.process_id if job else None
+
+    @property
+    def others(self) -> bool:
+        """Whether jobs of other visitors run on this server."""
+        return self._slots.taken > self.status.running
+
+    def forget(self) -> None:
+        """What the last job has said no longer holds. Its rows stay."""
+        with self._lock:
+            if not self.status.running:
+                self.status = JobStatus()
+
+    def sweep(self, tasks: list[Task]) -> None:
+        self._start("sweep", [task.to_dict() for task in tasks], len(tasks))
+
+    def search(self, job: SearchJob) -> None:
+        self._start("search", asdict(job), 0)
+
+    def cancel(self) -> None:
+        """End the job that runs; what it has found so far stays."""
+        with self._lock:
+            if self._job is not None:
+                self.status = replace(self.status, cancelled=True)
+                self._job.cancel()
+
+    def give_way(self) -> None:
+        """To the stages that move, from now on."""
+        with self._lock:
+            if self._job is not None:
+                self._job.give_way()
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        with self._lock:
+            self._closed = True
+        self.cancel()
+
+    def _start(self, kind: str, question: list | dict, total: int) -> None:
+        with self._lock:
+            if self.status.running or self._closed:
+                return
+            if not self._slots.take():
+                self.status = JobStatus(kind, trouble=BUSY.format(MOST_JOBS))
+                return
+            try:
+                self._job = BackgroundJob(kind, question, self._hear)
+                self.status = JobStatus(kind, running=True, total=total)
+            except OSError as error:
+                self._slots.give_back()
+                self.status = JobStatus(kind, trouble=f"No process could be started: {error.strerror or error}.")
+
+    def _hear(self, message: dict) -> None:
+        """A message of the job that runs; there is no other, because the next waits for this one's last."""
+        with self._lock:
+            before = self.status
+            if "done" in message:
+                trouble = None if before.cancelled else message.get("trouble") or before.trouble
+                self.status = replace(before, running=False, trouble=trouble)
+                self._job = None
+                self._slots.give_back()
+            elif "row" in message:
+                self._runs.add(message["row"], SWEEP)
+                self.status = replace(before, done=before.done + 1)
+            elif "look" in message:
+                self.status = replace(before, done=message["look"] - 1, total=message["coarse"],
+                                        task=Task(**message["task"]))
+            else:
+                self.status = replace(before, **message)  # advice or trouble

@@ -1,0 +1,269 @@
+"""The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
+
+import re
+import threading
+from collections.abc import Callable
+from time import monotonic
+
+import viser
+
+from app import state
+from app.lessons import progress as kept
+from app.lessons import shelf
+from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Step
+from app.lessons.marks import LONGEST, TOLD_AFTER, Mark, shown, trouble
+from app.lessons.variants import Numbers, drawn, filled
+from app.page.features.lesson import html as page
+from app.page.features.lesson.answer import AnswerWidgets
+from app.page.features.lesson.classroom import Classroom
+from app.page.features.lesson.marking import Marker, asked_since
+from app.page.panels.head import BESIDE
+from app.page.viewer.widgets import allow
+
+NO_LESSON = "choose a lesson"
+
+
+class Player:
+    """One visitor's, in a ``tab``. ``put`` puts a state on the stage, ``offer`` shows only some controls; ``on_change``
+    is called when what the browser should keep has changed."""
+
+    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
+                 put: Callable[[state.State], None], offer: Callable[[tuple[str, ...]], None],
+                 on_change: Callable[[], None]):
+        self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
+        self._put, self._offer, self._on_change = put, offer, on_change
+        self._lock = threading.RLock()
+        self._marker = Marker(classroom.outcomes)
+        self._lesson: Lesson | None = None
+        self._progress: kept.Progress | None = None
+        self._restored = False  # whether the browser has said what it keeps of this lesson
+        self._shown_at = monotonic()
+        self._widgets = self._gui.add_folder(None)
+        self._build()
+
+    @property
+    def name(self) -> str:
+        """Of the lesson that is open, or ""."""
+        return self._lesson.name if self._lesson else ""
+
+    @property
+    def answers(self) -> str:
+        """What the browser should keep of it; "" until it has said what it keeps."""
+        with self._lock:
+            return self._progress.text() if self._progress and self._restored else ""
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        self._marker.close()
+
+    def open(self, name: str) -> None:
+        """Begin a lesson; one that is not there changes nothing."""
+        lesson = shelf.lessons().get(name)
+        if lesson is None or lesson is self._lesson:
+            return
+        with self._lock:
+            self._lesson, self._progress, self._restored = lesson, kept.begun(lesson), False
+            self._marker.forget()
+        self._offer(lesson.controls)
+        self._rebuild()
+        self._on_change()
+
+    def restore(self, name: str, text: str) -> None:
+        """The browser has said what it keeps of a lesson, perhaps nothing."""
+        with self._lock:
+            lesson = self._lesson
+            if lesson is None or name != lesson.name or self._restored:
+                return
+            self._restored = True
+            if not text:
+                return
+            try:
+                found = kept.read(text, shelf.lessons().get)
+            except kept.NotAnswers:
+                return
+            if found.fingerprint != lesson.fingerprint:
+                return  # the lesson has been changed since: its questions may mean something else
+            self._progress = found
+            self._marker.forget()
+        self._rebuild()
+
+    def _leave(self) -> None:
+        with self._lock:
+            self._lesson = self._progress = None
+        self._offer(())
+        self._rebuild()
+        self._on_change()
+
+    def _go(self, by: int) -> None:
+        with self._lock:
+            if self._lesson is None or self._progress is None:
+                return
+            self._progress.step = min(max(self._progress.step + by, 0), len(self._lesson.steps) + 1)
+        self._on_change()  # first: a step that is seen is one to come back to
+        self._rebuild()
+
+    def _rebuild(self) -> None:
+        with self._lock:
+            self._widgets.remove()
+            with self._tab:
+                self._widgets = self._gui.add_folder(None)
+                self._build()
+
+    def _build(self) -> None:
+        self._shown_at = monotonic()
+        with self._widgets:
+            if self._lesson is None or self._progress is None:
+                self._build_shelf()
+            else:
+                self._gui.add_html(page.head_html(self._lesson, self._progress))
+                at, steps = self._progress.step, self._lesson.steps
+                if at == 0:
+                    self._build_intro(self._lesson, self._progress)
+                elif at <= len(steps):
+                    self._build_step(self._lesson, steps[at - 1])
+                else:
+                    self._build_end(self._lesson)
+
+    def _build_shelf(self) -> None:
+        lessons = shelf.lessons()
+        titles = {lesson.title: name for name, lesson in lessons.items()}
+        self._gui.add_html(page.shelf_html(lessons))
+        choice = self._gui.add_dropdown("Lesson", (NO_LESSON, *titles), hint="opens it here, beside the stage")
+        choice.on_update(lambda _: self.open(titles.get(choice.value, "")))
+
+    def _build_intro(self, lesson: Lesson, progress: kept.Progress) -> None:
+        self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
+        hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
+        name = self._gui.add_text("Your name", progress.name, hint=hint)
+        name.on_update(lambda _: self._call(name.value))
+        self._buttons(back=False, onward=True)
+
+    def _call(self, name: str) -> None:
+        with self._lock:
+            if self._progress and not self._progress.answers:
+                self._progress.name = name.strip()[:kept.LONGEST_NAME]
+                self._marker.forget()
+        self._on_change()
+
+    def _build_step(self, lesson: Lesson, step: Step) -> None:
+        text = self._gui.add_html(self._explained(lesson, step))
+        if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
+            self._mark_all(lesson, step, text)
+        if step.stage:
+            stage = self._gui.add_button("On the stage", icon=viser.Icon.PLAYER_PLAY, hint="begins this run beside the "
+                                         "lesson")
+            stage.on_click(lambda _: self._put(state.read(filled(step.stage, self._numbers))))
+        if step.question is None:
+            self._buttons(back=True, onward=True)
+            return
+        self._ask(lesson, step)
+
+    def _ask(self, lesson: Lesson, step: Step) -> None:
+        assert step.question is not None and self._progress is not None
+        asked, answered = step.question, self._progress.answers.get(step.key)
+        fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
+        widgets = AnswerWidgets(self._gui, asked, self._numbers, answered.last if answered else None, fixed)
+        for text in widgets.texts:
+            allow(text, LONGEST)
+        self._said = self._gui.add_html("" if answered is None else self._taken(lesson, step, None))
+        record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
+                                      disabled=fixed)
+        onward = self._buttons(back=True, onward=answered is not None)
+
+        def take(_: viser.GuiEvent) -> None:
+            answer = widgets.value
+            if why := trouble(asked, answer):
+                self._said.content = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
+                return
+            with self._lock:
+                assert self._progress is not None
+                self._progress.answer(step.key, answer, monotonic() - self._shown_at)
+                self._shown_at = monotonic()
+            self._on_change()
+            if step.kind == PREDICT:
+                self._rebuild()
+            else:
+                onward.disabled = False
+                self._check(lesson, step)
+
+        record.on_click(take)
+
+    def _taken(self, lesson: Lesson, step: Step, found: Mark | str | None) -> str:
+        """What is said of the answer that the step has."""
+        assert step.question is not None and self._progress is not None
+        answer = self._progress.answers[step.key]
+        said = filled(shown(step.question, answer.last), self._numbers)
+        if step.kind == PREDICT:
+            return page.recorded_html(said, "It is recorded; now see what happens.", None)
+        if found is None or isinstance(found, str):
+            return page.recorded_html(said, found or "", None)
+        if found.right is not False:
+            return page.recorded_html(said, "", found.right)
+        told = answer.attempts >= TOLD_AFTER
+        return page.recorded_html(said, f"It is {found.expected}." if told else "Look again, and try once more.", False)
+
+    def _check(self, lesson: Lesson, step: Step) -> None:
+        """Mark the answer, which may need a run, and say so."""
+        said, progress = self._said, self._progress
+        assert progress is not None and step.question is not None
+        waiting = "" if step.question.kind == TEXT else "Being checked against the run …"
+        said.content = self._taken(lesson, step, waiting)
+        self._marker.check(lesson, step, progress, lambda found: self._show(
+            said, lambda: self._taken(lesson, step, found)))
+
+    def _explained(self, lesson: Lesson, step: Step) -> str:
+        """The step's text; where it explains, below what was said and what came out."""
+        assert self._progress is not None
+        before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
+                                    self._numbers) if step.kind == EXPLAIN else ""
+        return page.step_html(step, self._numbers, before, self._room.teacher)
+
+    def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
+        """Mark what a step looks back on, or everything at the end, and show it there."""
+        steps = asked_since(lesson, step) if step else [other for other in lesson.steps if other.question]
+        assert self._progress is not None
+        self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
+            text, lambda: self._explained(lesson, step) if step else self._end(lesson)))
+
+    def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
+        """Put what has been worked out into a text, unless the visitor has gone on meanwhile."""
+        with self._lock:
+            if not text._impl.removed:
+                text.content = content()
+
+    def _build_end(self, lesson: Lesson) -> None:
+        text = self._gui.add_html(self._end(lesson))
+        self._mark_all(lesson, None, text)
+        hand_in = self._gui.add_button("Hand in", icon=viser.Icon.DOWNLOAD, hint="save your answers as a file")
+        hand_in.on_click(lambda _: self._hand_in(lesson))
+        self._buttons(back=True, onward=False)
+
+    def _end(self, lesson: Lesson) -> str:
+        assert self._progress is not None
+        steps = [step for step in lesson.steps if step.question]
+        table = page.compared_html(steps, self._progress.answers, self._marker.marks, self._numbers)
+        return page.end_html(table, sum(step.key not in self._progress.answers for step in steps))
+
+    def _hand_in(self, lesson: Lesson) -> None:
+        with self._lock:
+            assert self._progress is not None
+            called = re.sub(r"[^\w-]+", "-", self._progress.name).strip("-") or "answers"
+            self._client.send_file_download(f"{lesson.name}-{called}.json", self._progress.text().encode(),
+                                            save_immediately=True)
+
+    def _buttons(self, back: bool, onward: bool) -> viser.GuiButtonHandle:
+        """Back, next and leave; returns the one for next."""
+        self._gui.add_html(BESIDE)
+        previous = self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back)
+        previous.on_click(lambda _: self._go(-1))
+        self._gui.add_html(BESIDE)
+        following = self._gui.add_button("Next", icon=viser.Icon.ARROW_RIGHT, disabled=not onward)
+        following.on_click(lambda _: self._go(1))
+        leave = self._gui.add_button("Close the lesson", color="gray", hint="your answers stay in this browser")
+        leave.on_click(lambda _: self._leave())
+        return following
+
+    @property
+    def _numbers(self) -> Numbers:
+        """The visitor's own."""
+        return drawn(self._lesson, self._progress.name) if self._lesson and self._progress else {}

@@ -1,0 +1,77 @@
+"""A visitor's file while it is judged: in a process that nobody else needs, for a limited time."""
+
+import os
+import secrets
+import threading
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+from app.page.features.cost.jobs import Slots
+from app.page.visit.limits import MOST_WATCHED
+from solvers.judging.reading import KINDS
+from solvers.judging.show import Question
+from solvers.scene.scene import Scene
+from solvers.study.grid import task_of
+from solvers.workers.processes import ProcessDied, WorkerProcess
+
+PATIENCE = 180.0  # seconds that a file may take
+LONGEST_NAME = 60  # letters of a file's name that are shown
+SLOTS = Slots(max(1, (os.cpu_count() or 2) // 2))  # files that are judged at once on this server
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
+BUSY = "Other visitors' files keep this server busy; give yours again in a while"
+TOO_LONG = f"takes more than {PATIENCE:g} s to judge; give fewer times, or judge it with `mpm-lab judge`"
+
+
+class Judging:
+    """One file under way. ``on_message`` hears what the process says (``solvers.judging.show``), from a thread of its
+    own, and a refusal where it is lost; nothing once it is :meth:`cancelled <cancel>`."""
+
+    def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
+                 slots: Slots = SLOTS):
+        self.name, self._scene, self._on_message, self._slots = shown(name), scene, on_message, slots
+        kind = Path(name).suffix.lower()
+        self._file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
+        self.table = file.with_name(f"table-{secrets.token_hex(4)}")
+        self._process, self._cancelled = WorkerProcess("solvers.judging.show:show", ONE_THREAD), threading.Event()
+        threading.Thread(target=self._judge, name="judge", daemon=True).start()
+
+    @property
+    def process_id(self) -> int | None:
+        return self._process.process_id
+
+    def cancel(self) -> None:
+        """Nobody wants to know any more."""
+        self._cancelled.set()
+        self._process.kill()
+
+    def _say(self, message: dict) -> None:
+        if not self._cancelled.is_set():
+            self._on_message(self, message)
+
+    def _judge(self) -> None:
+        if not self._slots.take():
+            self._say({"refused": BUSY})
+            return
+        timer = threading.Timer(PATIENCE, self._process.kill)
+        timer.start()
+        try:
+            question = Question(str(self._file), self.name, task_of(self._scene).to_dict(), str(self.table),
+                                MOST_WATCHED)
+            for message in self._process.ask(asdict(question)):
+                self._say(message)
+        except ProcessDied as death:
+            self._say({"refused": f"The file {self.name} {TOO_LONG}" if timer.finished.is_set() else
+                       f"The file {self.name} could not be judged: the process {death}"})
+        except OSError as error:
+            self._say({"refused": f"No process could be started: {error.strerror or error}"})
+        finally:
+            timer.cancel()
+            self._process.close()
+            self._slots.give_back()
+
+
+def shown(name: str) -> str:
+    """What a file is called in sentences: its name may be anything, and it is put into html escaped."""
+    plain = "".join(letter for letter in Path(name.replace("\\", "/")).name if letter.isprintable()) or "the file"
+    return plain if len(plain) <= LONGEST_NAME else f"{plain[:LONGEST_NAME // 2]}…{plain[-LONGEST_NAME // 2:]}"

@@ -1,0 +1,205 @@
+"""Your own code: a file of particles given to the page, its frames on the stage, and the way back."""
+
+import contextlib
+import threading
+from collections.abc import Callable
+from html import escape
+from pathlib import Path
+from time import monotonic
+
+import viser
+
+from app.page.features.own.judging import Judging
+from app.page.features.own.run import OwnRun
+from app.page.panels.head import BARE
+from app.page.viewer.upload import LARGEST, TOO_LARGE, Post
+from app.page.visit.notice import Notice
+from app.page.visit.session import Session
+from app.words import on_page
+from solvers.judging.reading import KINDS
+from solvers.judging.show import Shown
+
+TO_BE_READ = 30.0  # seconds that a refusal is said; it stays beside the button
+FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
+FIRST, LAST = -1e9, 0.9e9  # in the order of what stands in the panel
+BACK, BACK_HINT = "Back to our run", "go back to what was on the stage before"
+BUSY, ONE = "A file is still on its way; wait until it is here.", "Give one file at a time."
+WHAT = (f"Drop a file of particles anywhere on this page, or choose it ({', '.join(KINDS)}; at most {LARGEST / 1e6:g} "
+        "MB): of the problem and the settings above, run with any code. It is judged, and shown on the stage. "
+        "<code>mpm-lab problem</code> writes all that a code needs.")
+
+
+class OwnCode:
+    """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
+    stage. While one is :attr:`shown` the run rests; that ends when something moves the run on."""
+
+    def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
+                 on_begin: Callable[[], None]):
+        gui = client.gui
+        self._session, self._on_view, self._on_begin = session, on_view, on_begin
+        self._lock = threading.RLock()
+        self._judging: Judging | None = None
+        self._run: OwnRun | None = None
+        self._k, self.playing, self._resumes = 0, False, False
+        self._moves: tuple = ()  # of the run that rests meanwhile
+        self._turn = threading.Event()  # ends the wait of the thread that plays
+        self._news: tuple[float, Notice] | None = None
+        gui.add_html(f"<i class='lab-post' data-largest='{LARGEST}' data-too-large='{TOO_LARGE}.' data-busy='{BUSY}' "
+                     f"data-one='{ONE}'></i>")
+        button = gui.add_upload_button("file of particles", mime_type=",".join(KINDS))
+        self._post = Post(gui, button, self._arrived, self._refuse)
+
+    def build(self, gui: viser.GuiApi) -> None:
+        """Make the widgets, in their tab."""
+        with gui.add_folder("Your own code, judged", order=LAST, expand_by_default=False):
+            gui.add_html(f"<div class='lab-own'>{WHAT}</div>")
+            gui.add_html("<i class='lab-choose'></i>")
+            gui.add_button("Choose a file", icon=viser.Icon.UPLOAD, hint="of particles, as any code may write them")
+            self._back = gui.add_button(BACK, icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=BACK_HINT)
+            self._text = gui.add_html("")
+        self._back.on_click(lambda _: self.leave())
+        self._folder = gui.add_folder("Your file on the stage", order=FIRST, visible=False)
+        with self._folder:
+            self._slider = gui.add_slider("Frame", 1, 2, 1, 1, hint="the times in the file, one after the other")
+            gui.add_html(BARE)
+            acts = {"Play": lambda: self._play(True), "Pause": lambda: self._play(False), BACK: self.leave}
+            buttons = gui.add_button_group("File", tuple(acts), hint=f"play the times in the file, or {BACK_HINT}")
+        self._slider.on_update(lambda event: self._go_to(event.target.value) if event.client else None)
+        buttons.on_click(lambda event: acts[event.target.value]())
+
+    @property
+    def shown(self) -> tuple[OwnRun, int] | None:
+        """The file on the stage and which of its frames is seen."""
+        run = self._run
+        return None if run is None else (run, min(self._k, len(run) - 1))
+
+    def follow(self) -> None:
+        """A frame of our run has come: if that is to move on, it is wanted."""
+        with self._lock:
+            if self._run is not None and self._session.moves != self._moves:
+                self._resumes = False
+                self.leave()
+
+    def notice(self) -> Notice | None:
+        """What is to be read now of a file, if anything."""
+        judging, news = self._judging, self._news
+        if coming := self._post.coming:
+            return Notice("wait", f"{coming}.")
+        if judging is not None and self._run is None:
+            return Notice("wait", f"The file {judging.name} is being read and judged.")
+        return news[1] if news and monotonic() < news[0] + TO_BE_READ else None
+
+    def leave(self) -> None:
+        """Back to our run, as it was."""
+        with self._lock:
+            if self._run is None:
+                return
+            self._end()
+            self._say("")
+            if self._resumes:
+                self._session.play(True)
+        self._on_view()
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        self._post.close()  # first, and without the lock, for which a file that comes just now may wait
+        with self._lock:
+            self._end()
+
+    def _end(self) -> None:
+        """No file any more, on the stage or on its way to it."""
+        self._forget()
+        self._run = None
+        self.playing = self._folder.visible = self._back.visible = False
+        self._turn.set()
+
+    def _forget(self) -> None:
+        """What is being judged; of what is seen already, the table stays until it is seen no more."""
+        if self._judging is not None:
+            self._judging.cancel()
+            with contextlib.suppress(OSError):
+                self._judging.table.unlink()
+        self._judging = None
+
+    def _arrived(self, name: str, file: Path) -> None:
+        with self._lock:
+            self._forget()
+            self._news = None
+            self._judging = Judging(name, file, self._session.scene, self._hear)
+            self._say(f"The file {self._judging.name} is being read and judged …")
+
+    def _hear(self, judging: Judging, message: dict) -> None:
+        with self._lock:
+            if judging is not self._judging:
+                return
+            if sentence := message.get("refused"):
+                self._refuse(sentence)
+                if self._run is not None and self._run.table == judging.table:
+                    self._run.trouble = on_page(sentence)
+                else:
+                    self._forget()
+            elif "frames" in message:
+                self._show(OwnRun(judging.name, Shown(**message["frames"]), judging.table))
+            elif self._run is not None and "estimate" in message:
+                self._run.estimated(message["estimate"])
+            elif self._run is not None:
+                self._run.verdict = message["verdict"]
+        self._on_view()
+
+    def _show(self, run: OwnRun) -> None:
+        if self._run is None:
+            self._on_begin()
+            self._resumes = self._session.playing
+            self._session.play(False)
+            self._moves = self._session.moves
+        self._run, self._k = run, 0
+        self._say(f"The file {run.name} is on the stage.")
+        self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
+        self._slider.disabled = len(run) < 2
+        self._folder.visible = self._back.visible = True
+        self._play(True)
+
+    def _refuse(self, sentence: str) -> None:
+        sentence = on_page(sentence).rstrip(".") + "."
+        self._news = monotonic(), Notice("refused", sentence)
+        self._say(sentence)
+
+    def _say(self, sentence: str) -> None:
+        self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>" if sentence else ""
+
+    def _go_to(self, number: float) -> None:
+        with self._lock:
+            self._play(False)
+            self._k = round(number) - 1
+        self._on_view()
+
+    def _play(self, playing: bool) -> None:
+        with self._lock:
+            run = self._run
+            self._turn.set()  # whatever plays now
+            self.playing = playing and run is not None and len(run) > 1
+            if self.playing and run is not None:
+                self._k = self._k if self._k < len(run) - 1 else 0
+                self._turn = threading.Event()
+                threading.Thread(target=self._go_on, args=(run, self._turn), name="own-run", daemon=True).start()
+
+    def _go_on(self, run: OwnRun, over: threading.Event) -> None:
+        """Show one frame after the other, to the last."""
+        while not over.wait(self._seconds(run)):
+            with self._lock:
+                if over.is_set():
+                    return
+                if not self._session.watched:
+                    continue
+                self._k += 1
+                self._slider.value = self._k + 1  # type: ignore[misc]
+                self.playing = self._k < len(run) - 1
+            self._on_view()
+            if not self.playing:
+                return
+
+    def _seconds(self, run: OwnRun) -> float:
+        """Until the next frame: as at the speed of our run, within what an eye follows."""
+        ahead = run.times[min(self._k + 1, len(run) - 1)] - run.times[self._k]
+        least, most = FRAME_SECONDS
+        return float(min(most, max(least, ahead / (self._session.speed * run.scene.period))))

@@ -1,0 +1,106 @@
+"""What the page says of a visitor's own file: the sentence above the stage, and the numbers beside it."""
+
+from html import escape
+
+import numpy as np
+
+from app.page.features.own.run import JUDGE, OwnRun
+from app.page.panels.readout import TRUE, named, row, table
+from app.page.stage.worst import WorstRegions
+from app.page.visit.view import View
+from app.words import NOTHING, QUANTITIES, number, ratio, with_unit
+
+HINTS = {"now": "root of the mean square over the particles, at the time that is shown",
+         "largest": "of all times in the file after the start",
+         "index": "estimated over true error, summed over the times; 1 is perfect"}
+
+
+def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> str:
+    """What is seen, in one sentence."""
+    words, when = QUANTITIES[quantity], f"{run.name} at t = {number(run.times[k])} s"
+    true, estimated = _now(run.true, k, quantity), _now(run.estimate, k, quantity)
+    if true is not None:
+        said = f"the true error of {words} is {with_unit(true, words.unit)}"
+        if estimated is not None and true > 0:
+            said += f", and {JUDGE} estimates {ratio(estimated / true)} {'times' if estimated >= true else 'of'} it"
+    elif estimated is not None:
+        said = f"{JUDGE} estimates the error of {words} at {with_unit(estimated, words.unit)}"
+    else:
+        return f"{when}: nothing is known of the error of {words}: {view.right.silence or view.left.silence}."
+    region = worst.by_truth or worst.by_estimate
+    return f"{when}: {said}{f'; worst at {region.name}' if region else ''}."
+
+
+def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
+    """The numbers as html."""
+    verdict = run.verdict or {}
+    rows = [("file", f"<b>{escape(run.name)}</b>"),
+            ("frame", f"{k + 1} of {len(run)}"),
+            ("time", f"{run.times[k]:.4g} s = {run.times[k] / run.scene.period:.2f} periods"),
+            ("grid", f"{run.scene.cells} cells, h = {with_unit(run.scene.spacing, 'm')}"),
+            ("particles", f"{run.particles(k):,}"),
+            *([("crossings", f"{verdict['crossings_at_least']:,} at least")] if verdict else []),
+            ("region", escape(probed or "drag a rectangle on the stage"))]
+    run_of = table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+    return (f"<div class='lab-readout'>{run_of}"
+            f"{_errors(run, k, quantity)}{_findings(run, quantity)}</div>")
+
+
+def lines(run: OwnRun, quantity: str) -> int:
+    """Lines that the findings take, about: a plot gets what they leave."""
+    return sum(1 + len(text) // 44 for text in _found(run, quantity))
+
+
+def _errors(run: OwnRun, k: int, quantity: str) -> str:
+    """A line for the truth and one for the companion."""
+    words = QUANTITIES[quantity]
+    heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("now", "largest", "index"))
+    rows = [row("head", f"error of {words.symbol}", *heads)]
+    if quantity in run.missing or quantity == "a":
+        return table("".join([*rows, row("", named(TRUE), "not in the file")]), "lab-numbers lab-estimates")
+    for name, norms in ((TRUE, run.true), (JUDGE, run.estimate)):
+        index = _index(run, quantity) if name == JUDGE else ""
+        rows.append(row("", named(name), *(NOTHING if value is None else with_unit(value, words.unit, 2) for value in (
+            _now(norms, k, quantity), _largest(run, norms, quantity))), index))
+    return table("".join(rows), "lab-numbers lab-estimates")
+
+
+def _findings(run: OwnRun, quantity: str) -> str:
+    return f"<div class='lab-own'>{''.join(f'<p>{escape(text)}</p>' for text in _found(run, quantity))}</div>"
+
+
+def _found(run: OwnRun, quantity: str) -> list[str]:
+    """What the judge says, sentence by sentence."""
+    if run.verdict is None:
+        return [f"There is no verdict: {run.trouble}" if run.trouble else "The judge is still at work."]
+    found, worst = [], run.verdict["worst"].get(quantity)
+    if worst:
+        size = with_unit(worst["size"], QUANTITIES[quantity].unit)
+        found.append(f"Worst of all: {size}, particle {worst['particle']} at {_place(worst['X'])}, "
+                     f"t = {number(worst['t'])} s.")
+    if apart := run.verdict["apart"]:
+        found.append(f"{apart['count']:,} particles ({100 * apart['share']:.2g} %) are not where their neighbours are, "
+                     f"by up to {apart['farthest_over_h']:.2g} h, at t = {number(apart['t'])} s: the farthest is "
+                     f"particle {apart['particle']} at {_place(apart['X'])}.")
+    return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in run.verdict["notes"])]
+
+
+def _place(X: list[float]) -> str:
+    place = ", ".join(f"{c:.3g}" for c in X)
+    return f"X = ({place}) m" if len(X) > 1 else f"X = {place} m"
+
+
+def _now(norms: dict[str, np.ndarray] | None, k: int, quantity: str) -> float | None:
+    value = np.nan if norms is None or quantity not in norms else norms[quantity][k]
+    return float(value) if np.isfinite(value) else None
+
+
+def _largest(run: OwnRun, norms: dict[str, np.ndarray] | None, quantity: str) -> float | None:
+    later = run.times > 0 if (run.times > 0).any() else np.ones(len(run), bool)
+    values = np.zeros(0) if norms is None or quantity not in norms else norms[quantity][later]
+    return float(values.max()) if len(values) and np.isfinite(values).all() else None
+
+
+def _index(run: OwnRun, quantity: str) -> str:
+    values = run.series.get(f"{JUDGE}/index_{quantity}", np.zeros(0))
+    return ratio(float(values[-1])) if len(values) and np.isfinite(values[-1]) else NOTHING

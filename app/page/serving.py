@@ -1,0 +1,251 @@
+"""Serving the page: engines, the web server and one :class:`~app.page.page.Page` per visitor."""
+
+import contextlib
+import io
+import logging
+import os
+import signal
+import socket
+import sys
+import threading
+import warnings
+from collections.abc import Callable
+from functools import partial
+from time import sleep
+from typing import Any
+from urllib.parse import quote
+
+from app.lessons import shelf
+from app.page.doors.address import Addresses
+from app.page.doors.code import ClassCode, made_up
+from app.page.features.lesson.classroom import Classroom
+from app.page.prewarm import usual_scenes
+from app.page.visit.health import Tally
+from app.page.visit.session import FIRST_SCENE, PageLinks
+from solvers.engine.messages import FRAME_SECONDS
+from solvers.engine.pool import EnginePool
+
+EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
+HEARS_WITHIN, TOLD_WITHIN = 0.3, 3.0  # seconds until it hears of its end, and has told all others at most
+MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
+
+FULL = "Every place on this server is taken. This page tries again by itself; nothing needs to be done."
+OVER = "The lab has been closed. Once it is open again, this page comes back by itself."
+FAILED = "The page could not be made. Reload it, or see the terminal for the reason."
+AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
+
+
+class ServeError(Exception):
+    """The page cannot be served; the message says why."""
+
+
+class Visitors:
+    """Who is here: a page for each of at most ``places`` visitors, closed when its visitor leaves.
+
+    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines. The web server
+    calls from many threads: a visitor may leave while the page is being made, or even before :meth:`connect`.
+    """
+
+    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
+                 show: Callable[[Any, str], None]):
+        self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
+        self._lock, self._frames = threading.Lock(), Tally()
+        self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
+        self._pageless: set[int] = set()  # here, but refused or with a page that failed
+        self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
+        self._over = False  # goodbye has been said: pages that are still being made are for nobody
+
+    def connect(self, client: Any) -> None:
+        """Take a visitor in, or say why not."""
+        visitor = client.client_id
+        with self._lock:
+            if visitor in self._left:
+                self._left.discard(visitor)
+                return
+            over, admitted = self._over, not self._over and len(self._pages) < self._places
+            if admitted:
+                self._pages[visitor] = None
+            else:
+                self._pageless.add(visitor)
+        if admitted:
+            self._admit(client)
+        else:
+            self._show(client, OVER if over else FULL + AGAIN)
+
+    def disconnect(self, client: Any) -> None:
+        """Close the visitor's page, now or as soon as it is made."""
+        visitor = client.client_id
+        with self._lock:
+            if visitor in self._pageless:
+                self._pageless.remove(visitor)
+                return
+            page = self._pages.get(visitor)
+            if page is None:
+                self._left.add(visitor)
+                return
+            del self._pages[visitor]
+        page.close()
+
+    def attend(self, token: str, watched: bool) -> bool:
+        """The browser with this token shows its page, or no longer. Whether there is such a page."""
+        with self._lock:
+            page = next((page for page in self._pages.values() if page and page.token == token), None)
+        if page is not None:
+            page.attend(watched)
+        return page is not None
+
+    def say_goodbye(self) -> None:
+        """Tell all who are here that the lab closes. Those whose pages are being made are told by who makes them."""
+        with self._lock:
+            pages, self._over = list(filter(None, self._pages.values())), True
+            self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
+        for page in pages:
+            page.close()
+            self._show(page.client, OVER)
+            page.client.flush()
+
+    def all_told(self) -> bool:
+        """After the goodbye: whether no page is being made any more whose visitor is still to hear it."""
+        return not self._pages
+
+    def health(self) -> dict[str, Any]:
+        """How the server does: for whoever watches it."""
+        return {"ready": self._pool.wait_ready(0), "sessions": len(self._pages), "places": self._places,
+                "engines": len(self._pool.process_ids), "playing": self._pool.playing,
+                "frames_per_second": self._frames.a_second}
+
+    def _admit(self, client: Any) -> None:
+        """Make the page of a visitor who has a place; one that fails leaves nothing behind."""
+        visitor, links, page = client.client_id, PageLinks(self._pool, self._frames), None
+        try:
+            page = self._make_page(client, links)
+        except Exception:
+            logging.getLogger(__name__).exception("the page of visitor %d could not be made", visitor)
+            links.close()
+        with self._lock:
+            gone, over = visitor in self._left, self._over
+            self._left.discard(visitor)
+            if page is not None and not (gone or over):
+                self._pages[visitor] = page
+                return
+            if not gone:
+                self._pageless.add(visitor)
+        if page is not None:
+            page.close()
+        if not gone:
+            self._show(client, OVER if over else FAILED)
+        with self._lock:
+            self._pages.pop(visitor, None)
+
+
+def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
+          names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
+          teacher: bool = False) -> None:
+    """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
+    ``frames`` a second, if they can be had.
+
+    Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
+    ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one, with its notes
+    for a ``teacher``. Raises :class:`ServeError` when host and port cannot be had.
+    """
+    addresses = Addresses(host, names)
+    code = code or ("" if addresses.private else made_up())
+    _require_free(host, port)
+    # The engines start before the page's imports: they need longest.
+    pool, server = EnginePool(FIRST_SCENE, _engine_count(), 1 / frames), None
+    classroom = Classroom(lesson, teacher)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
+    try:
+        server = _start_server(host, port, pool, max_sessions, addresses, code, classroom)
+        address = f"{HERE if host in EVERYWHERE else host}:{server.get_port()}"
+        print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+        if code:
+            link = f"http://{_outside(host)}:{server.get_port()}/#code={quote(code)}"
+            print(f"the class code is {code}; {link} brings it along", file=sys.stderr, flush=True)
+            if sys.stderr.isatty():
+                print(_picture(link), file=sys.stderr, flush=True)
+        lessons = shelf.lessons()  # while nothing else is to be done: the first visitor wants them
+        if warm_up:
+            pool.expect(usual_scenes(lessons, lesson))
+        while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
+            sleep(HEARS_WITHIN)
+    finally:
+        if server is not None:
+            server.visitors.say_goodbye()
+            server.wait_until_told(TOLD_WITHIN)
+        pool.close()
+        classroom.outcomes.close()
+        if server is not None:
+            with contextlib.redirect_stdout(io.StringIO()):
+                server.stop()
+
+
+def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
+                  classroom: Classroom) -> Any:
+    from app.page.page import Page
+    from app.page.panels.head import set_up
+    from app.page.viewer.index import own_index
+    from app.page.viewer.server import Doors, Lab
+    from app.page.viewer.wire import mend
+
+    mend()
+    # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+    doors = Doors(addresses, ClassCode(code, port) if code else None)
+    # The viewer would announce itself in a box of its own. The doors come first: what they let in gets the index.
+    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(), own_index():
+        server = Lab(host=host, port=port, verbose=False)
+    set_up(server.gui)
+    visitors = Visitors(pool, max_sessions, partial(Page, classroom=classroom), _show)
+    doors.watch(server, visitors)
+    server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
+    server.on_client_connect(visitors.connect)
+    server.visitors = visitors
+    return server
+
+
+def _show(client: Any, sentence: str) -> None:
+    """Nothing but a sentence: whatever had been put on the page goes."""
+    from app.page.panels.head import add_head
+
+    client.gui.reset()
+    client.scene.reset()
+    add_head(client.gui)
+    client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
+
+
+def _outside(host: str) -> str:
+    """Under which address others find this machine, as far as can be known: of all its own the one that leads out."""
+    if host not in EVERYWHERE:
+        return host
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as trial, contextlib.suppress(OSError):
+        trial.connect(("192.0.2.1", 9))  # nobody's (RFC 5737): nothing is sent, only a way out looked for
+        return str(trial.getsockname()[0])
+    return HERE
+
+
+def _picture(link: str) -> str:
+    """A link as a QR code of block characters, to be put on the board."""
+    import segno
+
+    out = io.StringIO()
+    segno.make(link, error="l", micro=False).terminal(out, compact=True)
+    return out.getvalue()
+
+
+def _engine_count() -> int:
+    """One engine fewer than the processors that this process may use, so that the page keeps one."""
+    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
+    processors = len(affinity(0)) if affinity else os.cpu_count() or 2
+    return min(MOST_ENGINES, max(1, processors - 1))
+
+
+def _require_free(host: str, port: int) -> None:
+    """The web server would silently take the next port; a person who typed a number means it."""
+    try:
+        with socket.socket() as trial:
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            trial.bind((host, port))
+    except OSError as error:
+        raise ServeError(f"cannot listen on {host}:{port} ({(error.strerror or str(error)).lower()}); "
+                         "choose another with --port or --host") from error

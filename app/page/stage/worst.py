@@ -1,0 +1,70 @@
+"""Where the error is worst: of the regions into which a problem's material is divided, the one with the largest error.
+
+A region's error is the root of the mean square over its particles, so that one odd particle does not make it the worst.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.page.visit.view import View
+from app.problems.views import VIEWS
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.scene.scene import Scene
+
+LEAD = 1.05  # by which another region must be worse to take over: a tie must not flicker
+
+
+class Worst:
+    """The number of the worst region, kept until another one is clearly worse."""
+
+    def __init__(self) -> None:
+        self._last: int | None = None
+
+    def of(self, errors: np.ndarray) -> int | None:
+        """The region with the largest of the errors; None where there is no error to speak of."""
+        known = np.where(np.isfinite(errors), errors, 0.0)
+        worst = int(np.argmax(known))
+        if not known[worst] > 0:
+            self._last = None
+        elif self._last is None or known[worst] > LEAD * known[self._last]:
+            self._last = worst
+        return self._last
+
+
+@dataclass(frozen=True)
+class WorstRegion:
+    """A region's name and its errors, estimated and true; None where one is not known."""
+
+    name: str
+    estimated: float | None
+    true: float | None
+
+
+class WorstRegions:
+    """Where one visitor's run is worst, by the estimate that is drawn and by the truth."""
+
+    def __init__(self) -> None:
+        self.scene: Scene | None = None  # of which they are
+        self.by_estimate: WorstRegion | None = None
+        self.by_truth: WorstRegion | None = None
+
+    def look(self, report: FrameReport, arrays: FrameArrays, view: View) -> None:
+        """Find both in a frame."""
+        if report.scene != self.scene:
+            self.scene, self._worst = report.scene, (Worst(), Worst())
+            at_rest = np.nan_to_num(arrays.position - arrays.displacement)
+            self._regions = VIEWS[report.scene.problem].regions(at_rest)
+        if len(self._regions.number) != len(arrays.position):
+            return  # the view is of another frame
+        errors = [None if sizes is None or len(sizes) != len(arrays.position) else self._regions.errors(sizes)
+                  for sizes in (view.estimated, view.true)]
+        self.by_estimate, self.by_truth = (self._region(worst, own, errors)
+                                           for worst, own in zip(self._worst, errors, strict=True))
+
+    def _region(self, worst: Worst, own: np.ndarray | None, errors: list[np.ndarray | None]) -> WorstRegion | None:
+        at = None if own is None else worst.of(own)
+        if at is None:
+            return None
+        return WorstRegion(self._regions.names[at], *(None if e is None else float(e[at]) for e in errors))

@@ -1,0 +1,122 @@
+"""Messages: what a browser may say over its websocket, field by field. All else is refused before the viewer sees it.
+
+The viewer believes its clients: it would set any attribute of any widget to anything, and open a tunnel on request.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+
+from app.page.viewer import upload, widgets
+
+MOST_BYTES = 32_000  # of a message that is read at all; honest ones have some hundred
+LONGEST_NAME = 1000  # letters of a file's name
+FAR = 1e6  # no camera, and no place of the canvas, is further out
+LARGEST_CANVAS = 32_768  # pixels
+STEEP = 1e-6  # part of a click's ray across the stage; one along the stage never meets it
+
+Fields = dict[str, Callable[[Any], bool]]
+
+
+def _numbers(count: int, reach: float = FAR) -> Callable[[Any], bool]:
+    return lambda value: (type(value) is list and len(value) == count
+                          and all(widgets.number(part, -reach, reach) for part in value))
+
+
+def _between(low: float, high: float) -> Callable[[Any], bool]:
+    return lambda value: widgets.number(value, low, high)
+
+
+def _whole(low: int, high: int) -> Callable[[Any], bool]:
+    return lambda value: type(value) is int and low <= value <= high
+
+
+def _words(value: Any) -> bool:
+    return type(value) is str and len(value) <= widgets.LONGEST_TEXT
+
+
+def _or_none(rule: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: value is None or rule(value)
+
+
+def _turn(value: Any) -> bool:
+    """A rotation, as four numbers whose squares add up to one."""
+    return _numbers(4, 1.01)(value) and abs(math.hypot(*value) - 1) < 0.01
+
+
+def _ray(value: Any) -> bool:
+    return _numbers(3)(value) and abs(value[2]) > STEEP
+
+
+def _places(value: Any) -> bool:
+    return type(value) is list and len(value) <= 2 and all(map(_numbers(2), value))
+
+
+def _file_name(value: Any) -> bool:
+    return type(value) is str and len(value) <= LONGEST_NAME
+
+
+def _value_alone(value: Any) -> bool:
+    """Of all that a widget has, a visitor changes the value only."""
+    return type(value) is dict and list(value) == ["value"]
+
+
+_SPACE = _numbers(3)
+#: Every kind of message that the page needs, with all of its fields.
+FIELDS: dict[str, Fields] = {
+    "GuiUpdateMessage": {"uuid": _words, "updates": _value_alone},
+    "ViewerCameraMessage": {
+        "wxyz": _turn, "position": _SPACE, "fov": _between(1e-3, math.pi), "near": _between(0, FAR),
+        "far": _between(0, FAR), "image_height": _whole(1, LARGEST_CANVAS), "image_width": _whole(1, LARGEST_CANVAS),
+        "look_at": _SPACE, "up_direction": _SPACE},
+    "ScenePointerMessage": {
+        "event_type": lambda value: value in ("click", "rect-select"), "ray_origin": _or_none(_SPACE),
+        "ray_direction": _or_none(_ray), "screen_pos": _places, "modifier": _or_none(_words)},
+    upload.START: {
+        "source_component_uuid": _words, "transfer_uuid": _words, "filename": _file_name,
+        "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
+    upload.PART: {
+        "source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),
+        "content": lambda value: type(value) is bytes},
+    "FileTransferPartAck": {
+        "source_component_uuid": _or_none(_words), "transfer_uuid": _words,
+        "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
+
+
+def refusal(message: bytes | str, find: Callable[[str], Any]) -> str | None:
+    """Why a message is refused; None where it is not. ``find`` gives the widget with an id on the sender's page. A part
+    of a file is taken in by that (``upload``)."""
+    part_of_file = upload.kind_of(message)
+    most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
+    if not isinstance(message, bytes) or len(message) > most:
+        return "a message that is no message of the page"
+    try:
+        said = msgspec.msgpack.decode(message)
+    except (ValueError, RecursionError, TypeError):
+        return "a message that is no message of the page"
+    kind = said.pop("type", None) if type(said) is dict else None
+    fields = FIELDS.get(kind) if type(kind) is str else None
+    if fields is None:
+        return "a message of a kind that the page has no use for"
+    if kind in upload.HEADS and kind != part_of_file:
+        return "a file that no page sends"
+    if said.keys() != fields.keys() or not all(rule(said[name]) for name, rule in fields.items()):
+        return f"a {kind} with fields that it cannot have"
+    if kind == "ScenePointerMessage":
+        return None if _pointer(said) else "a place that nobody can point at"
+    if part_of_file:
+        box = upload.of(find(said["source_component_uuid"]))
+        return "a file that nobody has asked for" if box is None else box.take(part_of_file, said)
+    if kind == "GuiUpdateMessage":
+        widget = find(said["uuid"])
+        return "a widget that is not there" if widget is None else widgets.refusal(widget, said["updates"]["value"])
+    return None
+
+
+def _pointer(said: dict[str, Any]) -> bool:
+    """A click has a ray and a place, a rectangle two corners."""
+    if said["event_type"] == "click":
+        return said["ray_origin"] is not None and said["ray_direction"] is not None and len(said["screen_pos"]) == 1
+    return len(said["screen_pos"]) == 2

@@ -1,0 +1,91 @@
+"""The history of a live run: the sampled norms from its start until now, at a resolution that fits a plot."""
+
+import math
+import threading
+
+import numpy as np
+
+from app.page.visit.downsampled import Courses
+from solvers.scene.scene import Scene
+from solvers.solver import samples
+from solvers.solver.samples import QUANTITIES
+
+CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are counted
+MOST_WAITING = 500  # frames' samples that may wait for a reader
+
+
+class History(Courses):
+    """Sampled norms and the running error index of one run. One thread adds, any may read.
+
+    Its series are named as in ``solvers.solver.samples.read``, and up to that time the error index (eq 35) and the
+    pointwise distance as ``transport/index_x`` and ``transport/distance_x``. Frames come more often than anybody reads,
+    and a few samples cost as much work as many: they wait for the next reader.
+    """
+
+    def __init__(self, scene: Scene, particles: int):
+        super().__init__(scene.period)
+        self.scene, self._particles = scene, particles
+        self._lock = threading.Lock()
+        self._waiting: list[np.ndarray] = []
+        self._margin = math.nan
+        self._sums: dict[str, float] = {}
+
+    def add(self, rows: np.ndarray) -> None:
+        """Append rows of samples (``solvers.solver.samples``)."""
+        with self._lock:
+            if len(rows):
+                self._waiting.append(rows)
+            many = len(self._waiting) > MOST_WAITING
+        if many:
+            self._take_in()
+
+    @property
+    def series(self) -> dict[str, np.ndarray]:
+        self._take_in()
+        return super().series
+
+    @property
+    def latest(self) -> dict[str, np.ndarray]:
+        self._take_in()
+        return super().latest
+
+    @property
+    def margin(self) -> float:
+        """Of the step, as last looked at: few samples do."""
+        self._take_in()
+        return self._margin
+
+    def _take_in(self) -> None:
+        with self._lock:
+            waiting, self._waiting = self._waiting, []
+            if waiting:
+                self._extend(np.concatenate(waiting))
+
+    def _extend(self, rows: np.ndarray) -> None:
+        scene = self.scene
+        new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step)
+        for estimator in scene.active_estimators:
+            for q in QUANTITIES:
+                true = self._running(f"error_{q}", new, key=f"{estimator}/{q}")
+                for ratio, norm in (("index", "estimate"), ("distance", "difference")):
+                    with np.errstate(divide="ignore", invalid="ignore"):
+                        new[f"{estimator}/{ratio}_{q}"] = np.where(
+                            true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
+        looked = np.flatnonzero(np.isfinite(new["margin"]))
+        self._margin = float(new["margin"][looked[-1]]) if len(looked) else self._margin
+        self.append(new)
+
+    def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Times and grid crossings per second of simulated time, each over a twentieth of a period or more, from
+        :attr:`series` or :attr:`latest`."""
+        if len(series.get("time", ())) < 2:
+            return np.zeros(0), np.zeros(0)
+        time, count = series["time"], series["crossings"]
+        spacing = (time[-1] - time[0]) / (len(time) - 1)
+        lag = max(1, min(len(time) - 1, round(CROSSING_WINDOW * self.scene.period / spacing)))
+        return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])
+
+    def _running(self, name: str, new: dict[str, np.ndarray], key: str | None = None) -> np.ndarray:
+        totals = np.cumsum(new[name]) + self._sums.get(key or name, 0.0)
+        self._sums[key or name] = float(totals[-1])
+        return totals

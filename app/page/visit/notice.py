@@ -1,0 +1,36 @@
+"""What a visitor should read now, in a sentence; and doubts of a run that is sound in itself."""
+
+import math
+from dataclasses import dataclass
+
+from app.page.visit.history import History
+from app.words import on_page, ratio
+
+BROKEN = 30.0  # error index from which on an estimate is no estimate
+LINE_HEIGHT, LETTER_WIDTH, ASIDE, ABOVE = 18.0, 6.6, 64.0, 24.0  # pixels, of a notice
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A sentence for the visitor. ``kind`` is "refused", "unstable", "lost", "wait" or "trouble"."""
+
+    kind: str
+    sentence: str
+
+    def height(self, width: float) -> float:
+        """About how many pixels it covers at the bottom of a stage so many pixels wide (``style.css``)."""
+        return LINE_HEIGHT * math.ceil(LETTER_WIDTH * len(self.sentence) / max(LETTER_WIDTH, width - ASIDE)) + ABOVE
+
+
+def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
+    """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
+    series, scene = history.series, history.scene
+    if not len(series.get("error_x", ())):
+        return None
+    for estimator in valid:
+        index = series[f"{estimator}/index_x"][-1]
+        if index > BROKEN:
+            return Notice("refused", f"The estimate {estimator} has broken down: it is {ratio(index)} times the "
+                                     "true error of x. Do not trust it here.")
+    warnings = scene.warnings()
+    return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

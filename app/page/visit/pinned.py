@@ -1,0 +1,71 @@
+"""The pinned run: what was on the stage when the visitor pinned it, run again beside what the controls change."""
+
+from collections.abc import Callable
+
+from app.page.visit.history import History
+from app.page.visit.view import View, look
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.engine.pool import Listener, SessionLink
+from solvers.scene.scene import Scene
+from solvers.solver.soundness import UNSTABLE
+
+
+class PinnedRun:
+    """A scene that stays, the last frame of it and its history. The engine keeps it together with the visitor's session
+    (:class:`~solvers.engine.messages.Wish`, ``partner``) and starts it again with that."""
+
+    def __init__(self, open_link: Callable[[Listener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
+        self.scene, self._on_frame = scene, on_frame
+        self.history = History(scene, scene.particles)
+        self.last: tuple[FrameReport, FrameArrays] | None = None
+        self._trouble: str | None = None
+        self._link = open_link(self)
+
+    def follow(self, playing: bool, speed: float, single_steps: int, differences: bool, plotted: str,
+               ends: bool) -> None:
+        """Do as the visitor's session is asked to; ``speed`` is in periods a second."""
+        self._trouble = None
+        self._link.ask(self.scene, playing, speed * self.scene.period, 0, single_steps, differences, plotted,
+                       ends=ends)
+
+    def close(self) -> None:
+        self._link.close()
+
+    def estimator(self, drawn: str | None) -> str | None:
+        """The estimator on the visitor's stage, or the first where this run has not got it."""
+        return drawn if drawn in self.scene.estimators else next(iter(self.scene.estimators), None)
+
+    def view(self, quantity: str, drawn: str | None, difference: bool) -> View | None:
+        """What the stage shows of the last frame; nothing before there is one that holds what is asked for."""
+        if self.last is None:
+            return None
+        report, arrays = self.last
+        estimator = self.estimator(drawn)
+        return look(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
+
+    def shortfall(self) -> str | None:
+        """Why it does not go on, in few words; None while it does."""
+        if self._trouble:
+            return self._trouble
+        report = self.last[0] if self.last else None
+        if report is None or report.status != UNSTABLE:
+            return None
+        return f"went unstable and has stopped at {report.time / self.scene.period:.2f} periods"
+
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """From the engine's reader thread, as the three below."""
+        if report.fresh:
+            self.history = History(report.scene, report.particles)
+        self.history.add(report.rows)
+        self.last = report, arrays
+        self._on_frame()
+
+    def on_compiling(self, number: int) -> None:
+        """It is on the stage as soon as it can be."""
+
+    def on_trouble(self, sentence: str) -> None:
+        self._trouble = sentence
+
+    def on_engine_lost(self) -> None:
+        """The link asks again by itself."""

@@ -1,0 +1,305 @@
+"""Session: one visitor's wishes and what has come back. Knows nothing of how it is shown."""
+
+import math
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from dataclasses import asdict, replace
+from time import monotonic
+
+from app.page.visit.health import Tally
+from app.page.visit.history import History
+from app.page.visit.limits import FASTEST, too_many
+from app.page.visit.notice import Notice, doubt
+from app.page.visit.pinned import PinnedRun
+from app.problems.views import VIEWS
+from app.words import on_page
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.engine.pool import EnginePool, Listener, SessionLink
+from solvers.problems import PROBLEMS
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
+from solvers.solver.samples import QUANTITIES
+
+TO_BE_READ = 8.0  # seconds that what has happened is said
+SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
+CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told of those who share the computer
+
+
+def first_scene(problem: str) -> Scene:
+    """What the page shows of a problem at first."""
+    kind = PROBLEMS[problem].scene
+    scene = kind(periods=min(1, kind.DEFAULT_PERIODS))
+    return replace(scene, estimators=VIEWS[problem].estimators or scene.estimators)
+
+
+FIRST_SCENE = first_scene(next(iter(PROBLEMS)))
+
+
+class PageLinks(ExitStack):
+    """The pool as one page sees it; ``close`` closes all that was opened. ``frames`` counts those of all pages."""
+
+    def __init__(self, pool: EnginePool, frames: Tally | None = None):
+        super().__init__()
+        self._pool, self.frames = pool, frames or Tally()
+
+    def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
+        return self.enter_context(closing(self._pool.open(listener, beside)))
+
+    @property
+    def playing(self) -> int:
+        """The number of stages that move, of all visitors."""
+        return self._pool.playing
+
+
+class Session:
+    """Holds the wished scene (the latest wins), the last frame and the run's history."""
+
+    def __init__(self, pool: PageLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
+        self._lock = threading.RLock()
+        self._on_frame = on_frame
+        self._refusal: str | None = None
+        self._trouble: str | None = None
+        self._engine_lost = self._differences = False
+        self._news = (-math.inf, "")  # when something has happened, and what is said of it for a while
+        self._crowded_at = -math.inf
+        self.watched, self._rests = True, False
+        self._plotted = QUANTITIES[0]
+        self._dissected: int | None = None
+        self._restarts = self._single_steps = self._number = self._compiled_for = 0
+        self._start(scene)
+        self.history = History(scene, scene.particles)
+        self.report: FrameReport | None = None
+        self.pinned: PinnedRun | None = None
+        self._pool, self._link = pool, pool.open(self)
+        self._ask()
+
+    def set(self, **fields: object) -> None:
+        """Ask for some fields of the scene. What cannot be is refused in words, and the present scene runs on.
+
+        A refused value stays wished, as it stays on the visitor's slider, until the whole wish can be met.
+        """
+        with self._lock:
+            self._wished |= fields
+            try:
+                scene = PROBLEMS[self._wished["problem"]].scene(**self._wished)
+            except SceneError as refusal:
+                self._refusal = on_page(str(refusal))
+                return
+            self._refusal = too_many(scene) or None
+            if not self._refusal:
+                self.scene, self._beyond = scene, False
+                self._ask()
+
+    def choose(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
+        """Take a scene whole, at so many periods a second, to its end or further; what was wished of the one before is
+        forgotten."""
+        with self._lock:
+            self._refusal = too_many(scene) or None
+            if self._refusal:
+                return
+            if scene.problem != self.scene.problem and self.pinned:
+                self.unpin()
+                self._news = monotonic(), "The pinned run has gone: the two are compared on one problem only."
+            self._start(scene, speed, ends)
+            self._restarts += 1  # also where it is the scene that there is
+            self._ask()
+
+    def play(self, playing: bool, single_steps: int = 0) -> None:
+        """Go on or pause, and take so many time steps. A run that has come to its end goes on beyond it."""
+        with self._lock:
+            self.playing, self._rests = playing, False
+            self._beyond = self._beyond or (self.ended and (playing or single_steps > 0))
+            self._single_steps += single_steps
+            self._ask()
+
+    def rest(self) -> None:
+        """Pause until the visitor comes back."""
+        with self._lock:
+            self.playing, self._rests = False, True
+            self._ask()
+
+    def attend(self, watched: bool) -> None:
+        """Somebody looks, or nobody: then the run rests, and goes on later as if no time had passed."""
+        with self._lock:
+            if watched != self.watched:
+                self.watched = watched
+                self._ask()
+
+    @property
+    def untouched(self) -> float:
+        """Seconds since the visitor last asked for anything."""
+        return monotonic() - self._asked_at
+
+    def dissect(self, particle: int | None, step: bool = True) -> int:
+        """Pause, and take one ``step`` apart around a particle, or the last one again; None asks for no more of that.
+        The number of the wish."""
+        with self._lock:
+            self._dissected = particle
+            if particle is not None:
+                self.playing, self._beyond = False, self._beyond or self.ended
+                self._single_steps += step
+            self._ask()
+            return self._number
+
+    @property
+    def moves(self) -> tuple:
+        """What moves the run on: another one since the last time means that the visitor has asked for that."""
+        return self.scene, self._restarts, self._single_steps, self.playing
+
+    @property
+    def ended(self) -> bool:
+        """Whether the run has come to the end at which it was to stop."""
+        return self.ends and not self._beyond and self.report is not None \
+            and self.report.step >= self.report.scene.steps
+
+    def reset(self) -> None:
+        """Start the scene again from t = 0."""
+        with self._lock:
+            self._restarts += 1
+            self._beyond = False
+            self._ask()
+
+    def refuse(self, sentence: str) -> None:
+        """Something was asked for that means nothing; the present scene runs on."""
+        with self._lock:
+            self._refusal = sentence
+
+    def set_speed(self, speed: float) -> None:
+        """Periods a second."""
+        with self._lock:
+            if speed > FASTEST:
+                self._refusal = f"Speed: {speed:g} periods a second are too many; at most {FASTEST:g} can be asked for"
+                return
+            if (self._refusal or "").startswith("Speed:"):
+                self._refusal = None
+            self.speed = speed
+            self._ask()
+
+    def compare(self, differences: bool) -> None:
+        """Ask that frames bring the size of estimate minus truth, or no longer."""
+        with self._lock:
+            self._differences = differences
+            self._ask()
+
+    def plot(self, quantity: str) -> None:
+        """Ask that frames bring the field of the quantity with this key."""
+        with self._lock:
+            self._plotted = quantity
+            self._ask()
+
+    def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
+        """Have a scene, that of the run on the stage unless it is given, stay beside what is asked for from now on;
+        both begin at t = 0."""
+        with self._lock:
+            shown = self.report.scene if self.report else self.scene
+            scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
+            self.unpin()
+            self.pinned = PinnedRun(lambda run: self._pool.open(run, self._link), scene, on_frame)
+            self._ask()
+
+    def unpin(self) -> None:
+        with self._lock:
+            pinned, self.pinned = self.pinned, None
+        if pinned:
+            pinned.close()
+
+    def close(self) -> None:
+        self.unpin()
+        self._link.close()
+
+    @property
+    def others_playing(self) -> bool:
+        """Whether other visitors' stages move on this server."""
+        return self._others > 0
+
+    @property
+    def _others(self) -> int:
+        return self._pool.playing - self.playing * (1 + bool(self.pinned))
+
+    @property
+    def compiling(self) -> bool:
+        """Whether the last wish waits for a compiler. The scene before it goes on meanwhile."""
+        answered = 0 if self.report is None else self.report.number
+        return self._compiled_for == self._number > answered and not self._engine_lost
+
+    def notice(self) -> Notice | None:
+        """The one thing that the visitor should read now, if any."""
+        with self._lock:
+            waiting = self.report is None or self.report.number < self._number
+            urgent, history = self._urgent(waiting), self.history
+            valid = self.report.valid_estimators if self.report else ()
+        # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
+        return urgent or (None if waiting else doubt(history, valid) or self._crowd())
+
+    def _urgent(self, waiting: bool) -> Notice | None:
+        """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
+        if self._trouble:
+            return Notice("trouble", self._trouble)
+        if self._engine_lost and waiting:
+            return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
+                                  "and the scene begins again.")
+        if self._refusal:
+            return Notice("refused", f"{self._refusal}. The scene before it runs on.")
+        if self._rests and not self.playing:
+            return Notice("wait", "The run rests, because nobody has asked anything of it for a while. Press Play to "
+                                  "go on.")
+        waited = monotonic() - self._asked_at
+        if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
+            so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
+            return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
+                                  "is compiled the first time it is used; several estimators at once take longest.")
+        if self.report and self.report.reason and not waiting:
+            return Notice(self.report.status, f"{on_page(self.report.reason)}.")
+        happened, sentence = self._news
+        return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None
+
+    def _crowd(self) -> Notice | None:
+        """That others' runs slow this one down. What is said stays a while: real speeds go up and down."""
+        report, others = self.report, self._others
+        if report and report.playing and report.real_speed is not None and others \
+                and report.real_speed < CROWDED_BELOW * self.speed * report.scene.period:
+            self._crowded_at = monotonic()
+        if monotonic() > self._crowded_at + TO_BE_READ:
+            return None
+        return Notice("wait", f"{others + 1} runs share this computer, which cannot move all of them as fast as they "
+                              "are asked to: they take turns, and each is as right as ever.")
+
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """From the engine's reader thread, as the two below."""
+        with self._lock:
+            if report.fresh:
+                self.history = History(report.scene, report.particles)
+            self.history.add(report.rows)
+            self.report, self._engine_lost, self._trouble = report, False, None
+        self._on_frame(report, arrays)
+
+    def on_compiling(self, number: int) -> None:
+        with self._lock:
+            self._compiled_for = number
+
+    def on_trouble(self, sentence: str) -> None:
+        with self._lock:
+            self._trouble = sentence
+
+    def on_engine_lost(self) -> None:
+        with self._lock:
+            self._engine_lost = True
+            self._news = monotonic(), ("The simulation process ended unexpectedly; another one has taken its place, "
+                                       "and the scene has begun again.")
+            self._number += 1  # the link asks again under the next number
+
+    def _start(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
+        self._wished, self.scene, self.playing, self.ends = asdict(scene), scene, True, ends
+        self._beyond = False  # the end, because somebody asked for more
+        self.speed = VIEWS[scene.problem].speed if speed is None else speed
+
+    def _ask(self) -> None:
+        self._trouble, self._asked_at = None, monotonic()
+        playing, ends = self.playing and self.watched, self.ends and not self._beyond
+        self._number = self._link.ask(self.scene, playing, self.speed * self.scene.period, self._restarts,
+                                      self._single_steps, self._differences, self._plotted, self._dissected,
+                                      ends)
+        if self.pinned:
+            self.pinned.follow(playing, self.speed, self._single_steps, self._differences, self._plotted, ends)

@@ -1,0 +1,86 @@
+"""What another code is given of a problem: particles, tables and numbers, from the problem's ``outside``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from solvers.estimators.alone import Body, Lost, solve
+from solvers.judging.columns import LETTERS
+from solvers.judging.frames import Frame
+from solvers.problems import PROBLEMS
+from solvers.problems.reference import OF_METHODS, Start, Texts
+from solvers.scene.rules import SceneError, field_key
+from solvers.scene.scene import Scene
+
+SCHEMA = "mpm-lab/problem/1"
+
+
+def start(scene: Scene) -> Start:
+    return PROBLEMS[scene.problem].outside.start(scene)
+
+
+def texts(scene: Scene) -> Texts:
+    return PROBLEMS[scene.problem].outside.texts(scene)
+
+
+def initial(scene: Scene) -> Frame:
+    """The particles at the time 0."""
+    outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
+    return Frame("", 0.0, np.arange(len(X)), X, X.copy(), outside.velocity(scene, X, 0.0),
+                 outside.initial_deformation_gradient(scene, X))
+
+
+def masses(scene: Scene) -> np.ndarray:
+    """Of the particles (P,), of a thickness of 1 m, in kg: the density is that of the material without deformation."""
+    first = initial(scene)
+    return scene.density * start(scene).volume / np.linalg.det(np.asarray(first.deformation_gradient))
+
+
+def exact(scene: Scene, t: float) -> Frame:
+    """The particles at a time where they should be."""
+    outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
+    return Frame("", t, np.arange(len(X)), X, X + outside.displacement(scene, X, t), outside.velocity(scene, X, t),
+                 outside.deformation_gradient(scene, X, t), outside.exact_stress(scene, X, t))
+
+
+def companion(scene: Scene, times: Sequence[float]) -> list[Frame]:
+    """The particles where a companion has them: for problems that have no exact solution."""
+    outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
+    (body, solved), frames = solution(scene, True, times), []
+    for t, (u, v) in zip(times, solved, strict=True):
+        (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
+        F = (np.eye(X.shape[1]) + gradient) @ outside.initial_deformation_gradient(scene, X)
+        frames.append(Frame("", t, np.arange(len(X)), X, X + moved, speed, F, outside.stress(scene, F)))
+    return frames
+
+
+def solution(scene: Scene, fine: bool, times: Sequence[float]) -> tuple[Body, list[tuple[np.ndarray, np.ndarray]]]:
+    """The companion's body and what moves it at the times; :class:`~solvers.scene.rules.SceneError` where it is
+    lost."""
+    body = PROBLEMS[scene.problem].outside.companion(scene, fine)
+    try:
+        return body, solve(body, times)
+    except Lost as lost:
+        raise SceneError("amplitude", scene.amplitude, "is so large that the companion, a spectral-element solution of "
+                         f"the same problem, is lost before t = {lost.time:.4g} s (body force {scene.body_force}); "
+                         "give earlier times or a smaller amplitude") from None
+
+
+def force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
+    """The body force on a line of material points over the first two periods of its vibration."""
+    outside = PROBLEMS[scene.problem].outside
+    X, instants = outside.table_points(scene, points), np.linspace(0, 2 * scene.period, times)
+    b = np.concatenate([outside.body_force(scene, X, t) for t in instants])
+    where = {LETTERS[k].upper(): np.tile(X[:, k], times) for k in range(X.shape[1])}
+    return {"t": np.repeat(instants, len(X)), **where, **{f"b{LETTERS[k]}": b[:, k] for k in range(X.shape[1])}}
+
+
+def numbers(scene: Scene) -> dict:
+    """The problem's numbers, for programs."""
+    of_methods = {field_key(name) for name in OF_METHODS}
+    fields = {key: value for key, value in scene.to_dict().items() if key not in of_methods and value is not None}
+    return {**fields, "h": scene.spacing, "particles": len(start(scene).volume), "period": scene.period,
+            "angular_frequency": scene.angular_frequency, "wave_speed": scene.wave_speed,
+            "solution_known": scene.solution_known}

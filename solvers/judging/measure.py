@@ -1,0 +1,246 @@
+"""How wrong particles are: errors against the truth or the companion, their norms over time, and where they are worst.
+
+Errors are computed minus exact at a material point, their sizes Euclidean and Frobenius norms, a norm the root of the
+mean square over the particles that are there: as in our own runs (``solvers.solver.samples``).
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.estimators.alone import Body
+from solvers.judging.frames import Frame, Grid
+from solvers.judging.handout import solution
+from solvers.judging.placing import check_origin
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+from solvers.solver.norms import distance, error_index, finite, summary
+
+QUANTITIES = ("x", "v", "sigma")
+Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
+APART = 20.0  # times the usual distance from its neighbours' error, from where on a particle is by itself
+LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave up to .01 on evenly laid particles
+NEIGHBOURS = 8  # particles of a group that share their error, at least about
+
+
+def truth(scene: Scene, frame: Frame) -> Errors:
+    """The true errors of a frame."""
+    outside, X, t = PROBLEMS[scene.problem].outside, frame.material_position, frame.time
+    return _errors(scene, frame, outside.displacement(scene, X, t), outside.velocity(scene, X, t),
+                   outside.exact_stress(scene, X, t))
+
+
+def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
+    """The Cauchy stress: the file's own, or what F gives."""
+    if frame.stress is not None or frame.deformation_gradient is None:
+        return frame.stress
+    with np.errstate(all="ignore"):
+        return PROBLEMS[scene.problem].outside.stress(scene, frame.deformation_gradient)
+
+
+def sizes(error: np.ndarray) -> np.ndarray:
+    """Lengths and Frobenius norms (P,) of errors (P, ...)."""
+    return np.sqrt(np.sum(error.reshape(len(error), -1) ** 2, axis=1))
+
+
+def rms(error: np.ndarray) -> float:
+    """The root of the mean square of the sizes."""
+    return float(np.sqrt(np.sum(error**2) / len(error)))
+
+
+@dataclass(frozen=True)
+class Companions:
+    """A companion at some times, on two meshes: the difference is what it does not know itself."""
+
+    scene: Scene
+    times: tuple[float, ...]
+
+    @functools.cached_property
+    def _solved(self) -> list[tuple[Body, list[tuple[np.ndarray, np.ndarray]]]]:
+        return [solution(self.scene, fine, self.times) for fine in (True, False)]
+
+    def errors(self, frame: Frame, fine: bool = True) -> Errors:
+        """The errors of a frame as the companion sees them."""
+        return _errors(self.scene, frame, *self._fields(frame, fine))
+
+    def doubt(self, frame: Frame) -> dict[str, float]:
+        """How far the companion's two meshes are apart at the frame's particles."""
+        return {q: rms(one - other) for q, one, other in zip(QUANTITIES, self._fields(frame, True),
+                                                             self._fields(frame, False), strict=True)}
+
+    def _fields(self, frame: Frame, fine: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        body, solved = self._solved[0 if fine else 1]
+        u, v = solved[self.times.index(frame.time)]
+        X = frame.material_position
+        (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
+        outside = PROBLEMS[self.scene.problem].outside
+        F = (np.eye(X.shape[1]) + gradient) @ outside.initial_deformation_gradient(self.scene, X)
+        return moved, speed, outside.stress(self.scene, F)
+
+
+def _errors(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:
+    found = {"x": frame.position - frame.material_position - u}
+    if frame.velocity is not None:
+        found["v"] = frame.velocity - v
+    own = stress(scene, frame)
+    if own is not None:
+        found["sigma"] = own - sigma
+    return found
+
+
+def series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
+    """The norms over time of each quantity, NaN where a file does not have it."""
+    return {q: np.array([rms(e[q]) if q in e else np.nan for e in errors]) for q in QUANTITIES}
+
+
+def listed(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
+    """Norms over time as JSON has them, None where one is not known."""
+    return {q: [finite(value) for value in values] for q, values in norms.items()}
+
+
+def summarised(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
+    """Final, largest and mean norms over the times after the start, as those of our runs."""
+    later = times > 0 if (times > 0).any() else np.ones(len(times), bool)
+    return {q: summary(np.concatenate([[np.nan], values[later]])) for q, values in norms.items()}
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The largest error of a quantity: its size, whose it is, where and when."""
+
+    size: float
+    particle: int
+    place: tuple[float, ...]
+    time: float
+    file: str
+
+    def to_dict(self) -> dict:
+        return {"size": finite(self.size), "particle": self.particle, "X": list(self.place), "t": self.time,
+                "file": self.file}
+
+
+def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> Worst | None:
+    """The largest error of all times; None where no file has the quantity."""
+    found = [(float(sizes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
+    if not found:
+        return None
+    size, k = max(found)
+    p = int(np.argmax(sizes(errors[k][quantity])))
+    frame = frames[k]
+    return Worst(size, int(frame.number[p]), tuple(map(float, frame.material_position[p])), frame.time, frame.file)
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Particles that are not where their neighbours are: ``which`` (n,) of a frame, and how far (n,) in m."""
+
+    frame: Frame
+    which: np.ndarray
+    far: np.ndarray
+
+    def to_dict(self, scene: Scene) -> dict:
+        worst = int(np.argmax(self.far))
+        X = self.frame.material_position[self.which]
+        return {"t": self.frame.time, "file": self.frame.file, "count": len(self.which),
+                "share": len(self.which) / len(self.frame.number), "farthest": float(self.far[worst]),
+                "farthest_over_h": float(self.far[worst]) / scene.spacing,
+                "particle": int(self.frame.number[self.which[worst]]), "X": X[worst].tolist(),
+                "from": X.min(axis=0).tolist(), "to": X.max(axis=0).tolist()}
+
+
+def apart(scene: Scene, frames: Sequence[Frame], errors: Sequence[Errors]) -> Apart | None:
+    """The frame in which most particles are by themselves; None where none is in any."""
+    found = [_by_themselves(scene, frame, e["x"]) for frame, e in zip(frames, errors, strict=True)]
+    most = max(found, key=lambda one: len(one.which))
+    return most if len(most.which) else None
+
+
+def _by_themselves(scene: Scene, frame: Frame, error: np.ndarray) -> Apart:
+    """An error of x is a smooth field but for noise of the method: particles whose error is far from the middle one of
+    their neighbours', by the measure of all others, have been moved by something else."""
+    X = frame.material_position
+    # Blocks of two cells, for one has few particles; a block at the rim has fewer, and shares with none.
+    width = scene.spacing * max(2.0, NEIGHBOURS / scene.ppc if X.shape[1] == 1 else 2.0)
+    block = np.unique((X // width).astype(int), axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(block, kind="stable")
+    off = np.zeros_like(error)
+    for group in np.split(order, np.flatnonzero(np.diff(block[order])) + 1):
+        if len(group) >= 3:
+            off[group] = error[group] - np.median(_levelled(X[group], error[group]), axis=0) if len(group) < 6 \
+                else _levelled(X[group], error[group])
+    far = sizes(off)
+    which = np.flatnonzero(far > max(APART * float(np.median(far)), LEAST_APART * scene.spacing))
+    return Apart(frame, which, far[which])
+
+
+def _levelled(X: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Errors (n, D) of a group less a plane through most of them, which a few that are far off do not tilt."""
+    if len(X) < 6:
+        return error
+    A = np.hstack([np.ones((len(X), 1)), X - X.mean(axis=0)])
+    kept = np.ones(len(X), bool)
+    rest = error
+    for _ in range(4):  # fits without the farthest, as long as there are enough
+        plane = np.linalg.lstsq(A[kept], error[kept], rcond=None)[0]
+        rest = error - A @ plane
+        far = sizes(rest)
+        before, kept = kept, far <= max(3 * float(np.median(far)), 1e-300)
+        if kept.sum() <= A.shape[1] or np.array_equal(kept, before):
+            break  # a plane through the same ones would be the same
+    return rest
+
+
+def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
+    """Which particles (P,) of each frame are in another cell than at the time before, or than where they began."""
+    before, corner = None, PROBLEMS[scene.problem].outside.grid_corner(scene)
+    for frame in frames:
+        order = np.lexsort(frame.material_position.T)
+        X, x = frame.material_position[order], frame.position[order]
+        if before is None or before[0].shape != X.shape or not np.array_equal(before[0], X):
+            before = X, X
+        was, now = (np.floor((place - corner) / scene.spacing) for place in (before[1], x))
+        moved = np.empty(len(X), bool)
+        moved[order] = (now != was).any(axis=1)
+        yield moved
+        before = X, x
+
+
+def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
+    """Times that a particle was in another cell than at the time before: at least so many crossings, for between two
+    times it may have gone to and fro."""
+    return sum(int(moved.sum()) for moved in crossed(scene, frames))
+
+
+def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray]) -> dict[str, float | None]:
+    """The error index of each quantity (eq 35)."""
+    return {q: error_index(estimated[q], true[q]) for q in QUANTITIES}
+
+
+def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
+    """How far estimates are from the truth particle by particle, over the size of the truth."""
+    between = series([{q: mine[q] - theirs[q] for q in mine} for mine, theirs in zip(estimates, errors, strict=True)])
+    true = series(errors)
+    return {q: distance(between[q], true[q]) for q in QUANTITIES}
+
+
+def law_kept(scene: Scene, grid: Grid) -> float | None:
+    """Where a file has F and the stress: how far the stress is from what F gives by the law of the material, over its
+    size, at most; None where no file has both."""
+    worst = None
+    for frame in grid.frames:
+        if frame.stress is None or frame.deformation_gradient is None:
+            continue
+        own = PROBLEMS[scene.problem].outside.stress(scene, frame.deformation_gradient)
+        size = rms(own)
+        worst = max(worst or 0.0, rms(frame.stress - own) / size if size > 0 else 0.0)
+    return worst
+
+
+def checked(scene: Scene, grid: Grid, errors: Sequence[Errors]) -> None:
+    """Refuse particles that are shifted as a whole."""
+    for frame, error in zip(grid.frames, errors, strict=True):
+        check_origin(frame, error["x"], scene)

@@ -1,0 +1,199 @@
+"""From files to grids of particles: whose material points they are, at what times, and whether that can be."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from solvers.judging.columns import spelled
+from solvers.judging.frames import FileError, Frame, Grid, Raw
+from solvers.problems import PROBLEMS
+from solvers.problems.reference import Outside
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
+
+SAME = 1e-9  # of a period: two times that are nearer are one
+RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
+
+
+def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Sequence[float]) -> list[Grid]:
+    """The runs in the files, coarse ones first.
+
+    ``cells`` is the scene's own number, or one for each file, and holds where a file says none; ``times`` are those of
+    the files in their order, or nothing where the files say them.
+    """
+    outside = PROBLEMS[scene.problem].outside
+    frames: dict[int, list[Frame]] = {}
+    notes: dict[int, list[str]] = {}
+    for k, raw in enumerate(files):
+        count = raw.cells if raw.cells is not None else cells[k if len(cells) > 1 else 0]
+        own = _scene_of(raw.file, scene, count)
+        found, said = _frames(raw, own, outside, times[k] if times else None)
+        frames.setdefault(count, []).extend(found)
+        notes.setdefault(count, []).extend(said)
+    return [Grid(count, _in_order(frames[count], scene), tuple(dict.fromkeys(notes[count])))
+            for count in sorted(frames)]
+
+
+def _scene_of(file: str, scene: Scene, cells: int) -> Scene:
+    try:
+        return replace(scene, cells=cells)
+    except SceneError as error:
+        raise FileError(file, f"belongs to a grid of {cells} cells, which cannot be: {error.field} {error.value}: "
+                              f"{error.sentence}") from None
+
+
+def _frames(raw: Raw, scene: Scene, outside: Outside, given: float | None) -> tuple[list[Frame], list[str]]:
+    """A file's particles, time by time, and what is to be noted of them."""
+    D, columns = len(outside.axes), raw.columns
+    if "x" not in columns:
+        raise FileError(raw.file, f"has no positions ({spelled('x', D)} or position); its columns are "
+                                  f"{', '.join(raw.names[:12])}")
+    if "id" not in columns and "X" not in columns:
+        raise FileError(raw.file, f"says of no particle which it is: give id, from 0 in the order of `mpm-lab "
+                                  f"problem`, or "
+                                  f"the material position ({spelled('X', D)})")
+    times = _times(raw, given)
+    x, notes = _in_plane(raw, "x", D)
+    whole = {"x": x, "X": _in_plane(raw, "X", D)[0] if "X" in columns else None}
+    for key in ("v", "F", "sigma"):
+        whole[key] = _in_plane(raw, key, D)[0] if key in columns else None
+    for key, values in whole.items():
+        _check_finite(raw, key, values, times)
+    X, number = _material(raw, scene, outside, whole["X"])
+    moved = outside.unwrapped(scene, X, x, times)
+    if (turned := int((moved != x).any(axis=1).sum())) > 0:
+        notes = [*notes, f"{turned:,} positions were moved back by a period of the grid"]
+    found = []
+    for t in np.unique(times):
+        at = times == t
+        part = {key: None if values is None else values[at] for key, values in whole.items()}
+        who = number[at] if "id" in columns else np.arange(int(at.sum()))
+        frame = Frame(raw.file, float(t), who, X[at], moved[at], part["v"], part["F"], part["sigma"])
+        _check_once(frame)
+        found.append(frame)
+    start = outside.start(scene)
+    if "id" in columns and (short := len(start.volume) - min(len(frame.number) for frame in found)) > 0:
+        notes = [*notes, f"{short:,} of {len(start.volume):,} particles are not in {raw.file}"]
+    return found, notes
+
+
+def _times(raw: Raw, given: float | None) -> np.ndarray:
+    """The time of each row, from the column, the file or the flag, which must not contradict each other."""
+    n = len(next(iter(raw.columns.values())))
+    column = raw.columns.get("t")
+    said: list[tuple[str, Any]] = [("its column t", column)] if column is not None else []
+    said += [("the file itself", raw.time)] if raw.time is not None else []
+    said += [("--time", given)] if given is not None else []
+    if not said:
+        raise FileError(raw.file, "says no time; give a column t, or # t = ... in a .csv, t in a .npz, TimeValue in "
+                                  "VTK's "
+                                  "formats, or the flag --time with one time for each file")
+    first = np.broadcast_to(np.asarray(said[0][1], float), (n,))
+    for name, value in said[1:]:
+        if not np.all(np.abs(first - np.asarray(value)) <= 1e-9 * np.maximum(np.abs(first), 1e-300)):
+            raise FileError(raw.file, f"has times that do not match: {said[0][0]} says {first[0]:g} s and {name} says "
+                                      f"{float(np.ravel(value)[0]):g} s; give one of the two")
+    if not np.isfinite(first).all() or (first < 0).any():
+        bad = first[~(np.isfinite(first) & (first >= 0))][0]
+        raise FileError(raw.file, f"has the time {bad:g}; give seconds from 0 on")
+    return first
+
+
+def _in_plane(raw: Raw, key: str, D: int) -> tuple[np.ndarray, list[str]]:
+    """A quantity (n, D) or (n, D, D) in the directions of the problem. What a file has beyond them is left out: where
+    it moves there, that is noted."""
+    values = raw.columns[key]
+    size = values.shape[1]
+    if size < D:
+        raise FileError(raw.file, f"has {key} in {size} direction, and the problem has {D}; give {spelled(key, D)}")
+    beyond = values[:, D:].reshape(len(values), -1) if values.ndim == 2 else np.zeros((1, 0))
+    notes = []
+    if key == "x" and beyond.size and np.isfinite(beyond).all() and np.ptp(beyond, axis=0).max() > 0:
+        notes.append(f"positions of {raw.file} in further directions were left out of account")
+    return (values[:, :D] if values.ndim == 2 else values[:, :D, :D]), notes
+
+
+def _check_finite(raw: Raw, key: str, values: np.ndarray | None, times: np.ndarray) -> None:
+    if values is None:
+        return
+    bad = ~np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+    if bad.any():
+        row = int(np.argmax(bad))
+        who = f"particle {raw.columns['id'][row]:g}" if "id" in raw.columns else f"row {row + 1}"
+        raise FileError(raw.file, f"has {int(bad.sum()):,} rows whose {key} is no number, first {who} at t = "
+                                  f"{times[row]:g} s; leave times out at which the run had gone bad")
+
+
+def _material(raw: Raw, scene: Scene, outside: Outside, X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Material position (n, D) and number (n,) of each row."""
+    ids = raw.columns.get("id")
+    if ids is not None and not (np.isfinite(ids).all() and (ids == np.round(ids)).all()):
+        raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
+    if X is not None:
+        n = len(X)
+        if (wrong := outside.misplaced(scene, X)).any():
+            low, high = X.min(axis=0), X.max(axis=0)
+            reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
+            raise FileError(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the "
+                                      f"{scene.problem} (they "
+                                      f"reach from {reach}): its origin may be shifted; {_where(scene, outside)}")
+        return X, np.arange(n) if ids is None else ids.astype(int)
+    assert ids is not None
+    start, number = outside.start(scene), ids.astype(int)
+    count = len(start.volume)
+    if number.min() < 0 or number.max() >= count:
+        raise FileError(raw.file, f"has ids from {number.min()} to {number.max()}, and {scene.cells} cells with "
+                                  f"{scene.ppc} particles each way have 0 to {count - 1}; give those of `mpm-lab "
+                                  f"problem`, the "
+                                  "right --cells and --ppc, or material positions")
+    return start.material_position[number], number
+
+
+def _where(scene: Scene, outside: Outside) -> str:
+    points = outside.start(scene).material_position
+    reach = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
+        outside.axes, points.min(axis=0), points.max(axis=0), strict=True))
+    return f"particles begin at {reach}"
+
+
+def _check_once(frame: Frame) -> None:
+    """Every particle is there once."""
+    number, counts = np.unique(frame.number, return_counts=True)
+    if counts.max() > 1:
+        raise FileError(frame.file, f"has particle {number[np.argmax(counts)]} {counts.max()} times at t = "
+                                    f"{frame.time:g} s; "
+                                    "give each once at each time")
+    _, first, counts = np.unique(frame.material_position, axis=0, return_index=True, return_counts=True)
+    if counts.max() > 1:
+        place = ", ".join(f"{c:.6g}" for c in frame.material_position[first[np.argmax(counts)]])
+        raise FileError(frame.file, f"has {counts.max()} particles with the material position {place} at t = "
+                                    f"{frame.time:g} s; "
+                                    "give each its own")
+
+
+def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
+    """By time, each time once."""
+    frames = sorted(frames, key=lambda frame: frame.time)
+    for one, other in itertools.pairwise(frames):
+        if other.time - one.time <= SAME * scene.period:
+            raise FileError(other.file, f"has the time {other.time:g} s, which {one.file} has too, on one grid; give "
+                                        "each time of a grid once, and --cells with one number for each file of "
+                                        "several grids")
+    return tuple(frames)
+
+
+def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
+    """Refuse particles that are shifted as a whole: ``error`` (P, D) of x is nearly the same for all of them, and more
+    than a cell."""
+    mean = error.mean(axis=0)
+    rest = float(np.sqrt(np.mean(np.sum((error - mean) ** 2, axis=1))))
+    if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):
+        told = ", ".join(f"{c:.4g}" for c in mean)
+        raise FileError(frame.file, f"has all positions shifted by {told} m at t = {frame.time:g} s: its origin is "
+                                    f"another; give "
+                                    "positions from the same origin as the material positions")

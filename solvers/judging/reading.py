@@ -1,0 +1,165 @@
+"""Files of particles, as any code may write them: CSV, NPZ, and VTK, VTU and VTP through meshio."""
+
+import os
+import re
+import zipfile
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solvers.judging.columns import meaning
+from solvers.judging.frames import FileError, Raw
+from solvers.judging.gathering import gathered
+
+KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
+MOST_BYTES = 2_000_000_000  # of a file, unpacked
+COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
+TIME, CELLS = ("t", "time"), ("cells",)
+
+
+def read(path: str, most: int = MOST_BYTES) -> Raw:
+    """What is in a file of at most so many bytes, packed and unpacked; :class:`FileError` where it holds no particles
+    that can be judged."""
+    kind = Path(path).suffix.lower()
+    if kind not in KINDS:
+        raise FileError(path, f"is of no kind that is known; give a file that ends in {', '.join(KINDS)}")
+    try:
+        size = os.stat(path).st_size
+        if not os.path.isfile(path):
+            raise FileError(path, f"is not a file; give files that end in {', '.join(KINDS)}")
+        if size == 0:
+            raise FileError(path, "is empty; give a file with particles in it")
+        if size > most:
+            raise FileError(path, f"has {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB, fewer times for "
+                                  f"example")
+        return read_npz(path, most) if kind == ".npz" else _readers()[kind](path)
+    except OSError as error:
+        raise FileError(path, f"cannot be read: {(error.strerror or str(error)).lower()}; give a file that exists and "
+                              "may be read") from None
+
+
+def _readers() -> dict[str, Callable[[str], Raw]]:
+    from solvers.judging import vtk  # here: meshio is needed for these kinds alone
+    return {".csv": read_csv, **dict.fromkeys((".vtk", ".vtu", ".vtp"), vtk.read_vtk)}
+
+
+def read_csv(path: str) -> Raw:
+    """Names in the first line, a particle a line, commas, semicolons, tabs or spaces between; lines such as
+    ``# t = 0.1`` or ``# cells = 40`` say what holds for all."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(path, "is no text; a .csv file has names in its first line and a particle in each "
+                              "other") from None
+    lines = text.splitlines()
+    said = {found[1].lower(): found[2] for line in lines if (found := COMMENT.match(line))}
+    rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    if len(rows) < 2:
+        raise FileError(path, "holds no particles; give names in the first line and a particle in each other")
+    mark = next((mark for mark in ",;\t" if mark in rows[0]), None)
+    names = [name.strip().strip('"') for name in rows[0].split(mark)]
+    if all(_is_number(name) for name in names):
+        raise FileError(path, "has no names in its first line; begin with a line such as id,x,vx")
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise FileError(path, f"has two columns called {twice}; give each its own name")
+    try:
+        values = np.loadtxt(rows[1:], delimiter=mark, ndmin=2, dtype=float)
+    except ValueError as error:
+        reason = str(error).replace("\n", " ")
+        raise FileError(path, f"has a line that is no row of {len(names)} numbers ({reason}); give a number in every "
+                              "column of every line") from None
+    if values.shape[1] != len(names):
+        raise FileError(path, f"has {len(names)} names and {values.shape[1]} numbers in a line; give as many of both")
+    columns = {name: values[:, k] for k, name in enumerate(names)}
+    return gathered(path, columns, _number(path, said, TIME), _number(path, said, CELLS))
+
+
+def read_npz(path: str, most: int = MOST_BYTES) -> Raw:
+    """Arrays of (P, ...) at one time, or of (T, P, ...) at the T times in ``t``; ``cells`` may say the grid."""
+    try:
+        with zipfile.ZipFile(path) as packed:
+            size = sum(member.file_size for member in packed.infolist())
+        if size > most:
+            raise FileError(path, f"unpacks to {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB")
+        with np.load(path, allow_pickle=False) as packed:
+            arrays = {name: packed[name] for name in packed.files}
+    except FileError:
+        raise
+    except (zipfile.BadZipFile, ValueError, EOFError, KeyError, NotImplementedError, zlib.error) as error:
+        raise FileError(path, f"is no .npz of plain numbers ({type(error).__name__}); write it with "
+                              "numpy.savez") from None
+    for name, array in arrays.items():
+        if meaning(name) and array.dtype.kind not in "iuf":
+            raise FileError(path, f"has no numbers in {name}; give numbers, real and not objects or texts")
+    scalars = {name: array.item() for name, array in arrays.items() if array.size == 1 and array.dtype.kind in "iuf"}
+    cells = scalars.get("cells")
+    times = next((arrays[name] for name in arrays if (meaning(name) or "")[:1] == ("t",)), None)
+    many = {name: array for name, array in arrays.items() if meaning(name) and array.ndim > 0}
+    place = next((array for name, array in many.items() if _key(name) == "x"), None)
+    if times is None or times.ndim == 0 or place is None or not _stacked(place):
+        time = None if times is None or times.ndim else float(times)
+        return gathered(path, {name: array for name, array in many.items() if array.ndim}, time, _whole(path, cells))
+    return gathered(path, _unstacked(path, many, times), None, _whole(path, cells))
+
+
+def _stacked(place: np.ndarray) -> bool:
+    """Whether positions are (T, P) or (T, P, D), and not those of one table (n,) or (n, D)."""
+    return place.ndim == 3 or (place.ndim == 2 and place.shape[1] > 3)
+
+
+def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray) -> dict[str, np.ndarray]:
+    """Arrays (T, P, ...) as rows, one for every time and particle; what is known once for all, ids and material
+    positions, is repeated."""
+    T = len(times)
+    place = next(array for name, array in many.items() if _key(name) == "x")
+    P = place.shape[1] if place.ndim > 1 else 0
+    if len(place) != T or P == 0:
+        raise FileError(path, f"has {T} times and positions of the shape {place.shape}; give positions of the shape "
+                              "(times, particles, dimensions)")
+    rows: dict[str, np.ndarray] = {}
+    for name, array in many.items():
+        if _key(name) == "t":
+            rows[name] = np.repeat(array, P)
+        elif array.shape[:2] == (T, P):
+            rows[name] = array.reshape(T * P, *array.shape[2:])
+        elif len(array) == P and _key(name) in ("id", "X"):
+            rows[name] = np.tile(array, (T,) + (1,) * (array.ndim - 1))
+        else:
+            raise FileError(path, f"has {name} of the shape {array.shape} beside {T} times of {P} particles; give "
+                                  f"({T}, {P}, ...)")
+    return rows
+
+
+def _key(name: str) -> str:
+    known = meaning(name)
+    return known[0] if known else ""
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _number(path: str, said: dict[str, str], names: tuple[str, ...]) -> Any:
+    """What a comment says of the time or the cells; None where it says nothing."""
+    text = next((said[name] for name in names if name in said), None)
+    if text is None:
+        return None
+    if not _is_number(text):
+        raise FileError(path, f"says {names[0]} = {text}; give a number")
+    return _whole(path, float(text)) if names == CELLS else float(text)
+
+
+def _whole(path: str, value: float | None) -> int | None:
+    if value is None:
+        return None
+    if not float(value).is_integer():
+        raise FileError(path, f"says that it has {value} cells; give a whole number")
+    return int(value)

@@ -1,0 +1,217 @@
+"""A file of particles made ready to be looked at, in a process of its own: whoever shows it never opens the file.
+
+The process says, one after the other::
+
+    {"frames": {...}}     the file can be judged: what :class:`Shown` needs; the truth is in the table
+    {"estimate": {...}}   the companion's estimate is in the table too: its norms over time
+    {"verdict": {...}}    the grid's part of the judge's report
+    {"refused": sentence} it cannot be judged, and nothing more comes
+
+The table lies in a file, so that it takes nobody's memory but while a frame is looked at.
+"""
+
+import itertools
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solvers.judging.frames import FileError, Frame, Grid, Raw
+from solvers.judging.measure import Companions, Errors, apart, checked, crossed, listed, series, sizes, stress, truth
+from solvers.judging.placing import grids
+from solvers.judging.reading import read
+from solvers.problems import PROBLEMS
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
+from solvers.solver.samples import QUANTITIES
+from solvers.study.grid import Task, task_of
+
+LARGEST_UNPACKED = 400_000_000  # bytes of what a file holds
+MOST_ROWS, MOST_TIMES = 2_000_000, 2000  # particles of all times together
+MEMORY = 3_000_000_000  # bytes that the process may ask for
+TOO_LARGE = "needs more memory than a page gives it; give fewer times, or judge it with `mpm-lab judge`"
+
+
+@dataclass(frozen=True)
+class Question:
+    """A ``file`` that its owner calls ``name``, the task of the scene that it is judged with, where its ``table`` goes,
+    and the particles of one time that can be looked at."""
+
+    file: str
+    name: str
+    task: dict
+    table: str
+    most: int
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What is on the table: the scene, T times in s, at each the number of particles and of those that have ``crossed``
+    a cell boundary since the time before, and the norms of the true error over the times by quantity, None where it is
+    not known. ``missing`` are quantities that the file does not have."""
+
+    task: dict
+    times: list[float]
+    counts: list[int]
+    crossed: list[int]
+    norms: dict[str, list[float | None]] | None
+    missing: list[str]
+
+
+def columns(dimensions: int) -> dict[str, slice]:
+    """Which columns of the table (rows, width) hold what; the last one ends at its width. ``field`` has two for each
+    quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was in
+    another cell at the time before. Sizes of errors go by quantity."""
+    widths = {"position": dimensions, "displacement": dimensions, "crossed": 1, "error": len(QUANTITIES),
+              "estimate": len(QUANTITIES), "difference": len(QUANTITIES), "field": 2 * len(QUANTITIES)}
+    ends = np.cumsum([0, *widths.values()]).tolist()
+    return {name: slice(start, end) for name, start, end in zip(widths, ends[:-1], ends[1:], strict=True)}
+
+
+def show(question: dict, tell: Callable[[dict], None]) -> None:
+    """What the process does."""
+    asked = Question(**question)
+    _limit_memory()
+    try:
+        _show(asked, tell)
+    except FileError as error:
+        tell({"refused": f"The file {asked.name} {error.sentence}"})
+    except SceneError as error:
+        tell({"refused": f"The file {asked.name} cannot be judged with these settings: {error}"})
+    except MemoryError:
+        tell({"refused": f"The file {asked.name} {TOO_LARGE}"})
+
+
+def _show(asked: Question, tell: Callable[[dict], None]) -> None:
+    from solvers.judging.verdict import GridJudgement  # after the first picture: it takes a while
+
+    raw = replace(read(asked.file, LARGEST_UNPACKED), file=asked.name)
+    _check_amount(raw)
+    scene = Task(**asked.task).scene()
+    [grid] = grids([raw], scene, [scene.cells], [])
+    del raw
+    own = replace(scene, cells=grid.cells)
+    _check_watched(own, grid, asked)
+    true = [truth(own, frame) for frame in grid.frames] if own.solution_known else []
+    if true:
+        checked(own, grid, true)
+    table = _Table(own, grid, asked.table)
+    table.put_frames()
+    if true:
+        table.put("error", true)
+    else:  # whether its origin is right cannot be told before
+        companions, estimated = _estimated(own, grid)
+        checked(own, grid, estimated)
+    counts = [len(frame.number) for frame in grid.frames]
+    missing = [q for q in ("v", "sigma") if any(_lacks(own, frame, q) for frame in grid.frames)]
+    tell({"frames": asdict(Shown(task_of(_shown(own)).to_dict(), grid.times.tolist(), counts, table.crossed,
+                                 listed(series(true)) if true else None, missing))})
+    if true:
+        companions, estimated = _estimated(own, grid)
+        table.put("difference", [{q: mine[q] - theirs[q] for q in mine}
+                                 for mine, theirs in zip(estimated, true, strict=True)])
+    table.put("estimate", estimated)
+    tell({"estimate": listed(series(estimated))})
+    doubts = [companions.doubt(frame) for frame in grid.frames]
+    doubt = {q: np.array([one[q] for one in doubts]) for q in doubts[0]}
+    alone = apart(own, grid.frames, true or estimated)
+    tell({"verdict": GridJudgement(own, grid, true, estimated, doubt, alone).to_dict()})
+
+
+def _estimated(scene: Scene, grid: Grid) -> tuple[Companions, list[Errors]]:
+    companions = Companions(scene, tuple(frame.time for frame in grid.frames))
+    return companions, [companions.errors(frame) for frame in grid.frames]
+
+
+def _lacks(scene: Scene, frame: Frame, quantity: str) -> bool:
+    return (frame.velocity if quantity == "v" else stress(scene, frame)) is None
+
+
+def _check_amount(raw: Raw) -> None:
+    rows = len(next(iter(raw.columns.values())))
+    if rows > MOST_ROWS:
+        raise FileError(raw.file, f"has {rows:,} particles of all times together; give at most {MOST_ROWS:,} here, or "
+                                  "judge it with `mpm-lab judge`")
+    if "t" in raw.columns and (times := len(np.unique(raw.columns["t"]))) > MOST_TIMES:
+        raise FileError(raw.file, f"has {times:,} times; give at most {MOST_TIMES:,} here")
+
+
+def _check_watched(scene: Scene, grid: Grid, asked: Question) -> None:
+    """What is drawn must be so little that a browser shows it: particles, and with them cells."""
+    most = max(scene.particles, *(len(frame.number) for frame in grid.frames))
+    if most > asked.most:
+        raise FileError(asked.name, f"belongs to {most:,} particles, too many to watch; give at most {asked.most:,} at "
+                                    "a time, or judge it with `mpm-lab judge`")
+
+
+def _shown(scene: Scene) -> Scene:
+    """The scene as it is shown: judged by the companion."""
+    return replace(scene, estimators=("companion",), effects=("truth", "estimate", "crossings"), remedies=(),
+                   dt=None, cfl=None, t_end=None, periods=None, sample_every=None)
+
+
+class _Table:
+    """The rows of all frames, one frame after the other, in single precision, on disk."""
+
+    def __init__(self, scene: Scene, grid: Grid, path: str):
+        self._scene, self._grid, self._columns = scene, grid, columns(scene.DIMENSIONS)
+        ends = np.cumsum([0, *(len(frame.number) for frame in grid.frames)]).tolist()
+        self._rows = [slice(start, end) for start, end in itertools.pairwise(ends)]
+        self.crossed: list[int] = []
+        width = max(part.stop for part in self._columns.values())
+        self._values = np.memmap(path, np.float32, "w+", shape=(ends[-1], width))
+        for name in ("error", "estimate", "difference", "field"):
+            self._values[:, self._columns[name]] = np.nan
+
+    def put_frames(self) -> None:
+        """Where particles are, and the component of each quantity that is plotted."""
+        frames = self._grid.frames
+        for rows, frame, moved in zip(self._rows, frames, crossed(self._scene, frames), strict=True):
+            self.crossed.append(int(moved.sum()))
+            self._values[rows, self._columns["crossed"]] = moved[:, None]
+            self._values[rows, self._columns["position"]] = frame.position
+            self._values[rows, self._columns["displacement"]] = frame.position - frame.material_position
+            first = self._columns["field"].start
+            for q, (own, deviation) in self._fields(frame).items():
+                column = first + 2 * QUANTITIES.index(q)
+                self._values[rows, column], self._values[rows, column + 1] = own, deviation
+
+    def put(self, name: str, errors: Sequence[Errors]) -> None:
+        """The sizes of errors."""
+        for rows, error in zip(self._rows, errors, strict=True):
+            for q, values in error.items():
+                self._values[rows, self._columns[name].start + QUANTITIES.index(q)] = sizes(values)
+        self._values.flush()
+
+    def _fields(self, frame: Frame) -> dict[str, tuple[np.ndarray, Any]]:
+        """Of each quantity that the frame has: the component, and its deviation where the exact one is known."""
+        scene, X, x, t = self._scene, frame.material_position, frame.position, frame.time
+        outside = PROBLEMS[scene.problem].outside
+        own = {"x": x - X, "v": frame.velocity, "sigma": stress(scene, frame)}
+        if not scene.solution_known:
+            return {q: (outside.along(q, X, x, values), np.nan) for q, values in own.items() if values is not None}
+        u = outside.displacement(scene, X, t)
+        exact = {"x": u, "v": outside.velocity(scene, X, t), "sigma": outside.exact_stress(scene, X, t)}
+        found = {}
+        for q, values in own.items():
+            if values is not None:
+                along, right = outside.along(q, X, x, values), outside.along(q, X, X + u, exact[q])
+                drift = right if q == "x" and not scene.swings else 0.0  # what carries all alike is not plotted
+                found[q] = along - drift, along - right
+        return found
+
+
+def _limit_memory() -> None:
+    """A file may unpack to more than it seems: the process, and not the machine, is to run out of memory."""
+    if sys.platform == "linux":
+        import resource
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def open_table(path: Path, counts: Sequence[int], dimensions: int) -> np.ndarray:
+    """The table (rows, width) of a file that has so many particles at its times, as far as it has been filled."""
+    width = max(part.stop for part in columns(dimensions).values())
+    return np.memmap(path, np.float32, "r", shape=(sum(counts), width))

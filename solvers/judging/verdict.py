@@ -1,0 +1,167 @@
+"""The judgement of particles: all that is known of how wrong they are, as an object and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.judging.frames import Grid, Raw
+from solvers.judging.measure import (
+    QUANTITIES,
+    Apart,
+    Companions,
+    Errors,
+    Worst,
+    apart,
+    checked,
+    crossings,
+    distances,
+    index,
+    law_kept,
+    listed,
+    series,
+    summarised,
+    truth,
+    worst,
+)
+from solvers.judging.placing import SAME, grids
+from solvers.scene.scene import Scene
+from solvers.solver.norms import finite
+from solvers.study.fit import slope
+
+if TYPE_CHECKING:
+    from solvers.judging.ours import Ours
+
+SCHEMA = "mpm-lab/judge/1"
+OTHER_LAW = 1e-3  # of the stress: a file whose stress is farther from what its F gives has another material
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class GridJudgement:
+    """One grid's particles, judged. Errors are in the order of the frames; ``true`` is empty where none is known."""
+
+    scene: Scene
+    grid: Grid
+    true: list[Errors]
+    estimated: list[Errors]
+    doubt: dict[str, np.ndarray]  # of the companion, over time
+    apart: Apart | None
+    ours: list[Ours] = field(default_factory=list)
+
+    @property
+    def best(self) -> list[Errors]:
+        """The errors against the best that is known: the truth, or the companion."""
+        return self.true or self.estimated
+
+    @property
+    def norms(self) -> dict[str, np.ndarray]:
+        return series(self.best)
+
+    def worst(self, quantity: str) -> Worst | None:
+        return worst(self.grid.frames, self.best, quantity)
+
+    def to_dict(self) -> dict:
+        times, frames = self.grid.times, self.grid.frames
+        estimates = series(self.estimated)
+        true = series(self.true) if self.true else None
+        return {
+            "cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
+            "particles": len(frames[-1].number), "times": times.tolist(), "notes": list(self.notes()),
+            "error": None if true is None else summarised(times, true),
+            "norms": None if true is None else listed(true),
+            "estimate": {"companion": summarised(times, estimates), "norms": listed(estimates),
+                         "own_error": {q: finite(float(np.max(self.doubt[q]))) for q in QUANTITIES},
+                         "index": None if true is None else index(estimates, true),
+                         "distance": None if true is None else distances(self.estimated, self.true)},
+            "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
+            "apart": None if self.apart is None else self.apart.to_dict(self.scene),
+            "crossings_at_least": crossings(self.scene, frames), "ours": [run.to_dict() for run in self.ours]}
+
+    def notes(self) -> list[str]:
+        """Sentences about what was found in the files."""
+        missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
+        notes = [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
+                                     for q in missing)]
+        broken = law_kept(self.scene, self.grid)
+        if broken is not None and broken > OTHER_LAW:
+            notes.append(f"the stress in the files is up to {broken:.2g} of itself off what their F gives by the "
+                         f"problem's "
+                         "law: another material, or another measure of stress")
+        return notes
+
+
+NAMES = {"x": "position", "v": "velocity", "sigma": "stress (nor F)"}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Everything about the files given, coarse grids first."""
+
+    scene: Scene
+    grids: list[GridJudgement]
+
+    def common_times(self) -> list[float]:
+        """Times that all grids have."""
+        first, *others = (g.grid.times for g in self.grids)
+        near = SAME * self.scene.period
+        return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
+
+    def largest(self, judged: GridJudgement, quantity: str) -> float:
+        """The largest norm over the times that all grids have, without the start; NaN without any."""
+        common = [t for t in self.common_times() if t > 0]
+        at = [k for k, t in enumerate(judged.grid.times) if any(abs(t - c) <= SAME * self.scene.period for c in common)]
+        values = judged.norms[quantity][at]
+        return float(values.max()) if len(values) and np.isfinite(values).all() else float("nan")
+
+    def orders(self) -> dict[str, dict | None] | None:
+        """The order in h of each quantity's largest norm over the common times; None with one grid."""
+        if len(self.grids) < 2:
+            return None
+        h = [g.scene.spacing for g in self.grids]
+        found = {q: slope(h, [self.largest(g, q) for g in self.grids]) for q in QUANTITIES}
+        return {q: None if fit is None else {"order": fit.order, "pairwise": list(fit.pairwise)}
+                for q, fit in found.items()}
+
+    def to_dict(self) -> dict:
+        return {"schema": SCHEMA, "problem": self.scene.problem, "scene": self.scene.to_dict(),
+                "against": "truth" if self.scene.solution_known else "companion",
+                "grids": [g.to_dict() for g in self.grids], "common_times": self.common_times(), "order": self.orders()}
+
+
+def judge(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Sequence[float], compare: bool,
+          on_progress: Progress = lambda part, what: None) -> Judgement:
+    """Judge files of particles of a scene's problem; :class:`~solvers.judging.frames.FileError` where one cannot be.
+
+    ``cells`` and ``times`` are those of ``solvers.judging.placing.grids``; with ``compare`` our own methods run beside.
+    """
+    found = grids(files, scene, cells, times)
+    every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
+    companions = Companions(scene, every)
+    judged = []
+    for k, grid in enumerate(found):
+        own = replace(scene, cells=grid.cells)
+        on_progress(k / len(found), f"{grid.cells} cells: companion")
+        true = [truth(own, frame) for frame in grid.frames] if own.solution_known else []
+        if true:
+            checked(own, grid, true)
+        estimated = [companions.errors(frame) for frame in grid.frames]
+        if not true:
+            checked(own, grid, estimated)
+        doubts = [companions.doubt(frame) for frame in grid.frames]
+        doubt = {q: np.array([d[q] for d in doubts]) for q in QUANTITIES}
+        ours = []
+        scenes: list[Scene] = []
+        if compare:
+            from solvers.judging.ours import compared, of_scene  # here: nobody else waits for Taichi
+            scenes = of_scene(own)
+        for n, one in enumerate(scenes):
+            def tell(part: float, n: int = n, k: int = k, one: Scene = one, count: int = len(scenes)) -> None:
+                on_progress((k + (n + part) / count) / len(found), f"{one.cells} cells: our {one.method}")
+            ours.append(compared(one, grid.times.tolist(), None if true else companions, tell))
+        alone = apart(own, grid.frames, true or estimated)
+        judged.append(GridJudgement(own, grid, true, estimated, doubt, alone, ours))
+    return Judgement(scene, judged)

@@ -1,0 +1,49 @@
+"""Particles written in the form that the judge reads: initial ones, exact ones, and those of runs of ours."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from solvers.judging.columns import column_names
+from solvers.judging.frames import Frame
+from solvers.scene.scene import Scene
+
+FILE = {"X": "material_position", "x": "position", "v": "velocity", "F": "deformation_gradient", "sigma": "stress"}
+
+
+def table(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
+    """Columns (n,) of frames, one below the other: t, id, and what the frames have."""
+    columns = {"t": np.concatenate([np.full(len(f.number), f.time) for f in frames]),
+               "id": np.concatenate([f.number for f in frames])}
+    D = frames[0].position.shape[1]
+    for key, name in FILE.items():
+        if any(getattr(f, name) is None for f in frames):
+            continue
+        values = np.concatenate([getattr(f, name) for f in frames])
+        columns |= dict(zip(column_names(key, D), values.reshape(len(values), -1).T, strict=True))
+    return columns | dict(more or {})
+
+
+def csv(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = None) -> bytes:
+    """Columns as text, every number to its last bit; ``said`` stands in front, as ``# name = value``."""
+    out = io.StringIO()
+    out.writelines(f"# {name} = {value}\n" for name, value in (said or {}).items())
+    out.write(",".join(columns) + "\n")
+    texts = [map(str if values.dtype.kind in "iu" else repr, values.tolist()) for values in columns.values()]
+    out.writelines(",".join(row) + "\n" for row in zip(*texts, strict=True))
+    return out.getvalue().encode()
+
+
+def npz(frames: Sequence[Frame], scene: Scene) -> bytes:
+    """Frames of the same particles as arrays (T, P, ...)."""
+    arrays: dict[str, Any] = {"t": np.array([f.time for f in frames]), "cells": np.array(scene.cells),
+                              "id": frames[0].number, "X": frames[0].material_position}
+    for key in ("x", "v", "F"):
+        arrays[key] = np.stack([getattr(f, FILE[key]) for f in frames])
+    out = io.BytesIO()
+    np.savez_compressed(out, **arrays)
+    return out.getvalue()

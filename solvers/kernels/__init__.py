@@ -1,0 +1,1 @@
+"""All that works around the compiler, and the shape functions: nothing here knows of a scene."""

@@ -1,0 +1,81 @@
+"""Launches of one kernel on one run's arrays, again and again, without handling sixty arguments each time.
+
+Taichi looks at every argument of every launch, and asks each array for its address: some 0.3 ms, many times what a few
+steps of a bar take. The arrays of a run stay where they are, so a launch on the processor keeps what Taichi has made of
+them, and only the whole numbers change. On a GPU the kernel is kept, but what it is launched with is used up by the
+launch (CUDA's puts addresses of its own there) and made anew each time, without asking what each argument is.
+Of Taichi 1.7.4 (``Kernel.launch_kernel``), which this project is bound to.
+"""
+
+from typing import Any, cast
+
+from taichi.lang import impl
+from taichi.types import ndarray_type, primitive_types
+
+from solvers.kernels import runtime
+
+
+class Launch:
+    """A kernel whose arguments are whole numbers, then a ``pack`` of numbers and arrays, then templates. The first call
+    compiles it; arrays must not be replaced after that, only written to."""
+
+    def __init__(self, kernel: Any, pack: Any, *templates: Any):
+        self._kernel, self._arguments = kernel, (pack, *templates)
+        self._kept: tuple[Any, Any, Any] | None = None  # Taichi's program, the compiled kernel and its context
+        runtime.holders.add(self)
+
+    def __call__(self, *numbers: int) -> None:
+        if not runtime.on_processor():
+            self._queue(numbers)
+            return
+        if self._kept is None:
+            self._kernel(*numbers, *self._arguments)
+            self._kept = self._made(impl.get_runtime().prog, numbers)
+            return
+        program, compiled, context = self._kept
+        for k, number in enumerate(numbers):
+            context.set_arg_int((k,), number)
+        program.launch_kernel(compiled, context)
+
+    def compile(self, *numbers: int) -> None:
+        """Compile the kernel for a GPU without launching it."""
+        primal, program = self._kernel._primal, impl.get_runtime().prog
+        own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]
+        self._kept = program, program.compile_kernel(program.config(), program.get_device_caps(), own), own
+
+    def forget(self) -> None:
+        """Keep nothing that Taichi has made: it is about to end."""
+        self._kept = None
+        if not runtime.on_processor():
+            self._arguments = ()  # its arrays too
+
+    def _queue(self, numbers: tuple[int, ...]) -> None:
+        """Have a GPU do it after what it was told before; returns at once."""
+        if self._kept is None:
+            self.compile(*numbers)
+        program, compiled, own = cast(tuple, self._kept)
+        context, pack, at = own.make_launch_context(), self._arguments[0], len(numbers)
+        for k, number in enumerate(numbers):
+            context.set_arg_int((k,), number)
+        context.set_arg_argpack((at,), pack._ArgPack__argpack)
+        for k, (array, _) in enumerate(self._arrays()):
+            context.set_arg_ndarray((at + 1 + k,), array.arr)
+        program.launch_kernel(compiled, context)
+
+    def _arrays(self) -> list[tuple[Any, Any]]:
+        """The pack's arrays and their types, in order: they come after all other arguments."""
+        pack = self._arguments[0]
+        return [(pack[name], kind) for name, kind in pack._ArgPack__annotations.items()
+                if isinstance(kind, ndarray_type.NdarrayType)]
+
+    def _made(self, program: Any, numbers: tuple[int, ...]) -> tuple[Any, Any, Any]:
+        """The program, the compiled kernel, and a context that holds the pack."""
+        primal, pack, at = self._kernel._primal, self._arguments[0], len(numbers)
+        own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]
+        context = own.make_launch_context()
+        context.set_arg_argpack((at,), pack._ArgPack__argpack)
+        for k, (array, kind) in enumerate(self._arrays()):
+            scalar = kind.dtype is None or id(kind.dtype) in primitive_types.type_ids
+            shape = array.shape if scalar else array.shape[:-kind.dtype.ndim]
+            context.set_arg_external_array_with_shape((at + 1 + k,), array.ctypes.data, array.nbytes, shape, 0)
+        return program, program.compile_kernel(program.config(), program.get_device_caps(), own), context

@@ -1,0 +1,122 @@
+"""Many numbers and arrays in few: one array for each type, because a kernel takes 64 arguments and no more.
+
+Every member of a state's argument pack counts, and an estimator with a second run has a state's worth of them. So all
+that estimators keep is in a :class:`Packing`: the arrays of one type lie one behind the other in a single one, and the
+numbers and the places where arrays begin stand in front. In kernels :class:`Look` gives the state with the packed
+members as attributes, for reading and for writing to arrays, and ``part`` gives those of one prefix by the rest of
+their names, so that functions written for a state (``bar.position[p]``) work on a second one.
+"""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import taichi as ti
+
+from solvers.kernels import kinds
+from solvers.kernels.hoist import as_it_is, variable
+
+PREFIX = "memory_"  # of the arrays that hold the others
+#: Types of arrays that can be packed, by name, with the shape of an entry.
+ARRAYS = {"integers": (), "integer_quads": (4,), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
+
+
+class Packing:
+    """Members by name and type. Arrays of types that cannot be packed stay as they are.
+
+    ``types`` are the state's members that hold them, ``values`` fills these, ``parts`` finds the members in them again.
+    """
+
+    def __init__(self, members: Mapping[str, object]):
+        self.types: dict[str, object] = {}
+        self.places: dict[str, tuple[str, int, bool]] = {}  # array, entry in front, whether it is an array
+        self.front = {"integers": 0, "reals": 0}
+        for name, kind in members.items():
+            array = next((a for a in ARRAYS if getattr(kinds, a) is kind), None)
+            if array is None and kind not in (kinds.real, ti.i32):
+                self.types[name] = kind
+                continue
+            # An integer, or an array, whose beginning is one; or a real number.
+            held = "reals" if kind is kinds.real else "integers"
+            self.places[name] = (array or held, self.front[held], array is not None)
+            self.front[held] += 1
+        used = {"integers", "reals"} | {place[0] for place in self.places.values()}
+        self.types.update({PREFIX + array: getattr(kinds, array) for array in ARRAYS if array in used})
+
+    def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        """The packed arrays that hold these members."""
+        pieces: dict[str, list[np.ndarray]] = {
+            array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in ARRAYS.items()}
+        length = {array: len(piece[0]) for array, piece in pieces.items()}
+        for name, (array, slot, is_array) in self.places.items():
+            front = pieces["reals" if array == "reals" and not is_array else "integers"][0]
+            front[slot] = length[array] if is_array else members[name]
+            if is_array:
+                pieces[array].append(np.asarray(members[name], _dtype(array)).reshape(-1, *ARRAYS[array]))
+                length[array] += len(pieces[array][-1])
+        packed = {PREFIX + array: np.concatenate(piece) for array, piece in pieces.items()}
+        return {name: packed[name] if name in packed else members[name] for name in self.types}
+
+    def parts(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The arrays among the members, as they are now."""
+        found = {name: memory[name] for name in self.types if not name.startswith(PREFIX)}
+        for array in ARRAYS:
+            begins = sorted((int(memory[PREFIX + "integers"][slot]), name)
+                            for name, (held, slot, is_array) in self.places.items() if is_array and held == array)
+            for k, (begin, name) in enumerate(begins):
+                found[name] = memory[PREFIX + array][begin:begins[k + 1][0] if k + 1 < len(begins) else None]
+        return found
+
+
+class Look:
+    """A state, and some of the packed members as more of its attributes, while a kernel is compiled.
+
+    Numbers, and the places where arrays begin, are read once, where this is made: read at every use, they were a third
+    of what the compiler had to work through.
+    """
+
+    def __init__(self, state: object, packing: Packing, names: Iterable[str]):
+        self._state, self._members = state, {}
+        for name in names:
+            if name in packing.places:
+                array, slot, is_array = packing.places[name]
+                own = getattr(state, PREFIX + array)
+                number = variable(_entry(getattr(state, PREFIX + "integers") if is_array else own, slot))
+                self._members[name] = _Array(own, number) if is_array else number
+
+    def __getattr__(self, name: str) -> object:
+        return self._members[name] if name in self._members else getattr(self._state, name)
+
+
+class _Part:
+    """Attributes of a state that begin with a prefix, by the rest of their names."""
+
+    def __init__(self, state: object, prefix: str):
+        self._state, self._prefix = state, prefix
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._state, self._prefix + name)
+
+
+class _Array:
+    """An array within a packed one: its index counts from where it begins."""
+
+    def __init__(self, array: object, begin: Any):
+        self._array, self._begin = array, begin
+
+    def __getitem__(self, index: object) -> object:
+        return _entry(self._array, self._begin + index)
+
+
+def _entry(array: object, index: object) -> object:
+    return ti.lang.impl.subscript(None, array, index)
+
+
+@as_it_is
+def part(state: object, prefix: str) -> _Part:
+    """For kernels: the members whose names begin with ``prefix``, as attributes by the rest of their names."""
+    return _Part(state, prefix)
+
+
+def _dtype(array: str) -> type:
+    return np.int32 if array.startswith("integer") else np.float64

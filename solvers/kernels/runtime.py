@@ -1,0 +1,78 @@
+"""Starting Taichi: one place, so that every run is in double precision and says what it really ran on."""
+
+import atexit
+import contextlib
+import io
+import os
+import weakref
+from typing import Any, NoReturn
+
+import taichi as ti
+
+from solvers.kernels import front_end
+
+front_end.lighten()
+
+PROCESSORS = ("x64", "arm64")  # as Taichi calls them
+
+#: What holds on to the running Taichi, and has a ``forget`` to let go of it: before another one starts, and at the end.
+holders: weakref.WeakSet[Any] = weakref.WeakSet()
+
+_started: tuple[str, int] | None = None
+_options: dict = {}
+
+
+def allow_forks() -> None:
+    """Call before the first :func:`start` in a process that will be forked: Taichi's own threads do not come along, and
+    the first compilation of a child would wait for them for ever."""
+    _options["num_compile_threads"] = 0
+
+
+def leave() -> NoReturn:
+    """End the process: write what it has compiled to disk, and go. Taichi's own end would wait for threads that, of a
+    fork, only its parent has."""
+    if (program := ti.lang.impl.get_runtime().prog) is not None:
+        program.finalize()
+    os._exit(0)
+
+
+def start(arch: str = "cpu", threads: int = 1) -> str:
+    """Start Taichi once for this process on ``arch``, "cpu", "cuda" or "vulkan", and return the architecture that
+    really runs ("x64", "cuda", ...).
+
+    Taichi falls back to the CPU with only a warning when a GPU is asked for and none is there, so the answer may differ
+    from the question: ``solvers.solver.devices`` finds out beforehand, in a process of its own. All calls must come
+    from one thread; a call with other settings restarts Taichi. ``fast_math`` stays off: it gains nothing in the bar
+    and hides NaN from the stability check.
+
+    On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM puts back together only
+    what it recognises, in registers of the oldest processor where it does not know the present one. Whole vectors make
+    the ring 1.5 times as fast. They are read and written at once, so arrays must be aligned
+    (``solvers.solver.arrays``); and ``abs`` and casts of a whole vector abort the process while it compiles: take its
+    entries.
+    """
+    global _started
+    if _started != (arch, threads):
+        _let_go()
+        with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
+            ti.init(arch=getattr(ti, arch), default_fp=ti.f64, cpu_max_num_threads=threads,
+                    fast_math=False, real_matrix_scalarize=arch != "cpu", log_level=ti.ERROR, verbose=False, **_options)
+        _started = (arch, threads)
+    return running_arch()
+
+
+def running_arch() -> str:
+    """The architecture Taichi was started on."""
+    return ti.lang.impl.current_cfg().arch.name
+
+
+def on_processor() -> bool:
+    """Whether Taichi runs on processors, where arrays are what numpy sees."""
+    return running_arch() in PROCESSORS
+
+
+@atexit.register  # later than Taichi's own end, and so run before it
+def _let_go() -> None:
+    """Have all that was made of the running Taichi go before it does: later it would look for what is no more."""
+    for holder in list(holders):
+        holder.forget()

@@ -1,0 +1,64 @@
+"""A step of the bar taken apart: read from the arrays that the step has left."""
+
+import numpy as np
+
+from solvers.problems.bar.nodes import MOST_HALF_WIDTH
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.state import WatchedBar
+from solvers.solver.step_breakdown import Anatomy, Carried, Image, link
+
+
+def carried(a: WatchedBar) -> Carried:
+    """What the particles carry now, copied."""
+    x, v, F = (values[:, None].copy() for values in (a.position, a.velocity, a.deformation_gradient))
+    return Carried(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
+
+
+def anatomy(scene: BarScene, a: WatchedBar, particle: int, step: int, before: Carried) -> Anatomy:
+    """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
+    N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
+    links = link(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
+                 lambda node: _images(node, N, h))
+    place = a.material_position[:, None] if scene.frozen else before.position
+    period = np.floor(place)  # the solver's nodes are those of the particle's own period
+    links.shift[:] += period[particle] - period[links.members]
+    seen = before.seen(links)
+    F, g = before.deformation_gradient[:, 0, 0] * a.unstretched, _home(links.nodes, N)
+    width = {"mpm": 0.0, "cpgimp": 1.0 if scene.frozen else F}.get(scene.method, 1.0) * np.ones_like(F)
+    width = np.minimum(h * a.half_width * width, h * MOST_HALF_WIDTH)
+    tension = a.volume * (1.0 if scene.frozen else F) * before.stress[:, 0, 0]
+    mass = a.density * a.volume
+    node_mass, (velocity, acceleration) = mass * a.node_sums[g, 0], a.node_motion[links.nodes].T
+    body = mass * a.node_sums[g, 3]
+    if scene.body_force == "node":
+        body = node_mass * a.force_scale * np.sin(a.angular_frequency * time) * a.node_sine[g]
+    internal = a.node_sums[g, 2]
+    if scene.linearity_preserving:  # corrected by what is nowhere kept
+        internal = node_mass * acceleration - body
+
+    def column(values: np.ndarray) -> np.ndarray:
+        return values[:, None].copy()
+
+    k = links.members
+    return Anatomy(
+        step, time, scene.time_step, h, links, seen, carried(a).seen(links), np.full(len(k), mass),
+        place[k] + links.shift, column(width[k])[:, None], column(tension[k])[:, None],
+        column((links.nodes - 1) * h + period[particle]), node_mass, column(mass * a.node_sums[g, 1]),
+        column(internal), column(body), column(acceleration), column(velocity))
+
+
+def _weights(a: WatchedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    left, right, slope_left, slope_right = a.weights[some].T
+    return (np.stack([left, 1 - left - right, right], axis=1),
+            np.stack([slope_left, -slope_left - slope_right, slope_right], axis=1)[:, :, None])
+
+
+def _home(node: np.ndarray, cells: int) -> np.ndarray:
+    """The node proper, 1 to ``cells``, of which a node may be a periodic image."""
+    return (node - 1) % cells + 1
+
+
+def _images(node: int, cells: int, spacing: float) -> list[Image]:
+    home = (node - 1) % cells + 1
+    return [Image(other, (1.0,), ((node - other) * spacing,)) for other in (home - cells, home, home + cells)
+            if 0 <= other <= cells + 3]

@@ -1,0 +1,84 @@
+"""The bar's body: every number and array that the method itself needs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.kernels.kinds import Integer, Integers, Pairs, Quads, Real, Reals
+from solvers.problems.bar import exact
+from solvers.problems.bar.nodes import GHOSTS
+from solvers.problems.bar.scene import BarScene
+from solvers.scene.remedies import remedy_rates
+from solvers.scene.switches import Switches
+from solvers.solver.arrays import Members, zeros
+
+
+@dataclass
+class BarBody(Members):
+    """P particles, N nodes; node arrays have ``GHOSTS`` more entries. What only an effect that is off would use has
+    length one."""
+
+    particles: Integer
+    cells: Integer
+    spacing: Real
+    cells_per_length: Real
+    dt: Real
+    modulus: Real  # E F at the start: stress is this times (deformation - unstretched)
+    density: Real  # at the start
+    volume: Real  # of a particle at the start
+    unstretched: Real  # deformation at which there is no stress: 1, but where the bar starts stretched
+    half_width: Real  # of a particle's domain, in cells
+    amplitude: Real  # of the motion
+    drift_velocity: Real  # at which the whole bar moves, in a patch test, m/s
+    angular_frequency: Real
+    force_scale: Real  # 3 w^2 A
+    material_position: Reals  # X_p (P,)
+    position: Reals  # x_p (P,), not wrapped: displacement is x - X
+    velocity: Reals  # v_p (P,)
+    deformation_gradient: Reals  # F_p since the start (P,)
+    sine: Reals  # sin 2 pi X_p (P,)
+    cosine: Reals  # cos 2 pi X_p (P,)
+    first_node: Integers  # first node of a particle's stencil, in the padded node arrays (P,)
+    weights: Quads  # outer weights and outer gradients S_0, S_2, dS_0, dS_2 (P, 4)
+    acceleration: Reals  # a at the particle in the last step (P,), with the effect
+    node_sine: Reals  # sin 2 pi x_i (N+4,), for the body force at nodes
+    node_sums: Quads  # sum over particles of S, S v, D* sigma, S b^ (N+4, 4)
+    node_moments: Quads  # sum of D*, D* r, S r, S sigma (N+4, 4)
+    node_volume: Reals  # V_i = sum of S F V0 (N+4,)
+    node_motion: Pairs  # v_i after the step and a_i (N+4, 2)
+    node_stiffness: Reals  # what Gershgorin's circle of a node bears, 1/s^2 (N+4,), for the margin of the step
+    remedy_interval: Integer  # steps between two turns of the remedies
+    remedy_rate: Real  # what a turn of the null-space filter takes out, and how far one of the coupling draws F
+    particle_scratch: Reals  # of the remedies (P,)
+    node_scratch: Reals  # of the remedies (N+4,)
+    node_displacement: Reals  # x - X on the nodes, for the coupling of F (N+4,)
+    totals: Reals  # grid crossings so far, work of the body force so far (2,)
+
+
+def body(scene: BarScene, on: Switches) -> dict:
+    """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of the
+    exact solution. A patch test counts F from its stretch on (``solvers.problems.bar.patch``)."""
+    P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
+    X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
+    swings, stretch = scene.swings, scene.initial_stretch
+    material = on.body_force in ("material", "two-tone")
+    at_nodes = np.sin(exact.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
+    return {
+        "particles": P, "cells": scene.cells, "spacing": scene.spacing, "cells_per_length": float(scene.cells),
+        "dt": scene.time_step, "modulus": scene.modulus * stretch, "density": scene.density / stretch,
+        "volume": scene.spacing / scene.ppc, "unstretched": 1 / stretch, "half_width": 0.5 / scene.ppc,
+        "amplitude": scene.motion_amplitude, "drift_velocity": 0.0 if swings else scene.initial_velocity,
+        "angular_frequency": w, "force_scale": 3 * w * w * scene.amplitude,
+        "material_position": X, "position": X, "velocity": exact.velocity(scene, X, 0.0),
+        "deformation_gradient": np.ones(P),
+        "sine": np.sin(exact.WAVENUMBER * X) if (on.truth and swings) or material else zeros(1),
+        "cosine": np.cos(exact.WAVENUMBER * X) if (on.truth and swings) or on.body_force == "two-tone" else zeros(1),
+        "first_node": zeros(P, kind=np.int32), "weights": zeros(P, 4), "acceleration": zeros(P, when=on.acceleration),
+        "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),
+        "node_moments": zeros(nodes, 4, when=on.linearity_preserving),
+        "node_volume": zeros(nodes, when=on.linearity_preserving),
+        "node_motion": zeros(nodes, 2), "totals": zeros(2),
+        "node_stiffness": zeros(nodes, when=on.margin), **remedy_rates(scene),
+        "particle_scratch": zeros(P, when=on.filtered or on.coupled),
+        "node_scratch": zeros(nodes, when=on.filtered or on.coupled),
+        "node_displacement": zeros(nodes, when=on.coupled)}

@@ -1,0 +1,165 @@
+"""The companion on the bar (see ``solvers.estimators.companion``): its space, and what it says of each particle.
+
+Elements of the material coordinate X around the period, with P = E u_X:
+
+    m_i a_i = m_i b_i - sum_q w_q P phi_i,X,  m_i = rho w_i.
+
+The body force is that of the material points, b(X, t), wherever the method samples it: at nodes it is in the wrong
+place, and that is an error to be seen. The last node is the image of the first. A bar that starts stretched counts X
+and u from there (``solvers.problems.bar.patch``); its constant stress has no effect on the periodic bar and is left
+out.
+"""
+
+import functools
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators import companion as shared
+from solvers.estimators.spectral import Elements
+from solvers.kernels.kinds import integers, pairs, quads, reals, rows
+from solvers.problems.bar import exact
+from solvers.problems.bar.forces import force_at, tones
+from solvers.scene.estimator_hooks import EstimatorHooks
+
+POLYNOMIALS = 4  # order p
+
+
+@ti.func
+def after_step(bar: ti.template(), base, step, on: ti.template()):
+    """Carry the companion on where the particles have gone beyond its interval."""
+    shared.step_ahead(bar, step, accelerate, on)
+
+
+@ti.func
+def accelerate(bar: ti.template(), t, on: ti.template()):
+    """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
+    N = bar.companion_counts[shared.NODES]
+    for e in range(bar.companion_counts[shared.ACROSS]):
+        element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
+    whole = bar.companion_nodes[shared.WORK * N][2] + bar.companion_nodes[shared.WORK * N + N - 1][2]
+    size = tones(bar, t, on)
+    for i in range(N):
+        work, wave = shared.WORK * N + i, bar.companion_waves[i]
+        force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work][2]
+        bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force + force_at(wave[0], wave[1], size, on)
+
+
+@ti.func
+def element_forces(bar: ti.template(), first):
+    """Take an element's internal forces from its nodes, which are in ``companion_nodes`` from ``first`` on."""
+    n = bar.companion_counts[shared.ORDER] + 1
+    for q in range(n):
+        stretch = 0.0
+        for k in range(n):
+            stretch += bar.companion_matrices[q * n + k][0] * bar.companion_nodes[first + k][0]
+        weighted = bar.companion_matrices[q * n][1] * bar.modulus * stretch
+        for k in range(n):
+            bar.companion_nodes[first + k][2] -= bar.companion_matrices[q * n + k][0] * weighted
+
+
+@ti.func
+def report(bar: ti.template(), base, step, on: ti.template()):
+    """Every particle's error at ``step``: computed minus the companion's, at its material point."""
+    shared.read_nodes(bar, step)
+    fill_elements(bar)
+    n = bar.companion_counts[shared.ORDER] + 1
+    squares = 0.0
+    for p in range(bar.particles):
+        f = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        first = bar.companion_element[p] * n
+        for k in range(n):
+            f += bar.companion_basis[p * n + k] * bar.companion_elements[first + k]
+        a = ti.math.nan
+        if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
+            a = bar.acceleration[p] - f[3] if step > 0 else 0.0
+        x = bar.position[p] - bar.material_position[p] - f[0]
+        squares += x * x
+        bar.estimate[base + p] = ti.Vector([x, bar.velocity[p] - f[1],
+                                            bar.modulus * (bar.deformation_gradient[p] - 1 - f[2]), a])
+    bar.companion_numbers[shared.SQUARE] = squares / bar.particles
+
+
+@ti.func
+def fill_elements(bar: ti.template()):
+    """u, v, u_X and a at the points of each element; u_X jumps between elements."""
+    n, N = bar.companion_counts[shared.ORDER] + 1, bar.companion_counts[shared.NODES]
+    for e in range(bar.companion_counts[shared.ACROSS]):
+        first = shared.NOW * N + e * (n - 1)
+        for i in range(n):
+            stretch = 0.0
+            for k in range(n):
+                stretch += bar.companion_matrices[i * n + k][0] * bar.companion_nodes[first + k][0]
+            bar.companion_elements[e * n + i] = ti.Vector([
+                bar.companion_nodes[first + i][0], bar.companion_nodes[first + i][2], stretch,
+                bar.companion_nodes[first + i][4]])
+
+
+def mesh(cells: int) -> Elements:
+    """Elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its order."""
+    return Elements(0.0, 1.0, max(3, min(1 + cells // 3, 6 + cells // 16)), POLYNOMIALS)
+
+
+def allocate(scene) -> dict[str, np.ndarray]:
+    """The companion at rest, moving with the initial velocity."""
+    elements = mesh(scene.cells)
+    n, X = elements.order + 1, elements.nodes
+    inverse_mass = np.zeros((len(X), 2))
+    inverse_mass[:, 0] = 1 / (scene.density / scene.initial_stretch * masses(elements))
+    velocity = np.stack([exact.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
+    frequency = scene.wave_speed * scene.initial_stretch * unit_frequency(elements)  # of the bar as it starts
+    particles = (np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc)
+    element, basis, _ = elements.locate(particles)
+    return {
+        "companion_counts": np.array([elements.order, elements.count, 1, len(X), len(X), 1,
+                                      shared.interval(frequency, scene.time_step)], np.int32),
+        "companion_numbers": np.array([frequency, 1.0, 0.0]),
+        "companion_nodes": shared.initial_nodes(velocity, inverse_mass),
+        "companion_waves": np.stack([np.sin(exact.WAVENUMBER * X), np.cos(exact.WAVENUMBER * X)], axis=1),
+        "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
+        "companion_element": element, "companion_basis": basis.ravel(),
+        "companion_elements": np.zeros((elements.count * n, 4))}
+
+
+def masses(elements: Elements) -> np.ndarray:
+    """Masses of the nodes for a density of 1; the first and the last are one."""
+    m = elements.assembled_weights
+    m[0] = m[-1] = m[0] + m[-1]
+    return m
+
+
+@functools.cache
+def unit_frequency(elements: Elements) -> float:
+    """The highest frequency of the bar for a wave speed of 1 m/s, in 1/s."""
+    stiffness = elements.derivative.T @ (elements.weights[:, None] * elements.derivative)
+    inverse_mass = 1 / masses(elements)
+
+    def accelerations(u: np.ndarray) -> np.ndarray:
+        pull = np.bincount(elements.of_node.ravel(), (u[elements.of_node] @ stiffness).ravel())
+        pull[0] = pull[-1] = pull[0] + pull[-1]
+        return inverse_mass * pull
+
+    return shared.highest_frequency(accelerations, inverse_mass)
+
+
+def verdict(scene, memory) -> str | None:
+    """Why not to trust what was reported last."""
+    elements = mesh(scene.cells)
+    u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[shared.NOW, :, :2]
+    return shared.doubt(u[elements.of_node], (1,), memory["companion_numbers"][shared.SQUARE])
+
+
+HOOKS = EstimatorHooks(
+    memory={
+        "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
+        "companion_numbers": reals,  # and so the numbers
+        "companion_nodes": rows,  # and the layers of nodes (4 N, 8); the bar is the first of two components
+        "companion_waves": pairs,  # sin 2 pi X and cos 2 pi X of the nodes
+        "companion_matrices": pairs,  # d/dX in an element, row by row, and at each row's point the weight
+        "companion_element": integers,  # the particle's element
+        "companion_basis": reals,  # the element's p + 1 polynomials at the particle
+        "companion_elements": quads,  # u, v, u_X, a at the points of each element, for a report
+    },
+    allocate=allocate,
+    interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
+    after_step=after_step, report=report, verdict=verdict)

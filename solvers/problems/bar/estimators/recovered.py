@@ -1,0 +1,286 @@
+"""The recovered estimator on the bar: the run's own particles, made smooth, against the equation of motion.
+
+In weak form on the material line, with N the quadratic B-splines of an *error grid* of spacing h and m = int rho N, the
+exact displacement obeys
+
+    (M u)'' = M b - D P / rho,    M f = int N f / int N,    D P = int N' P / int N,
+
+whatever the grid. The estimator integrates this for U = M u_exact from the initial state on, and the error is
+
+    e = M u - U,    E = sum_i N_i (2 e - C e)_i + (u - fit u),    C = M sum_j N_j,
+
+u = x_p - X_p of the run; ``fit`` is a moving least-squares cubic over four cells and 2 - C undoes what M and N smooth.
+The stress that drives U is not the run's, which is only piecewise smooth, but
+
+    P = E (F - 1),    F = 1 + fit' u - sum_i N_i' e*_i,    e* = 2 e - C e + tau (1 - C)^2 e':
+
+the recovered gradient less that of the error itself, so that the error feeds back on itself as it does in the run. The
+last term, with tau = 0.4 h/c, damps waves as short as the grid; a second factor 1 - C spares the longer ones, which
+have to ring for as long as the run's own error does. The errors of v and a are formed likewise, from v_g, the
+grid's velocity at the particle (v_p - v_g is added as it is), and from the last step's a. The error of the stress is
+E (F_p - 1 - fit' u + sum_i N_i' (2 e - C e)_i).
+
+In time: steps H of about 0.8 h/c by Stoermer's method with Numerov's correction H^2/12 U'''' from past accelerations,
+so that the error in time, of order H^4, stays far below the run's.
+
+Assumptions: b(X, t) and v(X, 0) are known, the material is elastic, the particles began on a uniform lattice.
+It fails where the solution varies within the four cells of the fit (six with one particle per cell, or with particles
+moved with their own velocity): what the fit cannot follow counts as error. The verdict tells from the size of U's
+fourth differences.
+Source: derived for this program.
+"""
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators import recovery
+from solvers.estimators.recovery import BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H, first_of, groups, put, row_of
+from solvers.kernels.kinds import quads, reals
+from solvers.kernels.packing import part
+from solvers.problems.bar import exact
+from solvers.problems.bar.estimators import recovered_tables
+from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
+from solvers.problems.bar.forces import tones
+from solvers.problems.bar.nodes import stencil_of
+from solvers.scene.estimator_hooks import EstimatorHooks
+
+WAVE_CFL = 0.9  # H c/h; stable to 1.2
+MOST_ROUGH = 3.2  # with fits of four cells: x then comes out some 8 % too small, on bars of 16 to 20 cells
+#: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
+#: M sin 2 pi X, M sin 4 pi X and D of the fitted slope of u.
+MOTION, GATHERED, ERRORS, FORCE = range(4)
+
+
+@ti.func
+def block(bar: ti.template(), kind: ti.template(), i):
+    """Entry i of a block of the nodal array."""
+    return kind * bar.recovered_stride + i
+
+
+@ti.func
+def close(field: ti.template(), start, count, beyond):
+    """Repeat the beginning of what is known once around behind its end: as far as rows of a table reach beyond."""
+    for k in range(beyond):
+        field[start + count + k] = field[start + k]
+
+
+@ti.func
+def close_nodes(bar: ti.template(), kind: ti.template()):
+    """The same for a block of nodal values."""
+    close(bar.recovered_nodes, block(bar, kind, 0), bar.cells, bar.recovered_stride - bar.cells)
+
+
+@ti.func
+def sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
+    """``ABREAST`` rows of a table, from ``row`` on and of equal weights, of a field that begins at ``start``."""
+    one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+    first = start + part(bar, table).first[row]
+    second, third = start + part(bar, table).first[row + 1], start + part(bar, table).first[row + 2]
+    for k in range(part(bar, table).width):
+        w = part(bar, table).weights[k]
+        one += w * field[first + k]
+        two += w * field[second + k]
+        three += w * field[third + k]
+    return one, two, three
+
+
+@ti.func
+def apply(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
+    """All ``count`` rows of a table, of a field that begins at ``start``, into another from ``at`` on."""
+    for group in range(groups(count)):
+        row = first_of(group, count)
+        put(into, at + row, 1, sums(bar, table, row, field, start))
+
+
+@ti.func
+def to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()):
+    """A table of the fields at particles into a block of nodal values."""
+    apply(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, block(bar, kind, 0))
+
+
+@ti.func
+def among_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
+    """A table of a block of nodal values, which is closed, into another block."""
+    apply(bar, table, bar.cells, bar.recovered_nodes, block(bar, kind, 0), bar.recovered_nodes, block(bar, into, 0))
+
+
+@ti.func
+def spread(bar: ti.template(), p, pattern):
+    """The nodal errors at a particle, and in the last place the slope of the first."""
+    total = ti.Vector([0.0] * 4)
+    first, begin, _ = row_of(bar, SPREAD, p, pattern)
+    for k in ti.static(range(3)):
+        total += part(bar, SPREAD).weights[begin + k] * bar.recovered_nodes[block(bar, ERRORS, first + k)]
+    return total
+
+
+@ti.func
+def begin(bar: ti.template(), t, on: ti.template()):
+    """Unless it is done: start the reference with the acceleration at time t, when the bar was undeformed, a = M b."""
+    if bar.recovered_numbers[TURNS] == NEW:
+        size = tones(bar, t, on)
+        for i in range(bar.cells):
+            shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
+            a = size[0] * shape[0] + size[1] * shape[1]
+            bar.recovered_nodes[at] = recovery.with_start(bar.recovered_nodes[at], a, bar.recovered_numbers[H])
+        bar.recovered_numbers[TURNS] = BEGUN
+
+
+@ti.func
+def remember_sizes(bar: ti.template()):
+    """Add this turn's fourth differences of U, and e, to the sums that the verdict looks at."""
+    rough, size = 0.0, 0.0
+    for i in range(bar.cells):
+        fourth = 0.0
+        j = ti.select(i < 2, i + bar.cells - 2, i - 2)
+        for k in range(5):
+            fourth += recovery.fourth_factor(k) * bar.recovered_nodes[block(bar, MOTION, j)][0]
+            j = ti.select(j + 1 < bar.cells, j + 1, 0)
+        rough += fourth * fourth
+        size += bar.recovered_nodes[block(bar, GATHERED, i)][0] ** 2
+    bar.recovered_numbers[ROUGH] += rough / bar.cells
+    bar.recovered_numbers[SIZE] += size / bar.cells
+
+
+@ti.func
+def after_step(bar: ti.template(), base, step, on: ti.template()):
+    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho.
+
+    P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed."""
+    begin(bar, step * bar.dt - bar.recovered_numbers[H], on)
+    for p in range(bar.particles):
+        u = bar.position[p] - bar.material_position[p]
+        bar.recovered_field[p] = ti.Vector([u, bar.velocity[p], u, 0.0])
+    close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
+    to_nodes(bar, DRIVE, ERRORS)
+    for i in range(bar.cells):
+        motion, drive = bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
+        motion[0] += bar.recovered_numbers[H] * motion[1]
+        bar.recovered_nodes[block(bar, MOTION, i)] = motion
+        shape = bar.recovered_nodes[block(bar, FORCE, i)]
+        bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], 0.0])
+        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
+    if recovery.looks(step, bar.dt, bar.recovered_numbers[H]):
+        remember_sizes(bar)
+    damped_errors(bar)
+    move_reference(bar, step * bar.dt, on)
+
+
+@ti.func
+def damped_errors(bar: ti.template()):
+    """e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
+    close_nodes(bar, GATHERED)
+    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+    for i in range(bar.cells):
+        e = bar.recovered_nodes[block(bar, GATHERED, i)]
+        bar.recovered_nodes[block(bar, GATHERED, i)] = \
+            e - bar.recovered_nodes[block(bar, ERRORS, i)] + ti.Vector([e[0], 0.0, 0.0, 0.0])
+    close_nodes(bar, GATHERED)
+    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+    for i in range(bar.cells):
+        e, smooth = bar.recovered_nodes[block(bar, GATHERED, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
+        bar.recovered_nodes[block(bar, ERRORS, i)] = \
+            ti.Vector([e[0] + bar.recovered_numbers[TAU] * (e[1] - smooth[1]), e[1], 0.0, 0.0])
+    close_nodes(bar, ERRORS)
+
+
+@ti.func
+def move_reference(bar: ti.template(), t, on: ti.template()):
+    """The acceleration of every node at time t, and the rate that follows."""
+    size = tones(bar, t, on)
+    first = bar.recovered_numbers[TURNS] == BEGUN
+    bar.recovered_numbers[TURNS] = MOVED
+    among_nodes(bar, STIFFNESS, ERRORS, GATHERED)
+    for i in range(bar.cells):
+        shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
+        slope = shape[2] - bar.recovered_nodes[block(bar, GATHERED, i)][0]
+        a = size[0] * shape[0] + size[1] * shape[1] - bar.modulus / bar.density * slope
+        bar.recovered_nodes[at] = recovery.next_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H], first)
+
+
+@ti.func
+def report(bar: ti.template(), base, step, on: ti.template()):
+    """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
+    for p in range(bar.particles):
+        S, _ = stencil_of(bar, p)
+        i = bar.first_node[p]
+        v_g = S[0] * bar.node_motion[i][0] + S[1] * bar.node_motion[i + 1][0] + S[2] * bar.node_motion[i + 2][0]
+        a = 0.0
+        if ti.static(on.acceleration):
+            a = bar.acceleration[p]
+        u = bar.position[p] - bar.material_position[p]
+        bar.recovered_field[p] = ti.Vector([u, v_g, a, u])
+    length = bar.recovered_numbers[H]
+    since = recovery.time_since(step, bar.dt, length)
+    if step > 0:
+        begin(bar, step * bar.dt - since, on)
+    close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
+    find_errors(bar, length, since)
+    apply(bar, FIT, bar.particles, bar.recovered_field, 0, bar.estimate, base)
+    per_cell = bar.particles // bar.cells
+    for i in range(bar.cells):
+        for q in range(per_cell):
+            p = i * per_cell + q
+            field = bar.recovered_field[p]
+            less = bar.estimate[base + p] - spread(bar, p, q)  # in the last place the slope of u less that of its error
+            E = field - less
+            E[1] += bar.velocity[p] - field[1]
+            if ti.static(not on.acceleration):
+                E[2] = ti.math.nan
+            E_sigma = bar.modulus * (bar.deformation_gradient[p] - 1 - less[3])
+            estimate = ti.Vector([E[0], E[1], E_sigma, E[2]])
+            bar.estimate[base + p] = estimate if step > 0 else ti.Vector([0.0, 0.0, 0.0, 0.0])
+
+
+@ti.func
+def find_errors(bar: ti.template(), length, since):
+    """Nodal errors of the fields, unsmoothed."""
+    to_nodes(bar, GATHER, GATHERED)
+    for i in range(bar.cells):
+        U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], length, since, bar.dt)
+        mean = bar.recovered_nodes[block(bar, GATHERED, i)]
+        bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
+    close_nodes(bar, GATHERED)
+    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+    for i in range(bar.cells):
+        smooth = bar.recovered_nodes[block(bar, ERRORS, i)]
+        bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * bar.recovered_nodes[block(bar, GATHERED, i)] - smooth
+    close_nodes(bar, ERRORS)
+
+
+def interval(scene):
+    return recovery.steps_between(scene, WAVE_CFL * scene.spacing)
+
+
+def allocate(scene):
+    """Operators of the material line, and the reference in the initial configuration."""
+    cells, per_cell = scene.cells, scene.ppc
+    tables = recovered_tables.operators(scene)
+    X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
+    stride = cells + max(tables[name].width for name in (SPREAD, SMOOTHING, STIFFNESS))
+    beyond = max(tables[name].width for name in (FIT, GATHER, DRIVE))
+    nodes = np.zeros((4, stride, 4))
+    for k in (0, 1):
+        nodes[FORCE, :cells, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
+    nodes[MOTION, :cells, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
+            "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_field": np.zeros((scene.particles + beyond, 4))}
+
+
+def verdict(scene, memory):
+    """Why not to trust it; what a fit misses grows like the fourth power of the cells that it goes over."""
+    U = memory["recovered_nodes"].reshape(4, -1, 4)[MOTION, :, 0]
+    return recovery.doubt(memory, MOST_ROUGH * (recovery.OTHER_FIT_CELLS / recovery.fit_cells(scene)) ** 4,
+                          np.abs(U).max() / scene.motion_amplitude)
+
+
+HOOKS = EstimatorHooks(
+    memory={
+        "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
+        **recovery.table_types(TABLES),
+        "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
+        "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
+        "recovered_field": quads,  # u, v, a, P at particles, and likewise
+    },
+    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=verdict)

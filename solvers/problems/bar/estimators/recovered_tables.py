@@ -1,0 +1,51 @@
+"""The recovered estimator's operators on the bar, as tables of rows: set-up only, in numpy."""
+
+import numpy as np
+
+from solvers.estimators import recovery
+from solvers.estimators.lattice_lines import Line, Rows
+from solvers.problems.bar.scene import BarScene
+
+DEGREE = 3  # of the fits
+PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
+
+#: Tables, with a weight for each component of a field: a fit (value of u, v and a, slope of u), B-splines likewise, M,
+#: C, what drives U (M of u and v, D of the fitted slope of u), and D of the slope of B-splines.
+TABLES = tuple(f"recovered_{what}_" for what in ("fit", "spread", "gather", "smoothing", "drive", "stiffness"))
+FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = TABLES
+
+
+def operators(scene: BarScene) -> dict[str, Rows]:
+    """The tables by name; cells are alike, and so are particles to a fit, so that most have one row of weights."""
+    cells, per_cell = scene.cells, int(scene.ppc)
+    few = min(cells, PATTERN_CELLS)
+    line = Line(few * per_cell, few, few * scene.spacing, "periodic")
+    fit = line.fit(recovery.fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1)
+    spread = line.spread().repeated(cells, per_cell, 1)
+    gather = line.gather(4, 2).repeated(cells, 1, per_cell)
+    smoothing = line.smoothing().repeated(cells, 1, 1)
+    drive, stiffness = np.zeros((scene.particles, 4)), np.zeros((cells, 4))
+    for p, (value, slope, _) in zip(gather.first[0] + np.arange(gather.width), gather.weights[0, :, 0], strict=True):
+        p = p % scene.particles
+        drive[p, :2] += value
+        np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
+        np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,
+                  slope * spread.weights[p % per_cell, :, 0, 1])
+    rows = (in_lanes(fit, 1), in_lanes(spread, 1), in_lanes(gather, 0), in_lanes(smoothing, 0),
+            around(drive, cells), around(stiffness, cells))
+    return dict(zip(TABLES, rows, strict=True))
+
+
+def in_lanes(rows: Rows, last: int) -> Rows:
+    """The rows' value for u, v and a, and again or the slope for u."""
+    weights = rows.weights[:, :, 0]
+    return Rows(rows.first, weights[:, :, [0, 0, 0, last]])
+
+
+def around(weights: np.ndarray, cells: int) -> Rows:
+    """The map of all nodes from that of node 0, with a weight for each column of the whole line."""
+    middle = len(weights) // 2
+    weights = np.roll(weights, middle, axis=0)
+    used = np.flatnonzero(weights.any(axis=1))
+    first = used[0] - middle + np.arange(cells) * (len(weights) // cells)
+    return Rows((first % len(weights)).astype(np.int32), weights[None, used[0]:used[-1] + 1])

@@ -1,0 +1,74 @@
+"""The bar's exact solution (eqs 29-34), and its patch test's, as functions of the material coordinate X and the time t.
+
+u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(F - 1) and
+b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
+same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``BarScene.motion_amplitude`` and
+``BarScene.angular_frequency`` are those of whichever solution holds. In a patch test X is where a particle begins, and
+u = v0 t, F = F0 for ever.
+"""
+
+import numpy as np
+
+from solvers.problems.bar.scene import BarScene
+
+WAVENUMBER = 2 * np.pi
+SECOND_SIZE = 0.5  # of the force's second tone, of the first
+SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
+
+
+def displacement(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+    """u(X, t) in metres."""
+    if scene.is_patch:
+        return np.full_like(X, scene.initial_velocity * t)
+    return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+
+
+def velocity(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+    """v = u_t in m/s."""
+    if scene.is_patch:
+        return np.full_like(X, scene.initial_velocity)
+    w = scene.angular_frequency
+    return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
+
+
+def acceleration(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+    """a = u_tt = -w^2 u in m/s^2."""
+    if scene.is_patch:
+        return np.zeros_like(X)
+    return -scene.angular_frequency**2 * displacement(scene, X, t)
+
+
+def deformation_gradient(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+    """F = 1 + u_X."""
+    if scene.is_patch:
+        return np.full_like(X, scene.stretch)
+    return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+
+
+def stress(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+    """P = E(F - 1) in pascals (eq 29)."""
+    return scene.modulus * (deformation_gradient(scene, X, t) - 1)
+
+
+def field(scene: BarScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+    """A quantity by its key (``samples.QUANTITIES``), u for x, as a method has it after the time t: its acceleration is
+    the one that its last step used, which began a step before. Of a patch test u - v0 t, beside which v0 t would hide
+    all else."""
+    if scene.is_patch and quantity == "x":
+        return np.zeros_like(X)
+    if quantity == "a":
+        return acceleration(scene, X, max(0.0, t - scene.time_step))
+    return {"x": displacement, "v": velocity, "sigma": stress}[quantity](scene, X, t)
+
+
+def body_force(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+    """b per unit mass, in m/s^2: 3 w^2 u (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside
+    it; zero for the free bar."""
+    if scene.body_force == "none":
+        return np.zeros_like(X)
+    w = scene.angular_frequency
+    force = 3 * w**2 * displacement(scene, X, t)
+    if scene.body_force == "two-tone":
+        size = SECOND_SIZE * 3 * w**2 * scene.amplitude * np.sin(SECOND_FREQUENCY * w * t)
+        force += size * np.sin(2 * WAVENUMBER * X)
+    return force

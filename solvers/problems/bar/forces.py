@@ -1,0 +1,38 @@
+"""The body force of the bar, per unit mass, at a material point.
+
+"material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds
+1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone.
+"""
+
+import taichi as ti
+
+from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
+
+
+@ti.func
+def tones(bar: ti.template(), t, on: ti.template()):
+    """The size of each tone at time t, in m/s^2."""
+    first, second = 0.0, 0.0
+    if ti.static(on.body_force != "none"):
+        first = bar.force_scale * ti.sin(bar.angular_frequency * t)
+    if ti.static(on.body_force == "two-tone"):
+        second = SECOND_SIZE * bar.force_scale * ti.sin(SECOND_FREQUENCY * bar.angular_frequency * t)
+    return ti.Vector([first, second])
+
+
+@ti.func
+def force_at(sine, cosine, size, on: ti.template()):
+    """The force where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones of the given size."""
+    force = size[0] * sine
+    if ti.static(on.body_force == "two-tone"):
+        force += size[1] * 2 * sine * cosine  # sin 4 pi X
+    return force
+
+
+@ti.func
+def force_on_particle(bar: ti.template(), p, size, on: ti.template()):
+    """The force at particle p, with tones of the given size; the cosine is kept only where it is needed."""
+    cosine = 0.0
+    if ti.static(on.body_force == "two-tone"):
+        cosine = bar.cosine[p]
+    return force_at(bar.sine[p], cosine, size, on)

@@ -1,0 +1,93 @@
+"""The bar's nodes and stencils: how particles address them and how the period closes.
+
+Nodes are stored with periodic images: entry 1 is node 0 at x = 0, entry 0 and entries N+1 ... N+3 are images.
+"""
+
+import taichi as ti
+
+from solvers.kernels.shapes import stencil
+
+GHOSTS = 4  # node arrays hold one periodic image on the left and three on the right
+MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that three nodes suffice
+EMPTY = 1e-12  # sum of S below which a node carries nothing
+DEGENERATE = 1e-3  # linearity preservation falls back to the plain gradient below this share of its volume
+
+
+@ti.func
+def stencil_of(bar: ti.template(), p):
+    """The kept stencil: S (1) and dS (1/length) at three nodes from ``first_node``."""
+    w = bar.weights[p]
+    return stencil(w[0], w[1], w[2], w[3])
+
+
+@ti.func
+def offset(bar: ti.template(), p):
+    """r = x_p - x_i for the first node of the stencil; the next nodes' are h and 2h less."""
+    x = bar.position[p]
+    return x - ti.floor(x) - (bar.first_node[p] - 1) * bar.spacing
+
+
+@ti.func
+def fold(values: ti.template(), cells):
+    """Add what fell on a node's periodic images to the node."""
+    values[cells] += values[0]
+    for k in ti.static(range(1, 4)):
+        values[k] += values[cells + k]
+
+
+@ti.func
+def spread(values: ti.template(), cells):
+    """Copy the nodes' values to their periodic images."""
+    values[0] = values[cells]
+    for k in ti.static(range(1, 4)):
+        values[cells + k] = values[k]
+
+
+@ti.func
+def divergence_form(bar: ti.template(), i, on: ti.template()):
+    """``(mean, scale)`` such that V_i d(sigma)/dx at node i is (sum D* sigma - mean sum S sigma) scale.
+
+    Plain (eq 8): 0 and 1. Linearity preserving: D = (D* - S sum D*/sum S)/den with sum D x = 1 (eq 17,
+    normalised); V_i, the node's share of the *current* volume, keeps the density current. Where the domains
+    leave too little to divide by, the plain form takes over: without this guard long runs divide by zero.
+    """
+    mean, scale = 0.0, 1.0
+    if ti.static(on.linearity_preserving):
+        moments = bar.node_moments[i]
+        volume = bar.node_volume[i]
+        tilt = moments[0] / bar.node_sums[i][0]
+        den = moments[1] - tilt * moments[2]
+        if den > DEGENERATE * volume and volume > DEGENERATE * bar.spacing:
+            mean, scale = tilt, volume / den
+    return mean, scale
+
+
+@ti.func
+def gather_moments(bar: ti.template()):
+    """Nodal sums of D*, D* r, S r and S sigma with r = x_p - x_i, and V_i = sum S F V0."""
+    for i in range(bar.cells + GHOSTS):
+        bar.node_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        bar.node_volume[i] = 0.0
+    for p in range(bar.particles):
+        S, dS = stencil_of(bar, p)
+        i = bar.first_node[p]
+        r = offset(bar, p)
+        volume = bar.deformation_gradient[p] * bar.volume
+        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
+        for k in ti.static(range(3)):
+            D = -dS[k] * volume
+            r_k = r - k * bar.spacing
+            bar.node_moments[i + k] += ti.Vector([D, D * r_k, S[k] * r_k, S[k] * stress])
+            bar.node_volume[i + k] += S[k] * volume
+    fold(bar.node_moments, bar.cells)
+    fold(bar.node_volume, bar.cells)
+
+
+@ti.func
+def node_force(bar: ti.template(), i, on: ti.template()):
+    """V_i d(sigma)/dx as the method sees it: the internal force at node i."""
+    force = bar.node_sums[i][2]
+    if ti.static(on.linearity_preserving):
+        mean, scale = divergence_form(bar, i, on)
+        force = (force - mean * bar.node_moments[i][3]) * scale
+    return force

@@ -1,0 +1,139 @@
+"""The phases of one step of the bar (section 2 of the paper): symplectic Euler, stress last.
+
+Every phase is a function of the state and of the switches, so the file reads like the method: weights, particles
+to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
+"""
+
+import taichi as ti
+
+from solvers.kernels.shapes import weights_1d
+from solvers.problems.bar.forces import force_on_particle, tones
+from solvers.problems.bar.nodes import (
+    EMPTY,
+    GHOSTS,
+    MOST_HALF_WIDTH,
+    fold,
+    gather_moments,
+    node_force,
+    spread,
+    stencil_of,
+)
+
+
+@ti.func
+def update_grid(bar: ti.template(), t, on: ti.template()):
+    """The first half of a step, from time t: weights, particles to nodes, and the nodes' new motion."""
+    if ti.static(not on.frozen):
+        find_weights(bar, on)
+    particles_to_nodes(bar, t, on)
+    update_nodes(bar, t, on)
+
+
+@ti.func
+def half_width(bar: ti.template(), p, on: ti.template()):
+    """Half the particle's domain, in cells: constant for uGIMP, stretched by F for cpGIMP."""
+    width = bar.half_width
+    if ti.static(on.method == "cpgimp" and not on.frozen):
+        width = ti.min(ti.max(bar.half_width * bar.deformation_gradient[p], 1e-6), MOST_HALF_WIDTH)
+    return width
+
+
+@ti.func
+def find_weights(bar: ti.template(), on: ti.template()):
+    """Keep each particle's stencil for both mappings of the step."""
+    for p in range(bar.particles):
+        x = bar.position[p]
+        if ti.static(on.frozen):
+            x = bar.material_position[p]
+        first, S, dS = weights_1d(on.method, (x - ti.floor(x)) * bar.cells_per_length, half_width(bar, p, on))
+        # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
+        bar.first_node[p] = ti.cast(ti.min(ti.max(first, -1.0), bar.cells), ti.i32) + 1
+        bar.weights[p] = ti.Vector([S[0], S[2], dS[0] * bar.cells_per_length, dS[2] * bar.cells_per_length])
+
+
+@ti.func
+def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
+    """Sum S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t."""
+    size = tones(bar, t, on)
+    for i in range(bar.cells + GHOSTS):
+        bar.node_sums[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(bar.particles):
+        S, dS = stencil_of(bar, p)
+        i = bar.first_node[p]
+        volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
+        if ti.static(not on.frozen):
+            volume *= bar.deformation_gradient[p]
+        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
+        interpolated = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
+        if ti.static(on.body_force in ("material", "two-tone")):
+            interpolated[3] = force_on_particle(bar, p, size, on)
+        force = ti.Vector([0.0, 0.0, -volume * stress, 0.0])
+        for k in ti.static(range(3)):
+            bar.node_sums[i + k] += S[k] * interpolated + dS[k] * force
+    fold(bar.node_sums, bar.cells)
+    if ti.static(on.linearity_preserving):
+        gather_moments(bar)
+
+
+@ti.func
+def update_nodes(bar: ti.template(), t, on: ti.template()):
+    """v_i += dt a_i with a_i = internal + body force at time t."""
+    size = tones(bar, t, on)
+    for i in range(1, bar.cells + 1):
+        sums = bar.node_sums[i]
+        v, a = 0.0, 0.0
+        if sums[0] > EMPTY:
+            mass = bar.density * bar.volume * sums[0]
+            internal = node_force(bar, i, on) / mass
+            body = 0.0
+            if ti.static(on.body_force in ("material", "two-tone")):
+                body = sums[3] / sums[0]
+            if ti.static(on.body_force == "node"):
+                body = size[0] * bar.node_sine[i]
+            a = internal + body
+            v = sums[1] / sums[0] + bar.dt * a
+            if ti.static(on.energy):  # the force's power with the velocity in the middle of the step
+                bar.totals[1] += bar.dt * mass * body * (v - 0.5 * bar.dt * a)
+        bar.node_motion[i] = ti.Vector([v, a])
+    spread(bar.node_motion, bar.cells)
+
+
+@ti.func
+def hat_velocity(bar: ti.template(), x):
+    """The grid velocity at x with hat functions."""
+    s = (x - ti.floor(x)) * bar.cells_per_length
+    i = ti.cast(ti.min(ti.max(ti.floor(s), 0.0), bar.cells), ti.i32)
+    return (1 - (s - i)) * bar.node_motion[i + 1][0] + (s - i) * bar.node_motion[i + 2][0]
+
+
+@ti.func
+def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
+    """v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L) F with L = sum dS v_i."""
+    jumps = 0.0
+    for p in range(bar.particles):
+        S, dS = stencil_of(bar, p)
+        i = bar.first_node[p]
+        n0, n1, n2 = bar.node_motion[i], bar.node_motion[i + 1], bar.node_motion[i + 2]
+        motion = S[0] * n0 + S[1] * n1 + S[2] * n2
+        L = dS[0] * n0[0] + dS[1] * n1[0] + dS[2] * n2[0]
+        v = bar.velocity[p] + bar.dt * motion[1]
+        moving = motion[0]
+        if ti.static(on.velocity == "particle"):
+            moving = v
+        if ti.static(on.velocity == "corners"):  # domains whose ends move with the grid tile for ever
+            reach = half_width(bar, p, on) * bar.spacing
+            moving = 0.5 * (hat_velocity(bar, bar.position[p] - reach) + hat_velocity(bar, bar.position[p] + reach))
+        x = bar.position[p] + bar.dt * moving
+        if ti.static(on.crossings and not on.frozen):
+            jump = abs(ti.floor(x * bar.cells_per_length) - ti.floor(bar.position[p] * bar.cells_per_length))
+            jumps += jump
+            bar.last_crossing[p] = ti.select(jump > 0, step, bar.last_crossing[p])
+        if ti.static(on.acceleration):
+            bar.acceleration[p] = motion[1]
+        bar.velocity[p] = v
+        bar.position[p] = x
+        if ti.static(on.frozen):
+            bar.deformation_gradient[p] += bar.dt * L  # the gradient of S is with respect to X
+        else:
+            bar.deformation_gradient[p] *= 1 + bar.dt * L
+    bar.totals[0] += jumps

@@ -1,0 +1,105 @@
+"""The bar's remedies (see ``solvers.scene.remedies``): what a scene may call for against breakdown in long and large
+motions.
+
+Two things part slowly in MPM, both because the particle-grid maps lose information. The part of the particles' velocity
+that no node sees is never corrected; and F follows the gradient of the grid's velocity, x its value, so that after many
+periods F is no longer that of x. Both remedies act with the weights of the step, before the particles move.
+"""
+
+import taichi as ti
+
+from solvers.problems.bar.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
+
+PASSES = 8  # of the coupling: u_i = sum over l < 8 of (I - S^+ S)^l S^+ (x - X)
+MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) says nothing
+
+
+@ti.func
+def in_step(bar: ti.template(), step, on: ti.template()):
+    """The turn of the remedies between nodes and particles; ``step`` counts this step too."""
+    if ti.static(on.filtered or on.coupled):
+        if step % bar.remedy_interval == 0:
+            if ti.static(on.filtered):
+                filter_null_space(bar)
+            if ti.static(on.coupled):
+                couple_deformation(bar)
+
+
+@ti.func
+def after_step(bar: ti.template(), on: ti.template()):
+    """Every step's end: take the mean velocity out, but for that of a patch test."""
+    if ti.static(on.centred):
+        mean = 0.0
+        for p in range(bar.particles):
+            mean += bar.velocity[p]
+        mean = mean / bar.particles - bar.drift_velocity
+        for p in range(bar.particles):
+            bar.velocity[p] -= mean
+
+
+@ti.func
+def filter_null_space(bar: ti.template()):
+    """v_p -= rate (I - S S^+)^2 v: the mass-weighted map S^+ to the nodes and back leaves out what no node sees."""
+    for p in range(bar.particles):
+        S, _ = stencil_of(bar, p)
+        i = bar.first_node[p]
+        seen = 0.0
+        for k in ti.static(range(3)):  # v_i before the step's acceleration
+            seen += S[k] * (bar.node_motion[i + k][0] - bar.dt * bar.node_motion[i + k][1])
+        bar.particle_scratch[p] = bar.velocity[p] - seen
+    scratch_to_nodes(bar)
+    for p in range(bar.particles):
+        bar.velocity[p] -= bar.remedy_rate * (bar.particle_scratch[p] - scratch_at(bar, p))
+
+
+@ti.func
+def couple_deformation(bar: ti.template()):
+    """F += rate (1/(1 - du/dx) - F), with u the grid's best copy of the displacement x - X, sharpened by passes."""
+    for i in range(bar.cells + GHOSTS):
+        bar.node_displacement[i] = 0.0
+    for p in range(bar.particles):
+        bar.particle_scratch[p] = bar.position[p] - bar.material_position[p]
+    for l in range(PASSES):
+        scratch_to_nodes(bar)
+        for i in range(bar.cells + GHOSTS):
+            bar.node_displacement[i] += bar.node_scratch[i]
+        if l < PASSES - 1:
+            for p in range(bar.particles):
+                bar.particle_scratch[p] -= scratch_at(bar, p)
+    for p in range(bar.particles):
+        _, dS = stencil_of(bar, p)
+        i = bar.first_node[p]
+        G = 0.0
+        for k in ti.static(range(3)):
+            G += dS[k] * bar.node_displacement[i + k]
+        if G < MOST_GRADIENT:
+            F = bar.deformation_gradient[p]
+            bar.deformation_gradient[p] = F + bar.remedy_rate * (1 / (1 - G) - F)
+
+
+@ti.func
+def scratch_to_nodes(bar: ti.template()):
+    """S^+ of the particles' scratch, into the nodes' scratch."""
+    for i in range(bar.cells + GHOSTS):
+        bar.node_scratch[i] = 0.0
+    for p in range(bar.particles):
+        S, _ = stencil_of(bar, p)
+        i = bar.first_node[p]
+        for k in ti.static(range(3)):
+            bar.node_scratch[i + k] += S[k] * bar.particle_scratch[p]
+    fold(bar.node_scratch, bar.cells)
+    for i in range(1, bar.cells + 1):
+        weight = bar.node_sums[i][0]
+        bar.node_scratch[i] = bar.node_scratch[i] / weight if weight > EMPTY else 0.0
+    spread(bar.node_scratch, bar.cells)
+
+
+@ti.func
+def scratch_at(bar: ti.template(), p):
+    """The nodes' scratch interpolated to particle p."""
+    S, _ = stencil_of(bar, p)
+    i = bar.first_node[p]
+    total = 0.0
+    for k in ti.static(range(3)):
+        total += S[k] * bar.node_scratch[i + k]
+    return total

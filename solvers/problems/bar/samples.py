@@ -1,0 +1,91 @@
+"""The bar's samples: sums over particles for the norms of the true and the estimated error, and the energy.
+
+True errors are at fixed X: computed minus exact. The acceleration is the one that the last step used, so it is
+compared at that step's time, one step before the others'.
+"""
+
+import taichi as ti
+
+from solvers.problems.bar import soundness
+from solvers.solver.samples import BASE, EACH, column
+
+
+@ti.func
+def true_error(bar: ti.template(), p, now, on: ti.template()):
+    """Errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is what :func:`exact_now` says."""
+    moved, v, a = now[3], bar.drift_velocity, 0.0
+    strain = bar.deformation_gradient[p] - 1
+    if ti.static(on.acceleration):
+        a = bar.acceleration[p]
+    if ti.static(on.motion == "vibrate"):
+        u, w = bar.amplitude * bar.sine[p], bar.angular_frequency
+        moved, v = u * now[0], u * w * now[1]
+        strain -= 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * now[0]
+        if ti.static(on.acceleration):
+            a += w * w * u * now[2]
+    return ti.Vector([bar.position[p] - bar.material_position[p] - moved, bar.velocity[p] - v,
+                      bar.modulus * strain, a])
+
+
+@ti.func
+def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
+    """Error of the stress that the rate form sigma' = E L integrates to, E ln F (Table 1); NaN where F <= 0."""
+    error = ti.log(bar.deformation_gradient[p])
+    if ti.static(on.motion == "patch"):
+        error *= bar.unstretched  # E L since the start, of which the modulus here is the stretched one
+    else:
+        error -= 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * now[0]
+    return bar.modulus * error
+
+
+@ti.func
+def exact_now(bar: ti.template(), step):
+    """sin w t and cos w t at a step, sin w t one step before, and how far a patch test has moved."""
+    angle = bar.angular_frequency * bar.dt * step
+    before = ti.max(0.0, angle - bar.angular_frequency * bar.dt)  # at the start both a are 0
+    return ti.Vector([ti.sin(angle), ti.cos(angle), ti.sin(before), bar.drift_velocity * bar.dt * step])
+
+
+@ti.func
+def sample(bar: ti.template(), row, step, looks, on: ti.template()):
+    """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
+    out = ti.static(bar.samples)
+    out[row, ti.static(column("step"))] = step
+    out[row, ti.static(column("work"))] = bar.totals[1]
+    out[row, ti.static(column("crossings"))] = bar.totals[0]
+    now = exact_now(bar, step)
+    if ti.static(on.truth):
+        squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        extra = 0.0
+        for p in range(bar.particles):
+            e = true_error(bar, p, now, on)
+            squares += e * e
+            extra += logarithmic_stress_error(bar, p, now, on) ** 2
+        for q in ti.static(range(3 + on.acceleration)):  # what is off stays NaN
+            out[row, ti.static(column("error_x")) + q] = squares[q]
+        out[row, ti.static(column("error_extra"))] = extra
+    for e in range(ti.static(len(on.estimators))):
+        squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+        for p in range(bar.particles):
+            estimate = bar.estimate[e * bar.particles + p]
+            squares += estimate * estimate
+            if ti.static(on.truth):
+                d = estimate - true_error(bar, p, now, on)
+                missed += d * d
+        for q in ti.static(range(4)):
+            at = ti.static(len(BASE)) + ti.static(len(EACH)) * e + q
+            out[row, at] = squares[q]
+            if ti.static(on.truth and (q < 3 or on.acceleration)):
+                out[row, at + 4] = missed[q]
+    for q in ti.static(range(column("apart"), column("margin") + 1)):
+        out[row, q] = ti.math.nan
+    if ti.static(on.soundness):
+        if looks:
+            soundness.look(bar, row, now[3])
+    if ti.static(on.energy):
+        kinetic, strain = 0.0, 0.0
+        for p in range(bar.particles):
+            kinetic += bar.velocity[p] ** 2
+            strain += (bar.deformation_gradient[p] - bar.unstretched) ** 2
+        out[row, ti.static(column("kinetic"))] = 0.5 * bar.density * bar.volume * kinetic
+        out[row, ti.static(column("strain"))] = 0.5 * bar.modulus * bar.volume * strain

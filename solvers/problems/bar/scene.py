@@ -1,0 +1,169 @@
+"""BarScene: a run of the vibrating bar or of its patch test, its defaults and its rules."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.problems.bar import patch, validity
+from solvers.problems.bar.patch import PATCH, VIBRATE
+from solvers.scene.defaults import MOST_PER_CELL
+from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.scene.rules import SceneError, require_number
+from solvers.scene.scene import Scene, option
+
+#: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
+BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
+
+
+@dataclass(frozen=True)
+class BarScene(Scene):
+    """One run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.scene.Scene`)."""
+
+    problem: str = option("bar", choices=("bar",))
+    method: str = option("ugimp", "Shape functions of the particles", choices=("mpm", "ugimp", "cpgimp", "bspline"))
+    cells: int = option(40, "Cells of the grid; h = 1 m / cells")
+    ppc: int | float = option(4, "Particles per cell; a whole number but in a patch test, which may have 2.5")
+    amplitude: float = option(0.025, "Amplitude A of the displacement", "m")
+    modulus: float = option(4.0, "Young's modulus E", "Pa")
+    density: float = option(1.0, "Density", "kg/m3")
+    body_force: str = option(
+        "material", "Body force: at material points, at nodes, none, or two tones that have no built-in solution",
+        choices=("material", "node", "none", "two-tone"))
+    velocity: str = option("grid", "Velocity that moves the particles (corners: cpgimp only)",
+                           choices=("grid", "particle", "corners"))
+    motion: str = option(VIBRATE, "What the bar does: vibrate, or begin evenly stretched and moving, so that exactly "
+                         "nothing should happen (patch test)", choices=(VIBRATE, PATCH))
+    stretch: float = option(patch.STRETCH, "Stretch F of a patch test, no unit; not 1")
+    initial_velocity: float = option(patch.VELOCITY, "Velocity of a patch test", "m/s")
+
+    TITLE = "vibrating bar"
+    SETTING = "The bar is 1 m long."
+    EXTRA_ERROR = "sigma_log"
+    VALIDITY = validity.RULES
+    REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN)
+    RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch.NOTHING_TO_SEARCH)
+    STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT
+    GENTLE_AMPLITUDE = 1e-3
+    HARD_AMPLITUDES = (0.025, 0.05, 0.1, 0.14)
+
+    @classmethod
+    def candidates(cls) -> tuple[tuple[str, bool], ...]:
+        """uGIMP with linearity preservation too."""
+        return (*super().candidates(), ("ugimp", True))
+
+    @property
+    def spacing(self) -> float:
+        """Cell size h."""
+        return 1.0 / self.cells
+
+    @property
+    def particles(self) -> int:
+        return round(self.cells * self.ppc)
+
+    @property
+    def is_patch(self) -> bool:
+        """Whether it is the patch test."""
+        return self.motion == PATCH
+
+    @property
+    def swings(self) -> bool:
+        return not self.is_patch
+
+    @property
+    def initial_stretch(self) -> float:
+        """F at the start."""
+        return self.stretch if self.is_patch else 1.0
+
+    @property
+    def angular_frequency(self) -> float:
+        """w of the exact solution: c pi/l with the body force (eq 32), the natural 2 c pi/l without; l = 1. In a patch
+        test nothing swings but what goes wrong; its times are counted as those of the vibrating bar."""
+        return self.wave_speed * math.pi * (2 if self.body_force == "none" and self.swings else 1)
+
+    @property
+    def motion_amplitude(self) -> float:
+        """Largest displacement of the exact solution: A; A/2 for the free bar, which starts at the same speed. For a
+        patch test that of a vibration whose largest strain is the test's, |F - 1|: what its stress could do if it were
+        let loose, and so what its errors are compared with."""
+        if self.is_patch:
+            return abs(self.stretch - 1) / self.STRAIN_PER_AMPLITUDE
+        return self.amplitude / 2 if self.body_force == "none" else self.amplitude
+
+    @property
+    def lost_from(self) -> dict[str, float]:
+        """Of a patch test the stress counts too: it is all that there is to get wrong."""
+        return {"sigma": patch.FAILED} if self.is_patch else {}
+
+    def to_dict(self) -> dict:
+        """As every scene; None for what means nothing in this motion."""
+        idle = ("amplitude",) if self.is_patch else ("stretch", "initial_velocity")
+        return {**super().to_dict(), **dict.fromkeys(idle)}
+
+    def within(self, position: np.ndarray) -> np.ndarray:
+        """Positions (P,) where they are drawn: of a patch test, which goes on and on, the image in the first metre."""
+        with np.errstate(invalid="ignore"):  # a run gone bad holds anything
+            return position - np.floor(position) if self.is_patch else position
+
+    def warnings(self) -> list[str]:
+        sentences = super().warnings()
+        if "two-grid" in self.active_estimators and validity.noisy(self):
+            sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
+                             "each of the two grids has in other places")
+        if self.is_patch and (step := patch.edge_step(self)):
+            sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
+                             "says in which cell they are: hat functions show that even with whole particles per cell; "
+                             f"another velocity moves them off, such as {0.9717 * self.initial_velocity:.4g} m/s")
+        return sentences
+
+    def __post_init__(self) -> None:
+        if self.motion == PATCH:
+            patch.settle(self)
+        super().__post_init__()
+
+    def _check_per_cell(self) -> None:
+        if self.is_patch:
+            return patch.check_per_cell(self.cells, self.ppc)
+        if isinstance(self.ppc, float) and 1 <= self.ppc <= MOST_PER_CELL:
+            raise SceneError("ppc", self.ppc, f"give a whole number from 1 to {MOST_PER_CELL}; only a patch test "
+                             "(motion patch) may have a part of one")
+        super()._check_per_cell()
+
+    def _check_amplitude(self) -> None:
+        allowed = "give a number above 1e-12 and below 0.159"
+        require_number("amplitude", self.amplitude, 1e-12, math.inf, allowed)
+        if self.amplitude >= BAR_AMPLITUDE_LIMIT:
+            raise SceneError("amplitude", self.amplitude, f"the exact bar inverts from 1/(2 pi) = 0.159 on; {allowed}")
+
+    def _check_numbers(self) -> None:
+        super()._check_numbers()
+        patch.check_numbers(self)
+
+    def _check_combinations(self) -> None:
+        if self.is_patch:
+            patch.check_alone(self)
+        else:
+            patch.check_absent(self)
+        if self.arch not in ("cpu", "gpu"):
+            raise SceneError("arch", self.arch, "is for problems in the plane; the bar, of few particles and many "
+                             "steps, runs on the processor: give cpu")
+        if self.velocity == "corners" and self.method != "cpgimp":
+            raise SceneError("velocity", "corners", "moves the corners of convected domains and needs "
+                             "the method cpgimp; with other methods give grid or particle")
+        if self.frozen:
+            self._check_frozen()
+
+    def _check_frozen(self) -> None:
+        """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""
+        others = [name for name in self.remedies if name != FROZEN]
+        if others:
+            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights stands alone: {others[0]} mends "
+                             "what comes of particles that move through the grid; leave one of the two out")
+        for name, value, plain in (("linearity_preserving", self.linearity_preserving, False),
+                                   ("body_force", self.body_force == "node", False),
+                                   ("velocity", self.velocity == "corners", False)):
+            if value != plain:
+                raise SceneError(name, getattr(self, name), "does not go with frozen-weights, whose particles do not "
+                                 "move through the grid; leave one of the two out")

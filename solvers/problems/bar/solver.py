@@ -1,0 +1,97 @@
+"""BarSolver: one bar in memory, ready to be stepped, sampled and looked at."""
+
+import time
+
+import numpy as np
+
+from solvers.kernels import runtime
+from solvers.kernels.launch import Launch
+from solvers.problems.bar import exact
+from solvers.problems.bar.anatomy import anatomy, carried
+from solvers.problems.bar.field import field
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
+from solvers.problems.bar.step import advance, find_margin, freeze
+from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.scene.switches import switches
+from solvers.solver.base import MEASURE, REPORT, STEP, Solver
+from solvers.solver.result import Snapshot
+from solvers.solver.step_breakdown import Anatomy, Carried
+
+HATS_LIMIT = 0.14  # amplitude from which on no remedy holds hat functions together
+
+
+class BarSolver(Solver):
+    """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
+
+    HOOKS = HOOKS
+    scene: BarScene
+    _arrays: WatchedBar
+
+    def __init__(self, scene: BarScene):
+        super().__init__(scene)
+        self.arch = runtime.start("cpu", self.threads)  # also for "gpu": one step after another gains nothing there
+        begun = time.perf_counter()
+        self._switches = switches(scene)
+        self._arrays = allocate(scene)
+        self._pack = BarState(**self._arrays.members())
+        self._advance, self._find_margin = (
+            Launch(kernel, self._pack, self._switches) for kernel in (advance, find_margin))
+        if self._switches.frozen:
+            freeze(self._pack, self._switches)
+        self.setup_seconds = time.perf_counter() - begun
+
+    def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
+        self._advance(self.step, 1, REPORT)
+        a, scene, t = self._arrays, self.scene, self.time
+        X, F = a.material_position, a.deformation_gradient / a.unstretched
+        errors = None
+        if self._switches.truth:
+            before = t - scene.time_step if self.step else 0.0
+            true_a = a.acceleration - exact.acceleration(scene, X, before) \
+                if self._switches.acceleration and self.step else np.zeros_like(X)
+            with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+                u, v = a.position - X - exact.displacement(scene, X, t), a.velocity - exact.velocity(scene, X, t)
+                stretch = F - exact.deformation_gradient(scene, X, t)
+                errors = np.stack([u, v, scene.modulus * stretch, true_a], axis=1)
+        estimates = {name: a.estimate[k * len(X):(k + 1) * len(X)].copy()
+                     for k, name in enumerate(self._switches.estimators)}
+        missed = {} if errors is None or not differences else {
+            name: np.abs(estimate - errors) for name, estimate in estimates.items()}
+        return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
+                        velocity=a.velocity.copy(), deformation_gradient=F,
+                        error=errors, estimate=estimates, difference=missed,
+                        plotted=None if plotted is None else field(scene, a, plotted, t),
+                        last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
+
+    def _carried(self) -> Carried:
+        return carried(self._arrays)
+
+    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+        return anatomy(self.scene, self._arrays, particle, self.step, before)
+
+    def _run(self, steps: int) -> None:
+        self._advance(self.step, steps, STEP)
+
+    def _measure(self) -> None:
+        self._advance(self.step, 1, MEASURE)
+
+    def _escape(self) -> str:
+        return f"moved {farthest(self.scene):.3g} m or more from where it began"
+
+    def _advice(self) -> str:
+        if self.scene.is_patch and self.scene.time_step <= self.scene.step_bound:  # whatever else it has: it is this
+            return ("cells that hold unequal numbers of particles pull at their nodes unequally: give a whole number "
+                    "of particles per cell, ugimp or cpgimp, or linearity preservation")
+        return super()._advice()
+
+    def _other_advice(self) -> str:
+        """The remedies that the scene has not yet called for; measured in ``assets/stability.md``."""
+        scene = self.scene
+        if scene.method == "mpm" and not scene.frozen and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
+            return f"hat functions hold here only with the remedy {FROZEN}; or take another method"
+        if scene.linearity_preserving and CENTRED not in scene.remedies:
+            return f"call for the remedy {CENTRED}, or for {FROZEN} without linearity preservation"
+        if not scene.remedies:
+            return f"call for the remedies {FILTER},{COUPLED}, best with linearity preservation, or for {FROZEN}"
+        return "choose a smaller amplitude or fewer periods"

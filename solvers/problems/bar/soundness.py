@@ -1,0 +1,37 @@
+"""Contradictions within a bar, seen without its exact solution (see ``solvers.solver.soundness``).
+
+Neighbours X_p and X_q = X_p + dX should stand dX (F_p + F_q)/2 from each other. What they miss, r_p, is looked at by
+itself (apart) and summed up along the bar (torn): (x - X) less the integral of F - 1.
+"""
+
+import taichi as ti
+
+from solvers.solver.samples import column
+
+
+@ti.func
+def look(bar: ti.template(), row, drift):
+    """Write how far neighbours are apart, the body is adrift from the ``drift`` that it should have, and its
+    displacement torn from its deformation, in m."""
+    P, dX = bar.particles, bar.volume  # a particle's volume at rest is its length
+    squares, worst, place = 0.0, -1.0, 0
+    moved = 0.0  # sum of x - X
+    gap, gaps, gap_squares = bar.position[0] - bar.material_position[0] - drift, 0.0, 0.0
+    for p in range(P):
+        q = ti.select(p + 1 < P, p + 1, 0)  # the bar is periodic: so is x - X
+        here = bar.position[p] - bar.material_position[p]
+        there = bar.position[q] - bar.material_position[q]
+        miss = there - here - dX * (0.5 * (bar.deformation_gradient[p] + bar.deformation_gradient[q]) - 1)
+        squares += miss * miss
+        if abs(miss) > worst:
+            worst, place = abs(miss), p
+        moved += here
+        gaps += gap
+        gap_squares += gap * gap
+        gap += miss
+    out = ti.static(bar.samples)
+    mean = gaps / P
+    out[row, ti.static(column("apart"))] = ti.sqrt(squares / P)
+    out[row, ti.static(column("adrift"))] = abs(moved / P - drift)
+    out[row, ti.static(column("torn"))] = ti.sqrt(ti.max(0.0, gap_squares / P - mean * mean))
+    out[row, ti.static(column("place"))] = place

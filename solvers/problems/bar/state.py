@@ -1,0 +1,34 @@
+"""The bar's state: its body, and what watches it."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from solvers.estimators.memory import packing
+from solvers.problems.bar.body import BarBody, body
+from solvers.problems.bar.scene import BarScene
+from solvers.scene import registry
+from solvers.scene.switches import switches
+from solvers.solver.arrays import Watch, watch
+
+HOOKS = registry.hooks_of("bar")
+
+
+@dataclass
+class WatchedBar(Watch, BarBody):
+    """A bar and those who watch it."""
+
+
+#: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
+BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types)
+
+
+def allocate(scene: BarScene) -> WatchedBar:
+    """The initial state."""
+    on = switches(scene)
+    return WatchedBar(**body(scene, on), **watch(scene, on, scene.particles, farthest(scene), HOOKS))
+
+
+def farthest(scene: BarScene) -> float:
+    """Displacement from which on a run counts as gone bad: half the bar, or twenty times what is exact."""
+    return min(0.5, 20 * scene.motion_amplitude)

@@ -1,0 +1,72 @@
+"""Many steps of the bar in one kernel on one thread: at this size launches would cost more than the physics."""
+
+import taichi as ti
+
+from solvers.estimators import running
+from solvers.kernels.hoist import read_once
+from solvers.problems.bar import margin, remedies
+from solvers.problems.bar.phases import find_weights, nodes_to_particles, update_grid
+from solvers.problems.bar.samples import sample
+from solvers.problems.bar.state import HOOKS, BarState
+from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
+from solvers.solver.loop import Phases, take_turn
+
+FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
+
+
+@ti.func
+def check(bar: ti.template(), step):
+    """Stop a run that has gone bad: F <= 0, tiny or NaN, or a particle far from where it can be.
+
+    Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
+    """
+    flattest, bad = FLATTEST, -1
+    moved = bar.drift_velocity * bar.dt * step
+    for p in range(bar.particles):
+        F = bar.deformation_gradient[p]
+        if not F >= flattest:  # true for NaN too
+            flattest, bad = -1e300 if ti.math.isnan(F) else F, p
+            bar.verdict[0] = CRUSHED if F > 0 else INVERTED
+        elif not abs(bar.position[p] - bar.material_position[p] - moved) < bar.farthest and bad < 0:
+            bad = p
+            bar.verdict[0] = ESCAPED
+    if bad >= 0:
+        bar.verdict[1], bar.verdict[2] = step, bad
+
+
+@ti.func
+def one_step(bar: ti.template(), step, on: ti.template()):
+    """Step number ``step``, counted from one: that many have been taken after it."""
+    update_grid(bar, (step - 1) * bar.dt, on)
+    running.in_step(bar, step, HOOKS, on)
+    remedies.in_step(bar, step, on)
+    nodes_to_particles(bar, step, on)
+    remedies.after_step(bar, on)
+    running.after_step(bar, step, HOOKS, on)
+
+
+PHASES = Phases(one_step, check, sample, HOOKS)
+
+
+@ti.kernel
+def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti.template()):
+    """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.solver.loop.take_turn`."""
+    ti.loop_config(serialize=True)
+    for turn in range(turns):
+        take_turn(read_once(bar), turn, start, purpose, PHASES, on)
+
+
+@ti.kernel
+def freeze(bar: BarState, on: ti.template()):
+    """Find the weights of a bar that keeps them."""
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        find_weights(bar, on)
+
+
+@ti.kernel
+def find_margin(bar: BarState, on: ti.template()):
+    """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long and called seldom."""
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        margin.step_margin(bar)

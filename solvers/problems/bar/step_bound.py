@@ -1,0 +1,50 @@
+"""The bound on the bar's time step along the motion ahead (see ``solvers.scene.step_bound``): tangent modulus E F^2
+V0."""
+
+import numpy as np
+
+from solvers.problems.bar import patch
+from solvers.problems.bar.scene import BarScene
+from solvers.scene.step_bound import INSTANTS, bound, stencil
+
+MOST_PARTICLES = 20_000  # of the bar that is looked at; a finer one has the same cells, only more of them
+
+
+def least(scene: BarScene) -> float:
+    """The smallest bound, in seconds, over the bar's motion from one extreme to the other."""
+    if scene.is_patch:
+        return _of_patch(scene)
+    ppc = int(scene.ppc)
+    cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
+    X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
+    sizes = scene.motion_amplitude * np.linspace(-1, 1, INSTANTS)
+    return min(_at(scene, cells, X, size) for size in sizes) * cells / scene.cells
+
+
+def _of_patch(scene: BarScene) -> float:
+    """The smallest bound of a patch test while its particles pass through a cell; all spacings stay as they are."""
+    cells, particles = patch.group(scene)
+    times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
+    cells, particles = times * cells, times * particles
+    X = (np.arange(particles) + 0.5) / particles
+    shifts = np.linspace(0, 1, INSTANTS) / cells if scene.initial_velocity and not scene.frozen else [0.0]
+    return min(_grid_bound(scene, cells, X + shift, np.ones_like(X)) for shift in shifts) * cells / scene.cells
+
+
+def _at(scene: BarScene, cells: int, X: np.ndarray, size: float) -> float:
+    """The bound where the displacement is ``size`` sin 2 pi X."""
+    x = X if scene.frozen else X + size * np.sin(2 * np.pi * X)
+    return _grid_bound(scene, cells, x, 1 + 2 * np.pi * size * np.cos(2 * np.pi * X))
+
+
+def _grid_bound(scene: BarScene, cells: int, x: np.ndarray, F: np.ndarray) -> float:
+    """The bound with particles at x (P,) in metres, which have deformed by F (P,) since the start."""
+    volume = 1 / len(x)
+    half_width = np.full_like(x, 0.5 / scene.ppc)
+    if scene.method == "cpgimp" and not scene.frozen:
+        half_width = np.minimum(half_width * F, 0.5)
+    first, S, dS = stencil(scene.method, x * cells, half_width)
+    nodes = (first[:, None] + np.arange(3)) % cells
+    mass = np.bincount(nodes.ravel(), (scene.density / scene.initial_stretch * volume * S).ravel(), cells)
+    tangent = np.ones_like(F) if scene.frozen else F * F
+    return bound(nodes, np.abs(dS) * cells, scene.modulus * scene.initial_stretch * tangent * volume, mass)

@@ -1,0 +1,97 @@
+"""Where an estimator of the bar is known, before anything has run, not to hold.
+
+What only a run can show is the business of the estimator's own ``verdict``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from solvers.estimators.phase_lag import out_of_step
+from solvers.scene.estimator_validity import FROZEN_REASON, REMEDIES_REASON
+
+if TYPE_CHECKING:
+    from solvers.problems.bar.scene import BarScene
+
+#: Two-grid: the error of a mapping or a force that is off by the displacement is a share of the motion, whatever the
+#: grid; from this many h^2 (per unit length) on it outweighs the error that falls like h^2. Measured: with uGIMP the
+#: index of x is .95 at 2, .85 at 40, .65 at 160; with the force at nodes .98 at 2, .80 at 6, .52 at 40.
+MOST_MOTION = 5.0
+FEWEST_ON_A_WAVE = 16  # cells; the second run has 8. With 12 the index of x is 1.2 and its distance 1.4
+#: Two-grid: one or two particles are a coarse rule of quadrature, whose error depends on where in the cell they stand.
+#: Particles that move a good part of a cell make it another one on each grid, and no power of h; measured, with one a
+#: cell: .61-.70 of the error of sigma at .17 and .54 cells. Farthest, in cells of the run, for each particle in a cell:
+FARTHEST_OF_FEW = 1 / 8
+ENOUGH = 3  # particles in a cell
+#: Two-grid: how far particles may move, in cells, until crossing from one cell to the next fills the acceleration with
+#: noise. The force on a particle kinks there with hats (however wide a domain sees them) and is smooth with B-splines.
+#: Measured distances of a: .3 below, .3-1.1 beyond.
+QUIET = {"bspline": 1.0}
+QUIET_HATS = 0.25
+#: Two-grid: periods of such a motion. The noise stays in what the nodes do not see and grows with every period; after
+#: 16 of them the distance of x is .64 with 80 cells and .79 with 160.
+LONGEST_NOISE = 6
+
+
+def two_grid(scene: BarScene) -> str | None:
+    """Richardson's argument needs an error that falls like h^2 on both grids."""
+    if scene.is_patch:
+        return ("the error of a patch test is round-off, or what cells of unequal count leave, and neither falls with "
+                "the cell size; take companion")
+    if scene.remedies:
+        return REMEDIES_REASON
+    far = scene.motion_amplitude > MOST_MOTION * scene.spacing**2
+    # The second tone has half the wavelength. Measured for far motion: index of x .42 with 40 cells, 1.06 with 80.
+    needed = FEWEST_ON_A_WAVE * ((4 if far else 2) if scene.body_force == "two-tone" else 1)
+    reach = scene.spacing / (2 * scene.ppc)  # from the outermost particle of a cell to the next cell
+    moved = scene.motion_amplitude / scene.spacing
+    if scene.cells < needed:
+        return f"the second run has half the cells, and half of {scene.cells} is too few; give {needed} or more"
+    if scene.ppc < ENOUGH and moved > FARTHEST_OF_FEW * scene.ppc:
+        return (f"with {scene.ppc} per cell, particles that move {moved:.2g} cells leave an error that is another one "
+                f"on each grid; give {ENOUGH} or more")
+    if noisy(scene) and scene.end_time > LONGEST_NOISE * scene.period:
+        return ("particles that cross cells leave noise, another one on each grid, which grows with every period; end "
+                f"within {LONGEST_NOISE} or take a smaller amplitude")
+    if scene.body_force == "node" and far:
+        return "the force at the nodes is off by the displacement, an error that both grids share and none shows"
+    if scene.method == "mpm" and not (scene.linearity_preserving and scene.motion_amplitude < reach):
+        return "with hat functions the error of particles that cross cells does not fall with the cell size"
+    if scene.method in ("ugimp", "bspline") and not scene.linearity_preserving and far:
+        return ("the domains do not follow the material, which leaves an error that does not fall with the cell size; "
+                "switch linearity preservation on")
+    return out_of_step(scene, (4 if scene.body_force == "two-tone" else 2) * math.pi)
+
+
+def recovered(scene: BarScene) -> str | None:
+    """Its tables repeat from cell to cell, and it fits what is smooth."""
+    if scene.is_patch:
+        return ("recovered fits a smooth motion to whole numbers of particles per cell, and with these a patch test "
+                "has no error but round-off; take companion")
+    return None
+
+
+def noisy(scene: BarScene) -> bool:
+    """Whether two-grid can say nothing of a: crossings fill it with noise, which each grid has in other places."""
+    return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
+
+
+def transport(scene: BarScene) -> str | None:
+    """Its defects are those of weights that follow the particles; of B-splines they are next to nothing.
+
+    Measured with B-splines at 40 and 160 cells: indices .000-.006 for A = 2.5e-4, .005-.46 for .025, .08-.75 for .05.
+    """
+    if scene.is_patch:
+        return ("transport reads zero in a patch test that is passed, and thousands of times the error of x in one "
+                "that is failed; take companion")
+    if scene.frozen:
+        return FROZEN_REASON
+    if scene.method == "bspline":
+        return ("the terms that transport carries all but vanish for B-splines, so that it reads next to zero; take "
+                "recovered or companion")
+    return None
+
+
+RULES: dict[str, Callable[[Any], str | None]] = {"transport": transport, "two-grid": two_grid, "recovered": recovered}

@@ -1,0 +1,41 @@
+"""Errors at every particle of a plane body, for snapshots, in numpy.
+
+The page asks for them with every frame, so they cost as little as can be: tensors are written out in components, since
+numpy's products of many small matrices are slow.
+"""
+
+import numpy as np
+
+from solvers.problems.planar.state import WatchedBody
+
+#: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
+Parts = tuple[np.ndarray, ...] | None
+Fields = list[Parts]  # of x, v, sigma and a
+
+
+def estimated_fields(a: WatchedBody, estimator: int) -> Fields:
+    """What the estimator of this number reports of the same errors."""
+    part = slice(estimator * len(a.motion), (estimator + 1) * len(a.motion))
+    motion = a.estimate[part].T
+    return [(motion[0], motion[1]), (motion[2], motion[3]), tuple(a.estimate_stress[part].T[:3]),
+            tuple(a.estimate_acceleration[part].T)]
+
+
+def sizes(errors: Fields) -> np.ndarray:
+    """Lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
+    out = np.zeros((next(len(parts[0]) for parts in errors if parts), len(errors)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for column, parts in enumerate(errors):
+            if parts is not None:  # numpy's norm along so short an axis takes four times as long
+                first, last = parts[0], parts[-1]
+                square = first * first + last * last
+                out[:, column] = np.sqrt(square if len(parts) == 2 else square + 2 * parts[1] * parts[1])
+    return out
+
+
+def difference(one: Fields, other: Fields) -> np.ndarray:
+    """Sizes (P, 4) of ``one`` minus ``other``, direction and all. What is None counts as 0."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return sizes([mine if mine is None or theirs is None else
+                      tuple(a - b for a, b in zip(mine, theirs, strict=True))
+                      for mine, theirs in zip(one, other, strict=True)])

@@ -1,0 +1,302 @@
+"""The recovered estimator in the plane: as on the bar (see there), on the polar material lattice of a ring.
+
+The weak form, in the material frame with the error grid's functions N = N_b(R) N_a(angle) and Cartesian components,
+
+    (M u)'' = M b - D P / rho,    M f = int N f / int N,    D P = int P grad N / int N,
+
+leaves the free surfaces natural: a traction on them would be seen. P grad N = (P e_R) N_b' N_a
++ (P e_angle) N_b N_a'/R. Every operator is a product of one along the radius and one along the angle
+(``lattice_lines``); symmetry planes are mirrors, with signs of their own for each component, and a whole turn closes on
+itself.
+
+All else is as on the bar: U = M u_exact is integrated from the initial state, driven by P at the recovered gradient
+less that of the error; E = sum_i N_i (2 e - C e)_i + (u - fit u), e = M u - U; and sigma is compared with the stress at
+the recovered gradient less that of the error. In a step the gradient is recovered on one line each way; for a report
+over a patch.
+
+Assumptions: as on the bar; the particles began on a polar lattice, of four particles or more across. It fails where the
+solution varies within a fit of four cells. Nothing is said of sigma and a where the particles are so uneven that the
+fit follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators import recovery
+from solvers.estimators.lattice_lines import Line, Rows
+from solvers.estimators.recovery import BEGUN, MOVED, NEW, TAU, TURNS, H
+from solvers.kernels.kinds import quads, reals
+from solvers.problems.planar.estimators import recovered_operators as op
+from solvers.problems.planar.phases import gather
+
+SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
+WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed
+
+MEMORY = {
+    "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
+    **recovery.table_types(op.TABLES),
+    "recovered_count": ti.i32, "recovered_across": ti.i32,  # nodes of the error grid, and those on a radius
+    "recovered_uneven": ti.i32,  # a flag
+    "recovered_nodes": quads,  # nodal values, block by block
+    "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
+}
+
+
+class Problem(NamedTuple):
+    """What a problem adds. F e_R = (a, c) and F e_angle = (b, d), in x and y."""
+
+    force: Callable  # (body, known, t, on): body force per mass along e_R and e_angle of a circle, at rest
+    stress: Callable  # (body, a, b, c, d): P e_R and P e_angle as (x, y, x, y)
+    stress_error: Callable  # (body, p, a, b, c, d): sigma of the particle less the gradient's: xx, xy, yy, nothing
+    closed: bool  # a whole turn; else a part of one between symmetry planes, on which only radial forces can act
+
+
+@ti.func
+def begin(body: ti.template(), nodes: ti.template(), t, problem: ti.template(), on: ti.template()):
+    """Unless it is done: start the reference with the acceleration at time t, when the ring was undeformed, a = M b."""
+    if body.recovered_numbers[TURNS] == NEW:
+        op.gather_force(body, t, problem, on)
+        B, step = body.recovered_across, body.recovered_numbers[H]
+        for a in range(body.recovered_count // B):
+            for b in range(B):
+                push_x, push_y = op.node_force(body, nodes, a, b, problem.closed)
+                at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
+                r = nodes[at_r]
+                x = recovery.with_start(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
+                y = recovery.with_start(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
+                nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
+        body.recovered_numbers[TURNS] = BEGUN
+
+
+@ti.func
+def after_step(body: ti.template(), step, problem: ti.template(), on: ti.template()):
+    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
+    begin(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], problem, on)
+    for p in range(body.particles):
+        q, X = body.motion[p], body.material_position[p]
+        body.recovered_particles[op.particle_at(body, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
+    op.radial_gather(body, op.FIELD, op.VALUE)
+    damped_errors(body, body.recovered_nodes, step, problem)
+    op.angular_spread(body, problem.closed)
+    find_stress(body, problem)
+    op.gather_force(body, step * body.dt, problem, on)
+    op.radial_gather(body, op.STRESS, op.SLOPE_AND_OVER_R)
+    move_reference(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, problem)
+    body.recovered_numbers[TURNS] = MOVED
+
+
+@ti.func
+def damped_errors(body: ti.template(), nodes: ti.template(), step, problem: ti.template()):
+    """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
+    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, problem.closed)
+    for i in range(body.recovered_count):
+        r = nodes[op.node_at(body, op.MOTION, i)]
+        r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
+        nodes[op.node_at(body, op.MOTION, i)] = r
+        nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - r  # not -=: atomic
+    if recovery.looks(step, body.dt, body.recovered_numbers[H]):
+        op.remember_sizes(body, nodes, problem.closed)
+    for turn in range(2):
+        op.smoothing(body, problem.closed)
+        for i in range(body.recovered_count):
+            e = nodes[op.node_at(body, op.GATHERED, i)]
+            rough = e - nodes[op.node_at(body, op.SMOOTHED, i)]
+            if turn == 0:
+                nodes[op.node_at(body, op.GATHERED, i)] = rough
+                nodes[op.node_at(body, op.ERRORS, i)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
+            else:
+                damping = body.recovered_numbers[TAU] * ti.Vector([rough[2], rough[3], 0.0, 0.0])
+                nodes[op.node_at(body, op.ERRORS, i)] = nodes[op.node_at(body, op.ERRORS, i)] + damping
+
+
+@ti.func
+def find_stress(body: ti.template(), problem: ti.template()):
+    """P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
+    op.angular_fit(body, op.FIELD, op.FITTED_SLOPES, op.ANGULAR_SLOPES, problem.closed)
+    op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
+    for line in range(body.particles // body.radius_count):
+        for j in range(body.radius_count):
+            p = line * body.radius_count + j
+            along = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
+            around = body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
+            slopes = ti.Vector([along[0], along[1], around[0], around[1]]) - op.radial_spread(body, line, j, op.SLOPES)
+            a, b, c, d = polar_gradient(body, p, slopes)
+            body.recovered_particles[op.particle_at(body, op.STRESS, p)] = problem.stress(body, a, b, c, d)
+
+
+@ti.func
+def polar_gradient(body: ti.template(), p, slopes):
+    """F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes along the radius and around
+    it."""
+    e, per_R = body.direction[p], 1 / body.radii[body.radius[p]][0]
+    return e[0] + slopes[0], per_R * slopes[2] - e[1], e[1] + slopes[1], per_R * slopes[3] + e[0]
+
+
+@ti.func
+def move_reference(body: ti.template(), nodes: ti.template(), first, problem: ti.template()):
+    """The acceleration of every node, and the rate that follows."""
+    B, step = body.recovered_across, body.recovered_numbers[H]
+    op.angular_gather(body, op.GATHERED, op.EACH, problem.closed)
+    for a in range(body.recovered_count // B):
+        for b in range(B):
+            push_x, push_y = op.node_force(body, nodes, a, b, problem.closed)
+            parts = nodes[op.node_at(body, op.GATHERED, a * B + b)]
+            a_x = push_x - (parts[0] + parts[2]) / body.density
+            a_y = push_y - (parts[1] + parts[3]) / body.density
+            at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
+            r, rate = nodes[at_r], nodes[at_rate]
+            x = recovery.next_reference(ti.Vector([r[0], r[2], rate[0], rate[2]]), a_x, step, first)
+            y = recovery.next_reference(ti.Vector([r[1], r[3], rate[1], rate[3]]), a_y, step, first)
+            nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
+
+
+@ti.func
+def report(body: ti.template(), base, step, problem: ti.template(), on: ti.template()):
+    """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
+    if step > 0:
+        since = recovery.time_since(step, body.dt, body.recovered_numbers[H])
+        begin(body, body.recovered_nodes, step * body.dt - since, problem, on)
+    # First x, v and sigma, then a, by the same code: it is compiled once.
+    for of_acceleration in range(ti.static(2 if on.acceleration else 1)):
+        for p in range(body.particles):
+            field = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            if of_acceleration == 0:
+                q, X = body.motion[p], body.material_position[p]
+                v_g, _, _ = gather(body, p, body.node_motion, on)  # the grid's velocity, with the last step's weights
+                field = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
+            elif ti.static(on.acceleration):
+                a_p = body.acceleration[p]
+                field = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
+            body.recovered_particles[op.particle_at(body, op.FIELD, p)] = field
+        find_errors(body, body.recovered_nodes, step, of_acceleration, problem)
+        for p in range(body.particles):
+            report_particle(body, base, p, of_acceleration, problem)
+    unknown = step > 0 and body.recovered_uneven  # of sigma and a
+    if step == 0 or unknown:
+        nothing = ti.math.nan if unknown else 0.0
+        for p in range(body.particles):
+            if step == 0:
+                body.estimate[base + p] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            body.estimate_stress[base + p] = ti.Vector([nothing] * 4)
+            body.estimate_acceleration[base + p] = ti.Vector([nothing] * 2)
+
+
+@ti.func
+def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.template()):
+    """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
+    line, j = p // body.radius_count, p % body.radius_count
+    field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.motion[p]
+    fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
+    E = op.radial_spread(body, line, j, op.VALUES) + field - fitted
+    if of_acceleration:
+        body.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
+    else:
+        a, b, c, d = polar_gradient(body, p, body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
+                                    - op.radial_spread(body, line, j, op.SLOPES))
+        body.estimate[base + p] = E + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
+        body.estimate_stress[base + p] = problem.stress_error(body, p, a, b, c, d)
+        body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
+
+
+@ti.func
+def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, problem: ti.template()):
+    """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted, the first of x and v
+    with its slopes."""
+    op.radial_gather(body, op.FIELD, op.VALUE)
+    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, problem.closed)
+    length = body.recovered_numbers[H]
+    since = recovery.time_since(step, body.dt, length)
+    for i in range(body.recovered_count):
+        r, rate = nodes[op.node_at(body, op.MOTION, i)], nodes[op.node_at(body, op.RATE, i)]
+        x = ti.Vector([r[0], r[2], rate[0], rate[2]])
+        y = ti.Vector([r[1], r[3], rate[1], rate[3]])
+        U_x, V_x, A_x = recovery.reference_at(x, length, since, body.dt)
+        U_y, V_y, A_y = recovery.reference_at(y, length, since, body.dt)
+        true_mean = ti.Vector([U_x, U_y, V_x, V_y])
+        if of_acceleration:
+            true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
+        nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - true_mean
+    op.smoothing(body, problem.closed)
+    for i in range(body.recovered_count):
+        nodes[op.node_at(body, op.ERRORS, i)] = 2 * nodes[op.node_at(body, op.GATHERED, i)] \
+            - nodes[op.node_at(body, op.SMOOTHED, i)]
+    op.angular_spread(body, problem.closed)
+    op.radial_fit(body, op.HALF_FITTED, op.VALUE)
+    op.angular_fit(body, op.HALF_FITTED, op.FITTED, op.ANGULAR_VALUES, problem.closed)
+    if not of_acceleration:
+        op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
+        for p in range(body.particles):
+            slope = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
+            value = body.recovered_particles[op.particle_at(body, op.HALF_FITTED, p)]
+            body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)] = \
+                ti.Vector([slope[0], slope[1], value[0], value[1]])
+        op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, problem.closed)
+
+
+def lines(scene, inner, outer, counts, turn, ends):
+    """The lattice's lines, around by the angle ``turn`` and across the ring between two radii, with elements a cell
+    wide at the inner one. ``counts`` are the particles on each.
+
+    With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
+    """
+    width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
+    elements = round(turn * inner / width), round((outer - inner) / width)
+    return (Line(counts[0], max(3, elements[0]), turn, ends),
+            Line(counts[1], max(1, elements[1]), outer - inner, "free"))
+
+
+def shortest_side(angle, radius, inner):
+    """Of an element, in metres."""
+    return min(inner / angle.per_element, 1 / radius.per_element)
+
+
+def allocate(scene, angle, radius, inner, velocity, steps, uneven):
+    """Operators along both lines, and the reference in the initial configuration.
+
+    ``velocity`` are the initial ones along e_R and e_angle at the particles' radii, ``steps`` those of the run to one
+    of the estimator's.
+    """
+    width, R = recovery.fit_width(scene), inner + radius.quadrature()[0] / radius.per_point
+    angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
+    radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
+    tables = dict(zip(op.TABLES, [*map(across_planes, angular), *map(of_four, radial)], strict=True))
+    direction, across = gathered_directions(angle, angular[2])
+    speed, turning = (radial[2](v)[:, 0, 0, None] for v in velocity)
+    fields = op.PARTICLE_BLOCKS * angle.points * radius.points + 2 * angle.points * radius.nodes
+    nodes = np.zeros((op.NODE_BLOCKS, angle.nodes * radius.nodes, 4))
+    nodes[op.MOTION, :, 2:] = (direction[:, None] * speed + across[:, None] * turning).reshape(-1, 2)
+    nodes[op.DIRECTION, :angle.nodes] = np.concatenate([direction, across], axis=1)
+    return {"recovered_numbers": recovery.numbers(scene, steps), **recovery.table_values(tables),
+            "recovered_count": angle.nodes * radius.nodes, "recovered_across": radius.nodes,
+            "recovered_uneven": int(uneven), "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_particles": np.zeros((fields, 4))}
+
+
+def gathered_directions(angle, gather_table):
+    """M e_R and M e_angle at the nodes of the angle (A, 2). Between symmetry planes nothing is along e_angle."""
+    theta = angle.particles() / angle.per_point
+    c, s = np.cos(theta), np.sin(theta)
+    found = [gather_table(wave)[:, :, 0] for wave in (c, s)]
+    along = np.stack([wave[:, k % wave.shape[1]] for k, wave in enumerate(found)], axis=1)
+    return along, (np.zeros_like(along) if angle.ends == "mirror" else np.stack([-along[:, 1], along[:, 0]], axis=1))
+
+
+def across_planes(rows):
+    """Weights as (value x, value y, slope x, slope y)."""
+    weights = np.broadcast_to(rows.weights[..., :2], (*rows.weights.shape[:2], 2, 2))
+    return Rows(rows.first, np.swapaxes(weights, 2, 3).reshape(*weights.shape[:2], 4))
+
+
+def of_four(rows):
+    """Weights of the one component that a radius has, filled up to four."""
+    weights = rows.weights[:, :, 0]
+    return Rows(rows.first, np.concatenate([weights, np.zeros((*weights.shape[:2], 4 - weights.shape[2]))], axis=2))
+
+
+def verdict(scene, memory, most_rough):
+    """Why not to trust what was reported last; ``most_rough`` as ``recovery.doubt`` has it."""
+    U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
+    return recovery.doubt(memory, most_rough, np.abs(U).max() / scene.motion_amplitude)

@@ -1,0 +1,175 @@
+"""The paper's estimator in the plane: eqs 46-49, taken literally.
+
+Per node, with D_x = -V dS/dx / V_i and the nodal stress f = sigma_xx in x, sigma_yy in y (over the nodal density, so
+that its derivative is an acceleration),
+
+    Ea_x = (sum D_x) f_x + (sum D_x (x_p - x_i) - 1) a_x     (46; in 47 the paper prints f_x where f_y is meant)
+    Ev_p = dt sum S Ea                                       (48: not accumulated)
+    Ex_p += dt Ev_p                                          (49)
+
+a is the internal part of the nodal acceleration, which is what the divergence of f stands for. Eq 46 measures how far
+the mapping is from preserving constants and linear functions. At a free surface it is far by nature, for the weak form
+lets the missing part be the traction; so the estimate does not fall with h, and its index grows. The stress is not
+estimated.
+
+Undeformed bodies have neither stress nor internal acceleration, so that Ea = 0 at the start whatever a is there. What a
+body with a(0) != 0 misses because its velocity starts at t = 0 and not half a step before is no defect of a mapping,
+and not seen.
+"""
+
+import math
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators.transport import doubt
+from solvers.kernels.kinds import quads, real
+from solvers.problems.planar import cpdi, gimp
+
+MOST_INTERVAL = 20  # steps of the run between two of the estimator's
+
+MEMORY = {
+    "transport_dt": real,  # H = k dt
+    "transport_stress": quads,  # sums of V S sigma_xx, V S sigma_yy, V S
+    "transport_moments": quads,  # sums of D_x, D_y, D_x r_x, D_y r_y
+    "transport_error": quads,  # nodal error of a, and two zeros
+}
+
+
+@ti.func
+def in_step(body: ti.template(), base, traits: ti.template(), on: ti.template()):
+    """Advance Ex by H = k dt and report Ev and Ea, between the node update and the particle update."""
+    gather_moments(body, traits, on)
+    traits.fold(body, fold_pair)
+    node_errors(body, traits)
+    particle_errors(body, base, on)
+
+
+@ti.func
+def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """Nodal sums of V S (sigma_xx, sigma_yy, 1), of V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the body force."""
+    for j in range(body.active):
+        for node in range(j * body.row, j * body.row + body.active):
+            body.transport_stress[node], body.transport_moments[node] = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+            body.transport_error[node] = ti.Vector([0.0] * 4)
+    for p in range(body.particles):
+        F = body.deformation_gradient[p]
+        tau = traits.stress(body, p, on)
+        rest = body.mass[p] / body.density
+        volume = rest * (F[0] * F[3] - F[1] * F[2])
+        stress = rest * ti.Vector([tau[0], tau[3], 0.0, 0.0])  # V sigma = V0 J sigma
+        stress[2] = volume
+        push = ti.Vector([0.0, 0.0])
+        if ti.static(on.body_force != "none"):
+            push = traits.push(body, p)
+        if ti.static(on.method == "cpdi"):
+            places, cells, g = body.weights[p], body.corner_nodes[p], cpdi.corner_gradients(body, p, on)
+            for c in ti.static(range(4)):
+                N = cpdi.hats(places, c)
+                a, sign = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)
+                for k in ti.static(range(4)):
+                    node = cells[c] + (k // 2) * body.row + k % 2
+                    add(body, p, node, 0.25 * N[k], sign * g[a] * N[k], sign * g[a + 1] * N[k], volume, stress, push)
+        else:
+            S, dS, R, dR = gimp.stencils_of(body, p)
+            for j in ti.static(range(3)):
+                for i in ti.static(range(3)):
+                    node = body.first_node[p] + j * body.row + i
+                    add(body, p, node, S[i] * R[j], dS[i] * R[j], S[i] * dR[j], volume, stress, push)
+
+
+@ti.func
+def add(body: ti.template(), p, node, S, S_x, S_y, volume, stress, push):
+    """One particle's part at one node; r = x_p - x_i. The force waits where the error will go."""
+    r_x = body.motion[p][0] - (node % body.row - body.origin) * body.spacing
+    r_y = body.motion[p][1] - (node // body.row - body.origin) * body.spacing
+    body.transport_stress[node] = body.transport_stress[node] + S * stress
+    body.transport_moments[node] = body.transport_moments[node] - volume * ti.Vector([S_x, S_y, S_x * r_x, S_y * r_y])
+    body.transport_error[node] = body.transport_error[node] + S * ti.Vector([push[0], push[1], 0.0, 0.0])
+
+
+@ti.func
+def fold_pair(body: ti.template(), ghost, image, in_x, in_y):
+    """D across the plane and the force are odd."""
+    moments, push = body.transport_moments[ghost], body.transport_error[ghost]
+    body.transport_stress[image] = body.transport_stress[image] + body.transport_stress[ghost]
+    body.transport_moments[image] = body.transport_moments[image] \
+        + ti.Vector([in_x * moments[0], in_y * moments[1], moments[2], moments[3]])
+    body.transport_error[image] = body.transport_error[image] + ti.Vector([in_x * push[0], in_y * push[1], 0.0, 0.0])
+
+
+@ti.func
+def node_errors(body: ti.template(), traits: ti.template()):
+    """Ea at the nodes. The internal part of a is a without the body force, whose nodal mean is taken out."""
+    for j in range(traits.first, body.active):
+        for i in range(traits.first, body.active):
+            node = j * body.row + i
+            sums, moments, mass = body.transport_stress[node], body.transport_moments[node], body.node_mass[node]
+            error = ti.Vector([0.0, 0.0, 0.0, 0.0])
+            if mass > 0 and sums[2] > 0:
+                motion, push = body.node_motion[node], body.transport_error[node]
+                a = ti.Vector([motion[2] - push[0] / mass, motion[3] - push[1] / mass])
+                # f over the nodal density: (sum V S sigma / V_i)/(m_i/V_i) = sum V S sigma / m_i.
+                error[0] = moments[0] / sums[2] * sums[0] / mass + (moments[2] / sums[2] - 1) * a[0]  # eq 46
+                error[1] = moments[1] / sums[2] * sums[1] / mass + (moments[3] / sums[2] - 1) * a[1]  # eq 47
+                error = traits.pin(i, j, error)
+            body.transport_error[node] = error
+    traits.mirror(body, body.transport_error)
+
+
+@ti.func
+def particle_errors(body: ti.template(), base, on: ti.template()):
+    """Ea and Ev at the particles, and Ex carried on by H."""
+    for p in range(body.particles):
+        Ea = interpolate(body, p, on)
+        Ev = body.dt * Ea  # eq 48
+        before = body.estimate[base + p]
+        half = 0.5 * body.transport_dt  # eq 49 in steps of H, by the trapezoidal rule
+        body.estimate[base + p] = ti.Vector([before[0] + half * (before[2] + Ev[0]),
+                                             before[1] + half * (before[3] + Ev[1]), Ev[0], Ev[1]])
+        body.estimate_acceleration[base + p] = Ea
+
+
+@ti.func
+def interpolate(body: ti.template(), p, on: ti.template()):
+    """sum S Ea_i at the particle, with the step's own weights."""
+    total = ti.Vector([0.0, 0.0])
+    if ti.static(on.method == "cpdi"):
+        places, cells = body.weights[p], body.corner_nodes[p]
+        for c in ti.static(range(4)):
+            N = cpdi.hats(places, c)
+            for k in ti.static(range(4)):
+                error = body.transport_error[cells[c] + (k // 2) * body.row + k % 2]
+                total += 0.25 * N[k] * ti.Vector([error[0], error[1]])
+    else:
+        S, _, R, _ = gimp.stencils_of(body, p)
+        for j in ti.static(range(3)):
+            for i in ti.static(range(3)):
+                error = body.transport_error[body.first_node[p] + j * body.row + i]
+                total += S[i] * R[j] * ti.Vector([error[0], error[1]])
+    return total
+
+
+@ti.func
+def report(body: ti.template(), base, step, on: ti.template()):
+    """The other quantities are kept up to date as they are carried on; of the stress nothing is known."""
+    for p in range(body.particles):
+        body.estimate_stress[base + p] = ti.Vector([ti.math.nan] * 4)
+
+
+def interval(scene):
+    """About as often as somebody looks, for nothing is fed back that would need shorter steps."""
+    return scene.sample_interval // math.ceil(scene.sample_interval / MOST_INTERVAL)
+
+
+def verdict(scene, memory):
+    """Why not to trust what was reported last."""
+    a = memory["transport_error"].reshape(-1, 4)[:, :2]
+    return doubt(np.abs(a).max(), memory["transport_moments"].any(), scene.size_of("a"))
+
+
+def allocate(scene):
+    """Nodal arrays."""
+    nodes = (scene.cells + 1) ** 2
+    return {"transport_dt": interval(scene) * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
+            "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 4))}

@@ -1,0 +1,88 @@
+"""Where the particles of a ring begin, what they weigh and which domain they stand for."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.scene.scene import Scene
+
+CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))  # of a CPDI domain, in its edges from its middle
+STRETCHED = ("cpgimp", "cpgimp-v")  # methods whose boxes follow the deformation
+MOST_HALF_WIDTH = 0.5  # of a box, in cells: it meets at most two cells, so that three nodes suffice
+
+
+@dataclass(frozen=True)
+class Layout:
+    """P particles. ``edges`` are the domain's two edge vectors r1 and r2, as (r1x, r1y, r2x, r2y).
+
+    ``radius[p]`` is the index of the particle's material radius in ``radii``: what depends on R alone is computed
+    once a radius and not once a particle.
+    """
+
+    position: np.ndarray  # (P, 2)
+    volume: np.ndarray  # (P,), per unit thickness
+    edges: np.ndarray  # (P, 4)
+    radii: np.ndarray  # (K,)
+    radius: np.ndarray  # (P,) int32
+    neighbours: np.ndarray  # the next particles on the lattice in its two directions, -1 for none (P, 2)
+
+
+def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Half the edge vectors (P, 2, 2) in metres, a row each, of the particles' domains as the method sees them where
+    the deformation gradients are ``F`` (P, 2, 2); ``edges`` (P, 4) are those of the layout. No domain: zeros."""
+    if scene.method == "cpdi":
+        rest = 0.5 * edges.reshape(-1, 2, 2)
+        return rest if scene.frozen else np.einsum("pij,pej->pei", F, rest)
+    at_rest = 0.5 / scene.ppc
+    width = np.full((len(F), 2), 0.0 if scene.method == "mpm" else at_rest)
+    if scene.method in STRETCHED and not scene.frozen:
+        width = np.clip(at_rest * box_stretch(scene.method, F), 1e-6, MOST_HALF_WIDTH)
+    return scene.spacing * width[:, :, None] * np.eye(2)
+
+
+def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
+    """How many times as wide as at rest the boxes are in x and y (P, 2), the deformation gradients being F (P, 2, 2):
+    |F_xx| and |F_yy|, or V_xx and V_yy of the spatial stretch V = sqrt(F F^T), which no rotation changes."""
+    if method != "cpgimp-v":
+        return np.abs(F[:, [0, 1], [0, 1]])
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        b = F @ F.transpose(0, 2, 1)
+        J = np.sqrt(np.linalg.det(b))  # sqrt(b) = (b + J I)/sqrt(tr b + 2 J), by Cayley and Hamilton
+        return (b[:, [0, 1], [0, 1]] + J[:, None]) / np.sqrt(b[:, 0, 0] + b[:, 1, 1] + 2 * J)[:, None]
+
+
+def polar(inner: float, outer: float, angle: float, around: int, across: int) -> Layout:
+    """``around`` x ``across`` particles between two radii and from the x axis to an ``angle``: they fill it exactly. A
+    whole turn closes on itself."""
+    d_angle, d_radius = angle / around, (outer - inner) / across
+    radii = inner + (np.arange(across) + 0.5) * d_radius
+    theta, radius = (g.ravel() for g in np.meshgrid((np.arange(around) + 0.5) * d_angle, np.arange(across),
+                                                    indexing="ij"))
+    R, c, s = radii[radius], np.cos(theta), np.sin(theta)
+    edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
+    return Layout(np.stack([R * c, R * s], axis=1), R * d_radius * d_angle, edges, radii, radius.astype(np.int32),
+                  next_on_lattice(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
+
+
+def cartesian(inner: float, outer: float, side: float, least: float) -> Layout:
+    """Particles ``side`` apart whose middles lie between two radii, both coordinates above ``least``: a staircase at
+    the rims."""
+    line = (np.arange(int(np.floor(least / side)), int(np.ceil(outer / side))) + 0.5) * side
+    y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
+    R = np.hypot(x, y)
+    kept = (R >= inner) & (R <= outer)
+    x, y = x[kept], y[kept]
+    radii, radius = np.unique(R[kept].round(12), return_inverse=True)
+    edges = np.tile([side, 0.0, 0.0, side], (len(x), 1))
+    number = np.where(kept, np.cumsum(kept) - 1, -1).reshape(len(line), len(line))
+    return Layout(np.stack([x, y], axis=1), np.full(len(x), side**2), edges, radii, radius.astype(np.int32),
+                  next_on_lattice(number))
+
+
+def next_on_lattice(number: np.ndarray, closed: bool = False) -> np.ndarray:
+    """Of a lattice of particles' numbers, -1 where there is none: the next in either direction (P, 2). ``closed``: the
+    first row comes after the last."""
+    wide = np.pad(number, ((0, 1), (0, 1)), constant_values=-1)
+    if closed:
+        wide[-1, :-1] = number[0]
+    return np.stack([wide[1:, :-1], wide[:-1, 1:]], axis=2)[number >= 0]

@@ -1,0 +1,148 @@
+"""The margin of the step: dt over the bound of ``solvers.scene.step_bound``, from the weights of the last step."""
+
+import taichi as ti
+
+from solvers.problems.planar import cpdi, gimp
+
+
+@ti.func
+def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """Write dt over the bound; NaN before the first step.
+
+    A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum.
+    """
+    for node in range(body.nodes):
+        body.node_bound[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(body.particles):
+        total = 0.0
+        if ti.static(on.method == "cpdi"):
+            # Loops that are not unrolled: this runs seldom, and would take longer to compile.
+            g, places, cells = cpdi.corner_gradients(body, p, on), body.weights[p], body.corner_nodes[p]
+            for corner in range(16):
+                c, k = corner // 4, corner % 4
+                x, y = places[c], places[c + 4]
+                N = (x if k % 2 == 1 else 1 - x) * (y if k // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
+                node = cells[c] + (k // 2) * body.row + k % 2
+                record, a = body.node_bound[node], 2 * (c % 2)
+                body.node_bound[node] = record + N * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+            stiffness, metric = traits.tangent(body, p, on)
+            for corner in range(16):
+                k = corner % 4
+                total += take_gradient(body, traits, metric, cells[corner // 4] + (k // 2) * body.row + k % 2)
+            stiffness *= total
+            for corner in range(16):
+                k = corner % 4
+                add_circle(body, traits, cells[corner // 4] + (k // 2) * body.row + k % 2, stiffness)
+        else:
+            S, dS, R, dR = gimp.stencils_of(body, p)
+            first = body.first_node[p]
+            for j in ti.static(range(3)):
+                for i in ti.static(range(3)):
+                    node = first + j * body.row + i
+                    circle = body.node_bound[node][3]
+                    body.node_bound[node] = ti.Vector([dS[i] * R[j], S[i] * dR[j], 0.0, circle])
+            stiffness, metric = traits.tangent(body, p, on)
+            for place in range(9):
+                total += take_gradient(body, traits, metric, first + (place // 3) * body.row + place % 3)
+            stiffness *= total
+            for place in range(9):
+                add_circle(body, traits, first + (place // 3) * body.row + place % 3, stiffness)
+    largest = 0.0
+    for node in range(body.nodes):
+        largest = ti.max(largest, body.node_bound[node][3])
+    body.step_margin[0] = 0.5 * body.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
+
+
+@ti.func
+def take_gradient(body: ti.template(), traits: ti.template(), metric, node):
+    """|grad S|/sqrt(m) of the present particle at a node, kept there; the gradient goes, lest it be taken twice."""
+    record = body.node_bound[node]
+    scaled = scaled_size(body, traits, metric, ti.Vector([record[0], record[1]]), node)
+    if scaled > 0:
+        body.node_bound[node] = ti.Vector([0.0, 0.0, scaled, record[3]])
+    return scaled
+
+
+@ti.func
+def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, node):
+    """|grad S|/sqrt(m) at a node, 0 where it carries nothing."""
+    along, across = gradient[0] * gradient[0], gradient[1] * gradient[1]
+    size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * gradient[0] * gradient[1]))
+    mass = body.node_mass[traits.image(body, node)]
+    scaled = 0.0
+    if size > 0 and mass > 0:
+        scaled = size / ti.sqrt(mass)
+    return scaled
+
+
+@ti.func
+def add_circle(body: ti.template(), traits: ti.template(), node, stiffness):
+    """Add the present particle's part to the sum of a node, once."""
+    scaled = body.node_bound[node][2]
+    body.node_bound[node][2] = 0.0
+    body.node_bound[traits.image(body, node)][3] += stiffness * scaled
+
+
+@ti.func
+def step_margin_at_once(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """The same where all particles are at work side by side and nodes cannot keep what belongs to one of them: it is
+    worked out where it is needed. To be called from a kernel itself."""
+    for node in range(body.nodes):
+        body.node_bound[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(body.particles):
+        stiffness, metric = traits.tangent(body, p, on)
+        total = 0.0
+        for k in range(ti.static(16 if on.method == "cpdi" else 9)):
+            node, gradient = node_gradient(body, p, k, on)
+            total += scaled_size(body, traits, metric, gradient, node)
+        for k in range(ti.static(16 if on.method == "cpdi" else 9)):
+            node, gradient = node_gradient(body, p, k, on)
+            circle = stiffness * total * scaled_size(body, traits, metric, gradient, node)
+            ti.atomic_add(body.node_bound[traits.image(body, node)][3], circle)
+    largest = 0.0
+    for node in range(body.nodes):
+        ti.atomic_max(largest, body.node_bound[node][3])
+    body.step_margin[0] = 0.5 * body.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
+
+
+@ti.func
+def node_gradient(body: ti.template(), p, k, on: ti.template()):
+    """The particle's k-th node and the gradient of its weight there; of CPDI, where several corners may share a node,
+    the whole gradient where the node comes first and none where it comes again."""
+    node, gradient = 0, ti.Vector([0.0, 0.0])
+    if ti.static(on.method == "cpdi"):
+        g = cpdi.corner_gradients(body, p, on)
+        node = corner_node(body, p, k)
+        for other in range(16):
+            if corner_node(body, p, other) == node:
+                c = other // 4
+                x, y = body.weights[p][c], body.weights[p][c + 4]
+                N = (x if other % 2 == 1 else 1 - x) * (y if other % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
+                gradient += N * (ti.Vector([g[0], g[1]]) if c % 2 == 0 else ti.Vector([g[2], g[3]]))
+        for other in range(k):
+            if corner_node(body, p, other) == node:
+                gradient = ti.Vector([0.0, 0.0])
+    else:
+        i, j, w = k % 3, k // 3, body.weights[p]
+        S, dS = entry(i, w[0], w[2]), slope_entry(i, w[4], w[6])
+        R, dR = entry(j, w[1], w[3]), slope_entry(j, w[5], w[7])
+        node, gradient = body.first_node[p] + j * body.row + i, ti.Vector([dS * R, S * dR])
+    return node, gradient
+
+
+@ti.func
+def corner_node(body: ti.template(), p, k):
+    """The k-th of the sixteen nodes of the corners of a particle."""
+    return body.corner_nodes[p][k // 4] + (k % 4 // 2) * body.row + k % 2
+
+
+@ti.func
+def entry(i, left, right):
+    """Weight i of three, of which the outer two are given."""
+    return left if i == 0 else (right if i == 2 else 1 - left - right)
+
+
+@ti.func
+def slope_entry(i, left, right):
+    """Slope i of three, of which the outer two are given."""
+    return left if i == 0 else (right if i == 2 else -left - right)

@@ -1,0 +1,117 @@
+"""The plan of a plane body on a GPU: its arrays stay there, and steps are queued without waiting for any."""
+
+from typing import Any
+
+import numpy as np
+
+from solvers.estimators.beside import Beside
+from solvers.kernels import runtime
+from solvers.kernels.launch import Launch
+from solvers.problems.planar import remedies
+from solvers.problems.planar.at_once import KernelsAtOnce
+from solvers.problems.planar.device_arrays import DeviceArrays
+from solvers.problems.planar.state import WatchedBody
+from solvers.scene.estimator_hooks import NEVER
+from solvers.scene.scene import Scene
+from solvers.scene.switches import Switches
+from solvers.solver.base import MEASURE, REPORT
+from solvers.solver.loop import CHECK_EVERY
+
+NODES = "companion_nodes"  # what the processor brings to each sample
+WATCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetched whenever steps have been taken
+
+
+class OnDevice:
+    """Steps copies of the arrays on a GPU. The arrays themselves are what was there when they were last fetched; after
+    steps, that is the verdict and the samples.
+
+    An estimator that runs ``beside`` is carried on by the processor while the GPU works through what is queued.
+    """
+
+    def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: WatchedBody, on: Switches,
+                 beside: Beside | None):
+        self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
+        members = arrays.members()
+        self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]
+        self._own = DeviceArrays({name: members[name] for name in self._names}, State.members)
+        self.pack = State(**{**members, **self._own.copies})
+        self._kernels = KernelsAtOnce(*(Launch(kernel, self.pack, on) for kernel in kernels))
+        runtime.holders.add(self)
+        if on.frozen:
+            self._kernels.freeze()
+
+    def forget(self) -> None:
+        """Keep nothing that Taichi has made: it is about to end."""
+        self.pack = None
+
+    def compile(self) -> None:
+        """Compile what steps and samples, without stepping."""
+        kernels, on = self._kernels, self._on
+        for launch in (kernels.to_nodes, kernels.to_particles, kernels.check):
+            launch.compile(0)
+        kernels.sample.compile(0, 0)
+        if on.soundness:
+            kernels.look.compile(0)
+        if on.filtered or on.coupled:
+            kernels.begin_remedies.compile()
+            kernels.sharpen.compile(0)
+            kernels.end_remedies.compile()
+        if self._beside:
+            kernels.report.compile(0)
+
+    def run(self, before: int, steps: int) -> None:
+        """Take steps after ``before`` of them; after a check that finds the run gone bad the others do nothing."""
+        kernels, scene, line = self._kernels, self._scene, 0
+        for step in range(before + 1, before + steps + 1):
+            kernels.to_nodes(step - 1)
+            if (self._on.filtered or self._on.coupled) and step % self._arrays.remedy_interval == 0:
+                self._mend()
+            kernels.to_particles(step)
+            if step % CHECK_EVERY == 0:
+                kernels.check(step)
+            if step % scene.sample_interval == 0:
+                self._sample(step, line, step % scene.look_interval == 0)
+                line += 1
+        self._own.fetch(*WATCHED)
+
+    def look(self, step: int, purpose: int) -> None:
+        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
+        if purpose == MEASURE:
+            self._kernels.check(step)
+        if purpose == REPORT:
+            self._report(step)
+        else:
+            self._sample(step, 0, True)
+            self._own.fetch(*WATCHED)
+
+    def find_margin(self) -> None:
+        """Find the margin of the step."""
+        self._kernels.find_margin()
+        self._own.fetch(*WATCHED)
+
+    def fetch(self) -> None:
+        """Bring the arrays up to date."""
+        self._own.fetch(*self._names)
+
+    def push(self) -> None:
+        """Have the GPU go on from the arrays as they are here."""
+        self._own.push(*self._names)
+
+    def _mend(self) -> None:
+        self._kernels.begin_remedies()
+        for pass_number in range(remedies.PASSES if self._on.coupled else 1):
+            self._kernels.sharpen(pass_number)
+        self._kernels.end_remedies()
+
+    def _sample(self, step: int, line: int, looks: bool) -> None:
+        self._report(step)
+        self._kernels.sample(step, line)
+        if looks and self._on.soundness:
+            self._kernels.look(line)
+
+    def _report(self, step: int) -> None:
+        """Bring the estimates up to date. The processor carries its part on while the GPU has work in its queue."""
+        if self._beside and self._arrays.estimate_intervals[0] != NEVER:
+            self._beside.bring_to(step)
+            self._own.push(NODES)
+            self._kernels.report(step)

@@ -1,0 +1,38 @@
+"""What a particle gives to nodes: eight numbers, momentum, force, mass and three zeros, a whole vector register."""
+
+import taichi as ti
+
+from solvers.kernels import runtime
+
+CARRIED = 5  # numbers of a node's record that are not always zero
+
+
+@ti.func
+def force_moment(body: ti.template(), p, traits: ti.template(), on: ti.template()):
+    """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yx, yy) by gradient of the weight."""
+    q, mass = body.motion[p], body.mass[p]
+    push = ti.Vector([0.0, 0.0])
+    if ti.static(on.body_force != "none"):
+        push = traits.push(body, p)
+    tau = (mass / body.density) * traits.stress(body, p, on)  # V sigma = V0 J sigma
+    return ti.Vector([mass * q[2], mass * q[3], push[0], push[1], mass, 0.0, 0.0, 0.0]), tau
+
+
+@ti.func
+def force_record(x, y):
+    """The record of a node on which nothing but a force acts."""
+    return ti.Vector([0.0, 0.0, x, y, 0.0, 0.0, 0.0, 0.0])
+
+
+@ti.func
+def add(records: ti.template(), place, record):
+    """Add to one of many records: of nodes, as particles do, or of circles.
+
+    On a processor nobody else adds there (slabs have grids of their own), and an atomic addition, which += would be,
+    costs three times as much. On a GPU all particles add at once.
+    """
+    if ti.static(runtime.on_processor()):
+        records[place] = records[place] + record
+    else:
+        for c in ti.static(range(min(CARRIED, record.n))):
+            ti.atomic_add(records[place][c], record[c])

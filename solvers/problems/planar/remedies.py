@@ -1,0 +1,106 @@
+"""The remedies in the plane (see ``solvers.scene.remedies``): what a scene may call for against breakdown in long
+motions.
+
+As the bar's: the null-space filter on the particles' velocity, and F drawn towards that of their displacements.
+A record of a particle, or of a node, is (v_x, v_y, u_x, u_y): both are mapped at once.
+"""
+
+import taichi as ti
+
+from solvers.problems.planar import cpdi, gimp
+from solvers.problems.planar.phases import gather, moving
+
+PASSES = 4  # of the coupling: u_i = sum over l < 4 of (I - S^+ S)^l S^+ (x - X)
+LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse says nothing
+
+
+@ti.func
+def in_step(body: ti.template(), step, traits: ti.template(), on: ti.template()):
+    """The turn of the remedies between nodes and particles; ``step`` counts this step too."""
+    if ti.static(on.filtered or on.coupled):
+        if step % body.remedy_interval == 0:
+            turn(body, traits, on)
+
+
+@ti.func
+def turn(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """v_p -= rate (I - S S^+)^2 v; F += rate ((I - grad u)^-1 - F) with u_i the sharpened copy of x - X."""
+    begin(body, on)
+    for pass_number in range(ti.static(PASSES if on.coupled else 1)):
+        sharpen(body, pass_number, traits, on)
+    end(body, on)
+
+
+@ti.func
+def begin(body: ti.template(), on: ti.template()):
+    """The particles' records: the part of v that the nodes had not before the step, and x - X."""
+    for node in range(body.nodes):
+        body.node_remedy[node] = ti.Vector([0.0] * 4)
+    for p in range(moving(body)):
+        q, X = body.motion[p], body.material_position[p]
+        here, _, _ = gather(body, p, body.node_motion, on)
+        seen = body.dt * ti.Vector([here[2], here[3]])  # v_i before the step's acceleration
+        body.particle_scratch[p] = ti.Vector([q[2] - here[0] + seen[0], q[3] - here[1] + seen[1],
+                                              q[0] - X[0], q[1] - X[1]])
+
+
+@ti.func
+def sharpen(body: ti.template(), pass_number, traits: ti.template(), on: ti.template()):
+    """Add what the nodes see of the particles' records to theirs, and leave the particles what is not seen of x - X."""
+    scratch_to_nodes(body, traits, on)
+    for node in range(body.nodes):
+        new = body.node_scratch[node]
+        if pass_number > 0:
+            new[0], new[1] = 0.0, 0.0
+        body.node_remedy[node] = body.node_remedy[node] + new
+    if ti.static(on.coupled):
+        for p in range(moving(body)):
+            seen, _, _ = gather(body, p, body.node_scratch, on)
+            left = body.particle_scratch[p]
+            body.particle_scratch[p] = ti.Vector([left[0], left[1], left[2] - seen[2], left[3] - seen[3]])
+
+
+@ti.func
+def end(body: ti.template(), on: ti.template()):
+    """Draw the particles' velocity and F, at the rate, to where they should be."""
+    for p in range(moving(body)):
+        here, by_x, by_y = gather(body, p, body.node_remedy, on)
+        if ti.static(on.filtered):
+            unseen, q = body.particle_scratch[p], body.motion[p]
+            body.motion[p] = ti.Vector([q[0], q[1], q[2] - body.remedy_rate * (unseen[0] - here[0]),
+                                        q[3] - body.remedy_rate * (unseen[1] - here[1])])
+        if ti.static(on.coupled):
+            xx, xy, yx, yy = 1 - by_x[2], -by_y[2], -by_x[3], 1 - by_y[3]
+            J = xx * yy - xy * yx
+            if J > LEAST_JACOBIAN and xx + yy > 0:
+                F = body.deformation_gradient[p]
+                target = ti.Vector([yy, -xy, -yx, xx]) / J
+                body.deformation_gradient[p] = F + body.remedy_rate * (target - F)
+
+
+@ti.func
+def scratch_to_nodes(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """S^+ of the particles' records: weighted by mass, folded at the symmetry planes like a velocity."""
+    for node in range(body.nodes):
+        body.node_scratch[node] = ti.Vector([0.0] * 4)
+    for p in range(moving(body)):
+        carried = body.mass[p] * body.particle_scratch[p]
+        if ti.static(on.method == "cpdi"):
+            cpdi.scatter(body, p, carried, body.node_scratch)
+        else:
+            gimp.scatter(body, p, carried, body.node_scratch)
+    traits.fold(body, fold_scratch)
+    for j in range(traits.first, body.active):
+        for i in range(traits.first, body.active):
+            node = j * body.row + i
+            mass, sums = body.node_mass[node], body.node_scratch[node]
+            values = ti.Vector([0.0] * 4)
+            if mass > 0:
+                values = traits.pin(i, j, sums / mass)
+            body.node_scratch[node] = values
+    traits.mirror(body, body.node_scratch)
+
+
+@ti.func
+def fold_scratch(body: ti.template(), ghost, image, in_x, in_y):
+    body.node_scratch[image] = body.node_scratch[image] + ti.Vector([in_x, in_y, in_x, in_y]) * body.node_scratch[ghost]

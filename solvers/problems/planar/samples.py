@@ -1,0 +1,132 @@
+"""Samples of a plane body: sums over particles for the norms of the true and the estimated error, and the energy.
+
+Errors are vectors (x, v, a) or tensors (sigma) at a fixed material point, computed minus exact; their sizes are
+Euclidean and Frobenius norms. The acceleration is the one that the last step used, so it is compared at that step's
+time. ``error_extra`` is the paper's "Err A": the error of the acceleration at the nodes that carry mass.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import taichi as ti
+
+from solvers.kernels import runtime
+from solvers.problems.planar.phases import TOTALS
+from solvers.solver.samples import BASE, EACH, column
+
+
+class Measures(NamedTuple):
+    """What a problem knows of itself, as functions for kernels; ``moment`` is handed on to those that follow it."""
+
+    moment: Callable  # (body, step): what is known of the exact solution at the step, as numbers or in an array
+    vector_errors: Callable  # (body, p, moment, on): errors of x and v as one vector of four, and of a
+    stress_error: Callable  # (body, p, moment): error of the Cauchy stress, as xx, xy, yy
+    node_acceleration_error: Callable  # (body, moment, on): mean squared error of the nodes' acceleration
+    strain_energy: Callable  # (body, p): of a particle, in J
+    look: Callable  # (body, row): for contradictions
+    more: Callable  # (body, row, step, on): samples that only this problem has
+
+
+@ti.func
+def squared(tensor):
+    """Squared Frobenius norm of a symmetric tensor given as xx, xy, yy."""
+    return tensor[0] * tensor[0] + 2 * tensor[1] * tensor[1] + tensor[2] * tensor[2]
+
+
+@ti.func
+def squared_parts(motion, sigma, a):
+    """Squared sizes of x, v, sigma and a."""
+    return ti.Vector([motion[0] * motion[0] + motion[1] * motion[1], motion[2] * motion[2] + motion[3] * motion[3],
+                      squared(sigma), a[0] * a[0] + a[1] * a[1]])
+
+
+@ti.func
+def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: ti.template()):
+    """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
+    sample_sums(body, row, step, measures, on)
+    if ti.static(on.soundness):
+        if looks:
+            measures.look(body, row)
+
+
+@ti.func
+def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
+    """The same without contradictions."""
+    crossings, work = 0.0, 0.0
+    for slab in range(body.slabs):
+        crossings += body.totals[ti.static(TOTALS) * slab]
+        work += body.totals[ti.static(TOTALS) * slab + 1]
+    body.samples[row, ti.static(column("step"))] = step
+    body.samples[row, ti.static(column("work"))] = work
+    body.samples[row, ti.static(column("crossings"))] = crossings
+    if ti.static(on.truth):
+        sample_truth(body, row, step, measures, on)
+    if ti.static(len(on.estimators) > 0):
+        sample_estimates(body, row, step, measures, on)
+    for q in ti.static(range(column("apart"), column("margin") + 1)):
+        body.samples[row, q] = ti.math.nan
+    if ti.static(on.energy):
+        sample_energy(body, row, measures)
+    measures.more(body, row, step, on)
+
+
+@ti.func
+def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
+    """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
+    moment = measures.moment(body, step)
+    squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(body.particles):
+        motion, a = measures.vector_errors(body, p, moment, on)
+        squares += squared_parts(motion, measures.stress_error(body, p, moment), a)
+    for q in ti.static(range(3)):
+        body.samples[row, ti.static(column("error_x")) + q] = squares[q]
+    if ti.static(on.acceleration):
+        # Before the first step no acceleration has been computed, and so none can be wrong.
+        nodes = measures.node_acceleration_error(body, moment, on)
+        body.samples[row, ti.static(column("error_a"))] = squares[3] if step > 0 else 0.0
+        body.samples[row, ti.static(column("error_extra"))] = nodes * body.particles if step > 0 else 0.0
+
+
+@ti.func
+def sample_estimates(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
+    """Sums of squares of each estimate and of its distance from the truth."""
+    moment = measures.moment(body, step)
+    if ti.static(runtime.on_processor()):
+        for e in range(ti.static(len(on.estimators))):
+            sample_estimate(body, row, step, e, moment, measures, on)
+    else:
+        for e in ti.static(range(len(on.estimators))):
+            sample_estimate(body, row, step, e, moment, measures, on)
+
+
+@ti.func
+def sample_estimate(body: ti.template(), row, step, e, moment, measures: ti.template(), on: ti.template()):
+    """The same of estimator number e."""
+    squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(body.particles):
+        motion, stress = body.estimate[e * body.particles + p], body.estimate_stress[e * body.particles + p]
+        sigma = ti.Vector([stress[0], stress[1], stress[2]])
+        a = body.estimate_acceleration[e * body.particles + p]
+        squares += squared_parts(motion, sigma, a)
+        if ti.static(on.truth):
+            true_motion, true_a = measures.vector_errors(body, p, moment, on)
+            if step == 0:  # none has been computed, and so none can be wrong
+                true_a = ti.Vector([0.0, 0.0])
+            missed += squared_parts(motion - true_motion, sigma - measures.stress_error(body, p, moment), a - true_a)
+    at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
+    for q in ti.static(range(4)):
+        body.samples[row, at + q] = squares[q]
+        if ti.static(on.truth and (q < 3 or on.acceleration)):
+            body.samples[row, at + 4 + q] = missed[q]
+
+
+@ti.func
+def sample_energy(body: ti.template(), row, measures: ti.template()):
+    """Kinetic energy, and the strain energy of the particles."""
+    kinetic, strain = 0.0, 0.0
+    for p in range(body.particles):
+        q, mass = body.motion[p], body.mass[p]
+        kinetic += 0.5 * mass * (q[2] * q[2] + q[3] * q[3])
+        strain += measures.strain_energy(body, p)
+    body.samples[row, ti.static(column("kinetic"))] = kinetic
+    body.samples[row, ti.static(column("strain"))] = strain

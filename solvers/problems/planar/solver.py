@@ -1,0 +1,140 @@
+"""PlanarSolver: one plane body in memory, ready to be stepped, sampled and looked at."""
+
+import time
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar, cast
+
+import numpy as np
+
+from solvers.estimators.beside import Beside
+from solvers.kernels import runtime
+from solvers.problems.planar.errors import Fields, difference, estimated_fields, sizes
+from solvers.problems.planar.on_device import OnDevice
+from solvers.problems.planar.on_processor import OnProcessor
+from solvers.problems.planar.state import WatchedBody
+from solvers.problems.planar.step import Kernels
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import MOST_PARTICLES
+from solvers.scene.switches import switches
+from solvers.solver import devices
+from solvers.solver.base import MEASURE, REPORT, Solver
+from solvers.solver.result import Snapshot
+from solvers.solver.step_breakdown import Anatomy, Carried
+
+PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
+
+
+class PlanarSolver(Solver):
+    """Owns the arrays of one body. Three plans: one serial kernel for many steps, slabs side by side, or, on a GPU, all
+    particles at once.
+
+    The scene of such a problem has a field ``plan``. A problem names its kernels and the type of their argument.
+    """
+
+    KERNELS: ClassVar[Kernels]
+    STATE: ClassVar[Any]
+    scene: Any
+    _arrays: WatchedBody
+
+    def __init__(self, scene: Any):
+        super().__init__(scene)
+        where = devices.place(scene.arch)
+        if where == devices.CPU and scene.particles > MOST_PARTICLES:
+            raise SceneError("arch", scene.arch, f"no GPU was found for these {scene.particles:,} particles; at most "
+                                                 f"{MOST_PARTICLES:,} are allowed on a processor")
+        large = scene.threads > 1 and scene.particles >= PARALLEL_FROM
+        self.plan = ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
+        if where != devices.CPU:
+            self.plan = "gpu"
+        self.threads = scene.threads if self.plan == "parallel" else 1
+        self.arch = runtime.start(where, self.threads)
+        begun = time.perf_counter()
+        self._switches = switches(scene)
+        self._arrays = self._allocate(self.threads)
+        if self.plan == "gpu":
+            self._stepping: OnProcessor | OnDevice = OnDevice(
+                self.KERNELS.at_once, self.STATE, scene, self._arrays, self._switches, self._beside())
+        else:
+            self._stepping = OnProcessor(self.KERNELS, self.STATE, scene, self._arrays, self._switches,
+                                         self.plan == "parallel", self.threads)
+        self._find_margin = self._stepping.find_margin
+        self.setup_seconds = time.perf_counter() - begun
+
+    @property
+    def _pack(self) -> Any:
+        """The state, as the kernels' argument."""
+        return self._stepping.pack
+
+    def _beside(self) -> Beside | None:
+        """The estimator that the processor carries on while a GPU steps the particles."""
+        bodies = [hooks.alone(self.scene) for name in self._switches.estimators if (hooks := self.HOOKS[name]).alone]
+        return Beside(bodies[0], self._memory, self.scene.time_step) if bodies else None
+
+    def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
+        a, on = self._arrays, self._switches
+        self._stepping.look(self.step, REPORT)
+        self._stepping.fetch()
+        F = a.deformation_gradient.reshape(-1, 2, 2)
+        true = self._true_fields() if on.truth else None
+        estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
+        missed = {name: difference(fields, true) for name, fields in estimates.items()} if true and differences else {}
+        return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
+                        position=a.motion[:, :2].copy(), velocity=a.motion[:, 2:].copy(),
+                        deformation_gradient=F.copy(), error=sizes(true) if true else None,
+                        estimate={name: sizes(fields) for name, fields in estimates.items()},
+                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed,
+                        plotted=None if plotted is None else self._field(plotted))
+
+    def compile(self) -> None:
+        self._stepping.compile()
+        if self.scene.has("margin"):
+            self._find_margin()
+
+    def state(self) -> tuple[int, dict[str, np.ndarray]]:
+        self._stepping.fetch()
+        return super().state()
+
+    def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
+        super().put(step, arrays)
+        self._stepping.push()
+
+    def without_estimators(self) -> Solver:
+        self._stepping.fetch()
+        other = cast(PlanarSolver, super().without_estimators())
+        other._stepping.push()
+        return other
+
+    def _run(self, steps: int) -> None:
+        self._stepping.run(self.step, steps)
+
+    def _measure(self) -> None:
+        self._stepping.look(self.step, MEASURE)
+
+    def _carried(self) -> Carried:
+        self._stepping.fetch()
+        return self._carried_now()
+
+    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+        self._stepping.fetch()
+        return self._anatomy_now(particle, before)
+
+    @abstractmethod
+    def _allocate(self, slabs: int) -> WatchedBody:
+        """The arrays at the start of the run, for so many slabs of particles."""
+
+    @abstractmethod
+    def _true_fields(self) -> Fields:
+        """The true errors now."""
+
+    @abstractmethod
+    def _field(self, quantity: str) -> np.ndarray:
+        """A quantity of the particles and how far it is from the exact one (P, 2), for a plot."""
+
+    @abstractmethod
+    def _carried_now(self) -> Carried:
+        """What the particles carry, as the arrays have it."""
+
+    @abstractmethod
+    def _anatomy_now(self, particle: int, before: Carried) -> Anatomy:
+        """The last step taken apart, as the arrays have it."""

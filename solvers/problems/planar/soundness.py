@@ -1,0 +1,49 @@
+"""Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other; see
+``solvers.solver.soundness``."""
+
+import taichi as ti
+
+from solvers.kernels import runtime
+from solvers.solver.samples import column
+
+SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
+
+
+@ti.func
+def look_at_neighbours(body: ti.template(), row):
+    """Write how far neighbours are from where they should stand, in metres, and the particle where that is worst."""
+    squares, pairs, worst, place = 0.0, 0, -1.0, 0
+    for p in range(body.particles):
+        for side in ti.static(range(2)):
+            q = body.neighbours[2 * p + side]
+            if q >= 0:
+                miss = apart(body, p, q)
+                squares += miss
+                pairs += 1
+                if ti.static(runtime.on_processor()):
+                    if miss > worst:
+                        worst, place = miss, p
+                elif miss > worst:  # for fewer atomic operations
+                    ti.atomic_max(worst, miss)
+    if ti.static(not runtime.on_processor()):  # which of those that are all looked at at once it was
+        place = body.particles
+        for p in range(body.particles):
+            for side in ti.static(range(2)):
+                q = body.neighbours[2 * p + side]
+                if q >= 0:
+                    if apart(body, p, q) >= worst * (1 - SAME):
+                        ti.atomic_min(place, p)
+        place = place % body.particles  # none where nothing is a number
+    body.samples[row, ti.static(column("apart"))] = ti.sqrt(squares / ti.max(pairs, 1))
+    body.samples[row, ti.static(column("place"))] = place
+
+
+@ti.func
+def apart(body: ti.template(), p, q):
+    """|x_q - x_p - (F_p + F_q)/2 (X_q - X_p)| squared."""
+    dx = body.motion[q] - body.motion[p]
+    dX = body.material_position[q] - body.material_position[p]
+    F = 0.5 * (body.deformation_gradient[p] + body.deformation_gradient[q])
+    miss_x = dx[0] - F[0] * dX[0] - F[1] * dX[1]
+    miss_y = dx[1] - F[2] * dX[0] - F[3] * dX[1]
+    return miss_x * miss_x + miss_y * miss_y

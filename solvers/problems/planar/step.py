@@ -1,0 +1,125 @@
+"""Steps of a plane body by plans that run the same phases, and the other kernels of a run.
+
+``advance`` puts any number of steps into one kernel on one thread, ``step_in_slabs`` does one step on several;
+``solvers.problems.planar.at_once`` has those of a GPU.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import taichi as ti
+
+from solvers.estimators import running
+from solvers.kernels.hoist import read_once
+from solvers.problems.planar import margin, phases, remedies
+from solvers.problems.planar.at_once import KernelsAtOnce, kernels_at_once
+from solvers.problems.planar.check import check
+from solvers.problems.planar.samples import Measures, sample
+from solvers.problems.planar.traits import Traits
+from solvers.solver.base import MEASURE, REPORT, SOUND
+from solvers.solver.loop import Phases, take_turn
+
+TASK = 512  # indices that a parallel loop never splits between threads
+
+
+class Kernels(NamedTuple):
+    """The kernels of a problem; ``on`` are the switches of a scene."""
+
+    advance: Any  # (start, turns, purpose, state, on)
+    step_in_slabs: Any  # (step, slabs, state, on)
+    inspect: Any  # (step, line, purpose, state, on)
+    freeze: Any  # (state, on)
+    find_margin: Any  # (state, on)
+    at_once: KernelsAtOnce  # those for a GPU
+
+
+def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, outside: Callable) -> Kernels:
+    """The kernels of a problem: the type of its state, its estimators, its own part of the phases and of the samples,
+    and ``outside(state, p)``, which says that a particle is where none of a sound run can be."""
+
+    @ti.func
+    def one_step(body: ti.template(), step, on: ti.template()):
+        """Step number ``step``, counted from one, on one thread: that many have been taken after it."""
+        phases.update_grid(body, (step - 1) * body.dt, TRAITS, on)
+        running.in_step(body, step, HOOKS, on)
+        remedies.in_step(body, step, TRAITS, on)
+        phases.nodes_to_particles(body, 0, step, TRAITS, on)
+        running.after_step(body, step, HOOKS, on)
+
+    @ti.func
+    def sample_it(body: ti.template(), row, step, looks, on: ti.template()):
+        sample(body, row, step, looks, MEASURES, on)
+
+    @ti.func
+    def check_it(body: ti.template(), step):
+        check(body, step, outside)
+
+    in_turn = Phases(one_step, check_it, sample_it, HOOKS)
+
+    @ti.kernel
+    def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
+        """On one thread, from step ``start`` on, ``turns`` turns for ``purpose``: see
+        ``solvers.solver.loop.take_turn``."""
+        ti.loop_config(serialize=True)
+        for turn in range(turns):
+            take_turn(read_once(body), turn, start, purpose, in_turn, on)
+
+    @ti.kernel
+    def step_in_slabs(step: ti.i32, slabs: ti.i32, body: State, on: ti.template()):
+        """One step on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
+        for _ in range(ti.min(slabs, 1)):
+            TRAITS.forces(body, step * body.dt, on)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                phases.particles_to_nodes(body, task // TASK, TRAITS, on)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                first, last = phases.slab_range(body.active, task // TASK, body.slabs)
+                for j in range(first, last):
+                    phases.sum_slabs(body, j)
+        for _ in range(ti.min(slabs, 1)):
+            TRAITS.fold(body, phases.fold_sums)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                first, last = phases.slab_range(body.active - TRAITS.first, task // TASK, body.slabs)
+                for j in range(first, last):
+                    phases.update_nodes(body, TRAITS.first + j, TRAITS, on)
+        for _ in range(ti.min(slabs, 1)):
+            TRAITS.mirror(body, body.node_motion)
+            running.in_step(body, step + 1, HOOKS, on)
+            remedies.in_step(body, step + 1, TRAITS, on)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                phases.nodes_to_particles(body, task // TASK, step + 1, TRAITS, on)
+        for _ in range(ti.min(slabs, 1)):
+            running.after_step(body, step + 1, HOOKS, on)
+
+    @ti.kernel
+    def inspect(step: ti.i32, line: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
+        """Beside ``step_in_slabs``: check the state unless it is to ``REPORT``, and sample it into ``line`` unless that
+        is negative, with a look for contradictions where one is due or it is to ``MEASURE``."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            if purpose != REPORT and body.verdict[0] == SOUND:
+                check(body, step, outside)
+            if line >= 0:
+                running.report(body, step, HOOKS, on)
+            if line >= 0 and purpose != REPORT:
+                sample(body, line, step, purpose == MEASURE or step % body.look_interval == 0, MEASURES, on)
+
+    @ti.kernel
+    def freeze(body: State, on: ti.template()):
+        """Find the weights of a body that keeps them."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            phases.find_weights(body, 0, body.particles, on)
+
+    @ti.kernel
+    def find_margin(body: State, on: ti.template()):
+        """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long, its calls rare."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            margin.step_margin(body, TRAITS, on)
+
+    return Kernels(advance, step_in_slabs, inspect, freeze, find_margin,
+                   kernels_at_once(State, HOOKS, TRAITS, MEASURES, outside))

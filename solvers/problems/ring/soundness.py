@@ -1,0 +1,31 @@
+"""Contradictions within a ring, seen without its exact solution (see ``solvers.solver.soundness``).
+
+The loads are radial and the same all around, so motion around the centre and differences along a material circle are
+errors, whatever the true motion is.
+"""
+
+import taichi as ti
+
+from solvers.problems.planar.records import add
+from solvers.problems.planar.soundness import look_at_neighbours
+from solvers.solver.samples import column
+
+
+@ti.func
+def look(ring: ti.template(), row):
+    """Write how far neighbours are apart and the ring is out of shape, in metres."""
+    look_at_neighbours(ring, row)
+    around = 0.0
+    for k in range(ring.radius_count):
+        ring.circles[k] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(ring.particles):
+        X, e, motion = ring.material_position[p], ring.direction[p], ring.motion[p]
+        u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
+        radial, hoop = u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1]
+        around += hoop * hoop
+        add(ring.circles, ring.radius[p], ti.Vector([1.0, radial, radial * radial, 0.0]))
+    scatter = 0.0
+    for k in range(ring.radius_count):  # a cartesian layout has next to no two particles on a circle
+        sums = ring.circles[k]
+        scatter += ti.max(0.0, sums[2] - sums[1] * sums[1] / sums[0])
+    ring.samples[row, ti.static(column("out_of_shape"))] = ti.sqrt((around + scatter) / ring.particles)

@@ -1,0 +1,30 @@
+"""The ring's state: its body, and what watches it."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from solvers.estimators.memory import packing
+from solvers.problems.planar.state import WatchedBody, watched
+from solvers.problems.ring.body import RingBody, body, farthest
+from solvers.problems.ring.scene import RingScene
+from solvers.scene import registry
+from solvers.scene.switches import switches
+
+HOOKS = registry.hooks_of("ring")
+
+
+@dataclass
+class WatchedRing(WatchedBody, RingBody):
+    """A ring and those who watch it."""
+
+
+#: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
+RingState = ti.types.argpack(**WatchedRing.types(), **packing(HOOKS).types)
+
+
+def allocate(scene: RingScene, slabs: int) -> WatchedRing:
+    """The initial state."""
+    on = switches(scene)
+    own = body(scene, on, slabs)
+    return WatchedRing(**own, **watched(scene, on, own["particles"], farthest(scene), HOOKS))

@@ -1,0 +1,51 @@
+"""The bound on the ring's time step along the motion ahead (see ``solvers.scene.step_bound``).
+
+For P = mu (F - F^-T) a change of F by g F with g = v grad S costs mu (g b : g + g^T : g) <= mu (1 + largest eigenvalue
+of b = F F^T) |g|^2 per reference volume; in material form, for frozen weights, mu (1 + 1/smallest eigenvalue of b).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from solvers.problems.planar.step_bound import boxes, corners
+from solvers.problems.ring import exact
+from solvers.problems.ring.layout import particle_layout
+from solvers.problems.ring.scene import RingScene
+from solvers.scene.step_bound import INSTANTS, bound
+
+MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
+
+
+def least(scene: RingScene) -> float:
+    """The smallest bound, in seconds, over the ring's motion from one extreme to the other."""
+    fine = scene
+    while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
+        scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
+    layout = particle_layout(scene)
+    sizes = scene.amplitude * np.linspace(-1, 1, INSTANTS)
+    return min(_at(scene, layout, size) for size in sizes) * fine.spacing / scene.spacing
+
+
+def _at(scene: RingScene, layout, size: float) -> float:
+    """The bound where the radial displacement is ``size`` w(R)."""
+    X, R = layout.position, layout.radii[layout.radius]
+    w, slope, _ = exact.shape(R)
+    radial, hoop = 1 + size * slope, 1 + size * w / R
+    if scene.frozen:
+        x, F, stretch = X, np.tile([1.0, 0.0, 0.0, 1.0], (len(X), 1)), 1 / np.minimum(radial, hoop)
+    else:
+        c, s = (X / R[:, None]).T
+        F = np.stack([radial * c * c + hoop * s * s, (radial - hoop) * c * s, (radial - hoop) * c * s,
+                      radial * s * s + hoop * c * c], axis=1)
+        x, stretch = X * (1 + size * w / R)[:, None], np.maximum(radial, hoop)
+
+    def number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """From the planes on, so that mirror images have one number."""
+        return np.abs(i) + 2 * scene.cells * np.abs(j)
+
+    nodes, S, gradients = corners(scene, x, F, layout.edges, number) if scene.method == "cpdi" \
+        else boxes(scene, x, F[:, [0, 3]], number)
+    stiffness = 0.5 * scene.modulus * (1 + stretch**2) * layout.volume
+    mass = np.bincount(nodes.ravel(), (scene.density * layout.volume[:, None] * S).ravel())
+    return bound(nodes, gradients, stiffness, mass)

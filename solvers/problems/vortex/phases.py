@@ -1,0 +1,32 @@
+"""The vortex's own part of a step: no symmetry planes, for its sectors map onto each other by rotations."""
+
+import taichi as ti
+
+from solvers.problems.planar.traits import Traits
+from solvers.problems.vortex.material import forces, prepare, push, stress, tangent
+
+
+@ti.func
+def nothing_to_fold(vortex: ti.template(), fold_pair: ti.template()):
+    """There are no ghosts."""
+
+
+@ti.func
+def free(i, j, record):
+    """No node is held."""
+    return record
+
+
+@ti.func
+def nothing_to_mirror(vortex: ti.template(), values: ti.template()):
+    """There are no ghosts."""
+
+
+@ti.func
+def itself(vortex: ti.template(), node):
+    """No node is another one's image."""
+    return node
+
+
+TRAITS = Traits(forces=forces, prepare=prepare, push=push, stress=stress, tangent=tangent, first=0,
+                fold=nothing_to_fold, pin=free, mirror=nothing_to_mirror, image=itself)

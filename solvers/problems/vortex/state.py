@@ -1,0 +1,30 @@
+"""The vortex's state: its body, and what watches it."""
+
+from dataclasses import dataclass
+
+import taichi as ti
+
+from solvers.estimators.memory import packing
+from solvers.problems.planar.state import WatchedBody, watched
+from solvers.problems.vortex.body import VortexBody, body, farthest
+from solvers.problems.vortex.scene import VortexScene
+from solvers.scene import registry
+from solvers.scene.switches import switches
+
+HOOKS = registry.hooks_of("vortex")
+
+
+@dataclass
+class WatchedVortex(WatchedBody, VortexBody):
+    """A vortex and those who watch it."""
+
+
+#: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
+VortexState = ti.types.argpack(**WatchedVortex.types(), **packing(HOOKS).types)
+
+
+def allocate(scene: VortexScene, slabs: int) -> WatchedVortex:
+    """The initial state."""
+    on = switches(scene)
+    own = body(scene, on, slabs)
+    return WatchedVortex(**own, **watched(scene, on, own["particles"], farthest(scene), HOOKS))

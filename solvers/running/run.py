@@ -1,0 +1,96 @@
+"""run(scene) -> Result: the one way to run anything without a page."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from solvers.problems import PROBLEMS
+from solvers.running.timing import estimator_shares
+from solvers.scene.scene import Scene
+from solvers.solver import samples
+from solvers.solver.base import Solver
+from solvers.solver.result import Result, Seconds, Snapshot
+from solvers.solver.soundness import find, verdict
+
+SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
+SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
+
+
+def build(scene: Scene) -> Solver:
+    """The solver of a scene's problem, with its particles in place and nothing run."""
+    return PROBLEMS[scene.problem].solver(scene)
+
+
+def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = True,
+        moment: bool = True, on_sample: Callable[[Snapshot], None] | None = None) -> Result:
+    """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
+
+    ``on_progress`` is called several times a second with the part done, 0 to 1. With ``prices`` the estimators' shares
+    of the time are measured half way, which takes a few tenths of a second beside the run. With ``moment`` the
+    particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`). ``on_sample`` is
+    given the particles whenever their norms are sampled, from the start to the end; the run stops there each time.
+    """
+    solver = build(scene)
+    begun = time.perf_counter()
+    solver.compile()
+    compiled = time.perf_counter() - begun
+    rows = [solver.measure()]
+    if on_sample:
+        on_sample(solver.snapshot())
+    shares: dict[str, float] = {}
+    ran, slice_steps = 0.0, 64
+    shown_at = shown_step(scene) if moment else scene.steps
+    kept: Snapshot | None = None
+    while solver.step < scene.steps and solver.sound:
+        stop = shown_at if solver.step < shown_at else scene.steps
+        steps = min(slice_steps, stop - solver.step, solver.longest_advance)
+        if on_sample:
+            steps = min(steps, scene.sample_interval - solver.step % scene.sample_interval)
+        begun = time.perf_counter()
+        rows.append(solver.advance(steps))
+        took = time.perf_counter() - begun
+        ran += took
+        if on_sample and solver.sound and (solver.step % scene.sample_interval == 0 or solver.step == scene.steps):
+            on_sample(solver.snapshot())
+        if solver.step == shown_at < scene.steps and solver.sound:
+            kept = solver.snapshot()
+        slice_steps = max(1, int(min(2.0, SLICE_SECONDS / took) * steps)) if took > 0 else 2 * slice_steps
+        if prices and 2 * solver.step >= scene.steps:
+            shares, prices = estimator_shares(solver), False
+        if on_progress:
+            on_progress(solver.step / scene.steps)
+    last = solver.measure()  # also the last look for a run gone bad: the kernel's own look may be steps ago
+    if solver.step % scene.sample_interval:
+        rows.append(last)
+    else:
+        rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may not have been one with a look
+    final = solver.snapshot()
+    series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
+    not_valid = solver.not_valid()
+    status, reason, broken_at = _verdict(solver, series, not_valid, final.error)
+    seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
+    return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
+                  series=series, final=final, moment=kept if solver.sound else None, bytes=solver.bytes,
+                  not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan)
+
+
+def shown_step(scene: Scene) -> int:
+    """The step at which the particles show something: the last, unless the exact motion, A sin(w t), is small there, as
+    after whole periods; then the one of its last largest displacement."""
+    turns = scene.end_time / (0.5 * scene.period)
+    largest = math.floor(turns - 0.5) + 0.5  # in half periods
+    if not scene.swings or abs(math.sin(math.pi * turns)) >= SMALL_MOTION or largest < 0:
+        return scene.steps
+    return min(scene.steps, max(1, round(largest * 0.5 * scene.period / scene.time_step)))
+
+
+def _verdict(solver: Solver, series: dict[str, np.ndarray],
+             not_valid: dict[str, str], error: np.ndarray | None) -> tuple[str, str | None, float | None]:
+    """Status, reason and time of breakdown of a run that has ended; ``error`` are the true ones at its end."""
+    finding = find(solver.scene, series, not_valid)
+    if finding and finding.particle is None and error is not None:
+        finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
+    return verdict(solver, finding)

@@ -1,0 +1,139 @@
+"""Every estimator there is, known once: how it is called and drawn, what it says of itself, and where it is built.
+
+A problem has the estimators of this list for which its folder has a file:
+``solvers/problems/bar/estimators/two_grid.py`` is the bar's "two-grid", and its ``HOOKS`` are what the solver calls. So
+an estimator is one file and one line here. Others can be registered from outside (:func:`register`), in modules that
+the environment variable ``MPM_LAB_EXTENSIONS`` names, which every process imports. Needs no Taichi, so that the command
+line and the page can ask.
+"""
+
+import functools
+import importlib
+import importlib.util
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.scene.rules import SceneError
+
+EXTENSIONS = "MPM_LAB_EXTENSIONS"
+EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
+
+
+class ExtensionError(Exception):
+    """A module that ``MPM_LAB_EXTENSIONS`` names cannot be imported; the message says which and why."""
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """One estimator, whatever the problem.
+
+    ``colour`` is a warm one, for the truth is blue, and differs from the others' in lightness too; ``dashes`` are
+    pixels drawn and left out (none: unbroken), ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``,
+    ``P``, ``X``, ``*``). ``summary`` is a line, ``page`` is html that explains it in full, by default that of the file
+    ``explanations/NAME.html``. ``hooks`` are given here only where they are not in a file of the problem's folder.
+    ``refusals`` tells of problems that it has no file for why not, as the end of a sentence: "is not ...".
+    """
+
+    name: str
+    summary: str
+    colour: str
+    dashes: tuple[int, ...] = ()
+    symbol: str = "o"
+    label: str = ""
+    page: str = ""
+    hooks: Mapping[str, EstimatorHooks] = field(default_factory=dict)
+    refusals: Mapping[str, str] = field(default_factory=dict)
+    beside: bool = False  # whether the processor can run it beside particles that are on a GPU
+    judges: bool = True  # whether a run counts as lost where it says that the error of x is half the motion
+
+    @property
+    def title(self) -> str:
+        """What people call it."""
+        return self.label or self.name
+
+    @property
+    def explanation(self) -> str:
+        """Html for a student: what it is, assumes, sees and misses."""
+        path = EXPLANATIONS / f"{self.name}.html"
+        return self.page or (path.read_text(encoding="utf-8") if path.exists() else f"<p>{self.summary}</p>")
+
+    def module(self, problem: str) -> str:
+        """Where a problem's own file is, or would be."""
+        return f"solvers.problems.{problem}.estimators.{self.name.replace('-', '_')}"
+
+    def exists_for(self, problem: str) -> bool:
+        return problem in self.hooks or _is_there(self.module(problem))
+
+    def hooks_for(self, problem: str) -> EstimatorHooks:
+        """What the problem's solver calls; imports Taichi."""
+        return self.hooks[problem] if problem in self.hooks else importlib.import_module(self.module(problem)).HOOKS
+
+
+@functools.cache  # every scene asks for all of them, and a look at the disk takes longer than all the rest of a scene
+def _is_there(module: str) -> bool:
+    return importlib.util.find_spec(module) is not None
+
+
+ESTIMATORS: dict[str, Estimator] = {}
+COLLECTED: set[str] = set()  # problems whose solvers have their hooks
+
+
+def register(estimator: Estimator) -> None:
+    """Make an estimator known, before the solvers that it is for are imported: their kernels name what it keeps."""
+    late = [problem for problem in estimator.hooks if problem in COLLECTED]
+    if late:
+        raise RuntimeError(f"register {estimator.name} before the solver of the {' and '.join(late)} is imported")
+    ESTIMATORS[estimator.name] = estimator
+    names.cache_clear()
+
+
+@functools.cache
+def names(problem: str) -> tuple[str, ...]:
+    """The estimators that a problem has."""
+    load_extensions()
+    return tuple(name for name, estimator in ESTIMATORS.items() if estimator.exists_for(problem))
+
+
+def require_offered(chosen: object, problem: str) -> None:
+    """Refuse, with a :class:`SceneError` in its own words, an estimator that other problems have and this has not."""
+    for name in chosen if isinstance(chosen, (tuple, list)) else ():
+        estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
+        if estimator and not estimator.exists_for(problem) and problem in estimator.refusals:
+            raise SceneError("estimators", name, f"{estimator.refusals[problem]}; give one of "
+                             f"{', '.join((*names(problem), 'none'))}")
+
+
+def hooks_of(problem: str) -> dict[str, EstimatorHooks]:
+    """The hooks of all estimators that a problem has, by name."""
+    found = names(problem)  # loads the extensions
+    COLLECTED.add(problem)
+    return {name: ESTIMATORS[name].hooks_for(problem) for name in found}
+
+
+@functools.cache
+def load_extensions() -> None:
+    """Import what the environment names; :class:`ExtensionError` where that fails."""
+    for module in filter(None, os.environ.get(EXTENSIONS, "").replace(",", " ").split()):
+        try:
+            importlib.import_module(module)
+        except Exception as error:
+            raise ExtensionError(f"{EXTENSIONS} names {module}, which cannot be imported "
+                                 f"({type(error).__name__}: {error}); correct it or leave it out") from error
+
+
+for _estimator in (
+    Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
+              colour="#D55E00", symbol="o", judges=False),  # its size is often off by several times
+    Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
+              colour="#6B2A00", dashes=(9, 4), symbol="s"),
+    Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
+              "against", colour="#EC9A1E", dashes=(3, 3), symbol="^", beside=True),
+    Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
+              colour="#B0156B", dashes=(9, 3, 2, 3), symbol="D",
+              refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
+                        "radius, two-grid runs a second ring"}),
+):
+    register(_estimator)

@@ -1,0 +1,51 @@
+"""Every remedy there is, known once: what a scene may call for against the diseases of long and large motions.
+
+Where an effect only looks, a remedy changes the method. It is compiled in only where a scene calls for it
+(``solvers.scene.switches``). A problem names in its scene those that hold there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from solvers.scene.scene import Scene
+
+TIME = 0.3  # tau c/h: how fast the filter and the coupling work, in the time that a wave takes through a cell
+EVERY = 4  # steps between two turns of them: they work at a rate, so that seldom does as well as often
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """One remedy: its name as typed, the word by which kernels ask for it (``on.frozen``), what it is called, and what
+    it does and costs."""
+
+    name: str
+    switch: str
+    label: str
+    explanation: str
+
+
+FILTER, COUPLED, CENTRED, FROZEN = "null-space-filter", "coupled-deformation", "zero-drift", "frozen-weights"
+
+REMEDIES: dict[str, Remedy] = {remedy.name: remedy for remedy in (
+    Remedy(FILTER, "filtered", "null-space filter",
+           "takes out of the particles' velocity, at a rate, what the grid cannot see and so never corrects"),
+    Remedy(COUPLED, "coupled", "displacement-coupled F",
+           "draws the deformation gradient, at a rate, towards that of the particles' own displacements, so that the "
+           "two cannot part"),
+    Remedy(CENTRED, "centred", "zero drift",
+           "takes the mean velocity out after every step: linearity preservation makes forces that do not quite "
+           "cancel, and the whole body wanders off"),
+    Remedy(FROZEN, "frozen", "frozen weights",
+           "computes the weights once, where the material was at rest (total Lagrangian): no particle ever crosses a "
+           "cell; cheaper too, but numerical fracture is impossible"),
+)}
+SWITCHES = {remedy.switch: name for name, remedy in REMEDIES.items()}
+
+
+def remedy_rates(scene: Scene) -> dict[str, float]:
+    """What a turn of the filter and of the coupling does: min(1, dt/tau), dt the time since the turn before."""
+    rate = min(1.0, EVERY * scene.time_step * scene.wave_speed / (TIME * scene.spacing))
+    return {"remedy_interval": EVERY, "remedy_rate": rate}

@@ -1,0 +1,319 @@
+"""Scene: everything that defines a run, in one frozen object, and the rules that it must satisfy.
+
+The command line, the page and the tests all build a ``Scene``; nothing else is configured anywhere. A ``Scene`` that
+exists is valid: a bad value raises :class:`~solvers.scene.rules.SceneError` with one sentence that names the input,
+says what is wrong and what is allowed. Each field carries its help, its unit and its choices (:func:`option`), from
+which the flags of the command line are made.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar
+
+from solvers.scene import registry
+from solvers.scene.defaults import Usual
+from solvers.scene.effects import ALL, EFFECTS
+from solvers.scene.estimator_validity import PROCESSOR_REASON
+from solvers.scene.remedies import FROZEN
+from solvers.scene.remembered import Remembered
+from solvers.scene.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
+from solvers.scene.step_bound import SAFE, of_scene
+
+MOST_PARTICLES = 1_000_000  # on a processor
+MOST_ON_GPU = 50_000_000
+MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
+MOST_SAMPLES = 1_000_000
+DEFAULT_CFL = 0.05
+LOOKS_A_PERIOD = 20  # for contradictions; more find nothing sooner that matters
+STEPS_A_SAMPLE = 20  # at least, for a sample with its estimates costs several steps; but
+LEAST_SAMPLES_A_PERIOD = 20  # however long the steps
+MOST_MARGINS = 200  # looks at the margin of the step in a run, about
+SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
+LISTS = ("estimators", "effects", "remedies")
+AUTO = "auto"
+LEAST_CFL = 1e-9
+MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
+
+
+def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
+    """A field of a scene: its default, what it is in words, its unit, what it may be where that is one of a few names,
+    and what stands for a default that is None."""
+    return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
+
+
+@dataclass(frozen=True)
+class Scene(Usual, ABC, Remembered):
+    """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
+
+    ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
+    end; None takes the default. Each problem has a scene class of its own with its defaults, choices and geometry.
+    """
+
+    problem: str = option("")
+    method: str = option("", "Shape functions of the particles")
+    cells: int = option(0, "Cells of the grid")
+    ppc: float = option(0, "Particles per cell")  # whole, but where a problem says otherwise
+    amplitude: float = option(0.0, "Amplitude A of the displacement", "m")
+    modulus: float = option(0.0, "Young's modulus E", "Pa")
+    density: float = option(0.0, "Density", "kg/m3")
+    dt: float | str | None = option(None, "Time step, or auto: what the motion ahead bears; instead of --cfl", "s",
+                                    hint="from --cfl")
+    cfl: float | None = option(None, "Time step as dt c/h, no unit, c = sqrt(E/density); instead of --dt",
+                               hint=f"{DEFAULT_CFL} without --dt")
+    t_end: float | None = option(None, "End of the run; instead of --periods", "s", hint="from --periods")
+    periods: float | None = option(None, "End of the run in periods of the vibration; instead of --t-end",
+                                   hint="{scene.DEFAULT_PERIODS:g} without --t-end")
+    body_force: str = option("material", "Body force", choices=("material",))
+    linearity_preserving: bool = option(False, "Make the particle-grid transfers exact for linear fields")
+    velocity: str = option("grid", "Velocity that moves the particles", choices=("grid", "particle"))
+    estimators: tuple[str, ...] = option(("transport",), "Error estimators, one or several")
+    effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between; what is "
+                                      "left out costs nothing", hint="all")
+    remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
+                                       "between", hint="none")
+    arch: str = option("cpu", "Where to run: on the processor, or what is in the plane on a GPU, found or by name",
+                       choices=("cpu", "gpu", "cuda", "vulkan"))
+    threads: int = option(1, "Processor threads, at most")
+    sample_every: int | None = option(None, "Steps between two samples of the errors",
+                                      hint="about {scene.SAMPLES_A_PERIOD} samples a period")
+
+    TITLE: ClassVar[str]  # what the problem is called, in the words of its command's help
+    SETTING: ClassVar[str]  # and where it is
+    EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.solver.samples``)
+    #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
+    VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
+    DIMENSIONS: ClassVar[int] = 1
+    STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
+    GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
+    HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map
+    FEWEST_CELLS: ClassVar[int] = 4
+    REMEDIES: ClassVar[tuple[str, ...]] = ()
+    OWN_EFFECTS: ClassVar[tuple[str, ...]] = ()  # that not every problem has
+    DEFAULT_PERIODS: ClassVar[float] = 5.0
+    SAMPLES_A_PERIOD: ClassVar[int] = 200
+
+    @classmethod
+    def choices(cls, name: str) -> tuple[str, ...]:
+        """What the field called ``name`` may be, one or several of; nothing where it is a number."""
+        if name == "estimators":
+            return registry.names(cls.problem)
+        if name == "remedies":
+            return cls.REMEDIES
+        if name == "effects":
+            return *EFFECTS, *cls.OWN_EFFECTS
+        return cls.__dataclass_fields__[name].metadata.get("choices", ())
+
+    @classmethod
+    def candidates(cls) -> tuple[tuple[str, bool], ...]:
+        """The methods that an advisor tries, each without or with linearity preservation."""
+        return tuple((method, False) for method in cls.choices("method"))
+
+    def __post_init__(self) -> None:
+        self._check_choices()
+        self._check_numbers()
+        self._check_time()
+        self._check_combinations()
+
+    @property
+    @abstractmethod
+    def spacing(self) -> float:
+        """Cell size h."""
+
+    @property
+    @abstractmethod
+    def particles(self) -> int:
+        """Number of particles."""
+
+    @abstractmethod
+    def _check_amplitude(self) -> None:
+        """Refuse an amplitude for which there is no exact solution."""
+
+    def warnings(self) -> list[str]:
+        """Sentences about what is allowed but will surprise."""
+        sentences = []
+        if self.time_step > self.step_bound:
+            sentences.append(f"time step {self.time_step:.3g} s (cfl {self.courant_number:.2g}): above the "
+                             f"{self.step_bound:.3g} s that this motion bears by linear theory; expect the run to go "
+                             f"unstable (--dt auto takes {SAFE * self.step_bound:.3g} s)")
+        if "truth" in self.effects and not self.solution_known:
+            sentences.append(f"body force {self.body_force}: no exact solution is built in, so the true error is "
+                             "unknown")
+        return sentences
+
+    @property
+    def wave_speed(self) -> float:
+        """c = sqrt(E/rho)."""
+        return math.sqrt(self.modulus / self.density)
+
+    @property
+    def angular_frequency(self) -> float:
+        """w = c pi/l of the exact solution, l = 1 (eq 32)."""
+        return self.wave_speed * math.pi
+
+    @property
+    def motion_amplitude(self) -> float:
+        """Largest displacement of the exact solution."""
+        return self.amplitude
+
+    def size_of(self, quantity: str) -> float:
+        """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""
+        A, w = self.motion_amplitude, self.angular_frequency
+        return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
+
+    @functools.cached_property
+    def period(self) -> float:
+        """One full vibration, 2 pi/w."""
+        return 2 * math.pi / self.angular_frequency
+
+    @functools.cached_property
+    def time_step(self) -> float:
+        """The step in seconds, from ``dt`` or ``cfl``."""
+        if self.dt == AUTO:
+            return SAFE * self.step_bound
+        return float(self.dt) if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
+
+    @property
+    def step_bound(self) -> float:
+        """The longest step in seconds that the motion ahead bears by linear theory (``solvers.scene.step_bound``)."""
+        return of_scene(self)
+
+    @property
+    def frozen(self) -> bool:
+        """Whether the weights are computed once and for all, at the material positions."""
+        return FROZEN in self.remedies
+
+    @property
+    def courant_number(self) -> float:
+        """``cfl`` as given, or that of ``dt``."""
+        if self.dt is not None:
+            return self.time_step * self.wave_speed / self.spacing
+        return DEFAULT_CFL if self.cfl is None else self.cfl
+
+    @property
+    def end_time(self) -> float:
+        if self.t_end is not None:
+            return self.t_end
+        return (self.DEFAULT_PERIODS if self.periods is None else self.periods) * self.period
+
+    @functools.cached_property
+    def steps(self) -> int:
+        """Whole steps to the end time; the end time is met to the nearest step."""
+        return max(1, round(self.end_time / self.time_step))
+
+    @functools.cached_property
+    def sample_interval(self) -> int:
+        """Steps between two samples of the norms."""
+        if self.sample_every is not None:
+            return self.sample_every
+        a_period = int(min(self.period / self.time_step, MOST_STEPS))
+        wanted = max(a_period // self.SAMPLES_A_PERIOD, min(STEPS_A_SAMPLE, a_period // LEAST_SAMPLES_A_PERIOD))
+        wanted = max(wanted, math.ceil(self.steps / SAMPLES_A_RUN))
+        return max(1, wanted // self.estimate_interval) * self.estimate_interval
+
+    @functools.cached_property
+    def look_interval(self) -> int:
+        """Steps between two looks for contradictions, at samples that are due."""
+        return self.sample_interval * max(1, int(self.period / self.time_step / LOOKS_A_PERIOD / self.sample_interval))
+
+    @functools.cached_property
+    def margin_interval(self) -> int:
+        """Steps between two looks at the margin of the step: each costs a launch, so that long runs have fewer."""
+        return self.look_interval * max(1, self.steps // (MOST_MARGINS * self.look_interval))
+
+    @property
+    def estimate_interval(self) -> int:
+        """Steps between two steps of an estimator: half the time a wave takes through a cell, at most 10."""
+        return max(1, min(10, int(0.5 / self.courant_number)))
+
+    @functools.cached_property
+    def not_valid(self) -> dict[str, str]:
+        """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
+        reasons = {name: rule(self) for name in self.estimators if (rule := self.VALIDITY.get(name))}
+        if self.for_gpu:
+            reasons |= {name: PROCESSOR_REASON.format(name=name) for name in self.estimators
+                        if not registry.ESTIMATORS[name].beside}
+        return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
+
+    @functools.cached_property
+    def active_estimators(self) -> tuple[str, ...]:
+        """The estimators that run: those asked for that are valid here, if the effect is on. In whichever order they
+        are asked for they run in one, so that their kernels are compiled once."""
+        if "estimate" not in self.effects:
+            return ()
+        return tuple(e for e in self.choices("estimators") if e in self.estimators and e not in self.not_valid)
+
+    @property
+    def solution_known(self) -> bool:
+        """Whether an exact solution is built in, so that there is a true error."""
+        return self.body_force != "two-tone"
+
+    def has(self, effect: str) -> bool:
+        """Whether the effect is switched on and can be: it has what it needs, and ``estimate`` has an estimator."""
+        if effect not in self.effects:
+            return False
+        if effect == "estimate":
+            return bool(self.active_estimators)
+        kind = ALL[effect]
+        return (self.solution_known or not kind.needs_solution) and (not kind.needs or any(map(self.has, kind.needs)))
+
+    def to_dict(self) -> dict:
+        """Every input with the defaults filled in, keyed as in the JSON contract."""
+        values = {field_key(f.name): getattr(self, f.name) for f in fields(self)}
+        filled = {"dt": self.time_step, "cfl": self.courant_number, "t_end": self.end_time,
+                  "periods": self.end_time / self.period, "sample_every": self.sample_interval}
+        return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
+
+    def _check_choices(self) -> None:
+        registry.require_offered(self.estimators, type(self).problem)
+        for name in self.__dataclass_fields__:
+            if name in LISTS:  # as tuples, for a scene must be hashable
+                object.__setattr__(self, name, require_names(name, getattr(self, name), self.choices(name)))
+            elif self.choices(name):
+                require_choice(name, getattr(self, name), self.choices(name))
+        if not isinstance(self.linearity_preserving, bool):
+            raise SceneError("linearity_preserving", self.linearity_preserving, "give True or False")
+
+    def _check_numbers(self) -> None:
+        require_whole("cells", self.cells, self.FEWEST_CELLS, 100_000)
+        self._check_per_cell()
+        require_whole("threads", self.threads, 1, 1024)
+        self._check_amplitude()
+        require_number("modulus", self.modulus, 1e-6, 1e12)
+        require_number("density", self.density, 1e-6, 1e12)
+        most = MOST_ON_GPU if self.for_gpu else MOST_PARTICLES
+        if self.particles > most:
+            raise SceneError("ppc", self.ppc, f"{self.cells} cells with so many particles each make "
+                             f"{self.particles:,} particles; at most {most:,} are allowed")
+
+    def _check_time(self) -> None:
+        for one, other in (("dt", "cfl"), ("t_end", "periods")):
+            if getattr(self, one) is not None and getattr(self, other) is not None:
+                raise SceneError(other, getattr(self, other),
+                                 f"{one.replace('_', '-')} is given too; give one of the two")
+            for name in (one, other):
+                if getattr(self, name) is not None and (name, getattr(self, name)) != ("dt", AUTO):
+                    allowed = "give a number above 0, or auto" if name == "dt" else ""
+                    require_number(name, getattr(self, name), 0, math.inf, allowed)
+        name, unit = ("cfl", 1.0) if self.dt is None else ("dt", self.spacing / self.wave_speed)
+        if self.courant_number > MOST_CFL:
+            raise SceneError(name, getattr(self, name), "is far beyond any stable step; "
+                             f"give a number above 0 and up to {MOST_CFL * unit:.3g} (cfl {MOST_CFL:g})")
+        if self.courant_number < LEAST_CFL:
+            raise SceneError(name, getattr(self, name), "is so short a step that rounding would swallow it; "
+                             f"give {LEAST_CFL * unit:.3g} (cfl {LEAST_CFL:g}) or more")
+        if self.end_time / self.time_step > MOST_STEPS:
+            name = "t_end" if self.t_end is not None else "periods"
+            raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS,
+                             f"needs {self.end_time / self.time_step:.3g} steps; "
+                             f"at most {MOST_STEPS:,} are allowed: end earlier or take longer steps")
+        if self.sample_every is not None:
+            require_whole("sample_every", self.sample_every, 1, MOST_STEPS)
+        if self.steps / self.sample_interval > MOST_SAMPLES:
+            raise SceneError("sample_every", self.sample_interval,
+                             f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
+                             f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")

@@ -1,0 +1,44 @@
+"""Switches: what of a scene is compiled into its kernels."""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+from solvers.scene.effects import ALL
+from solvers.scene.remedies import SWITCHES
+from solvers.scene.scene import Scene
+
+
+class Switches(NamedTuple):
+    """What is compiled in; kernels take it as ``on``. Two scenes with equal switches share one compiled kernel. Each
+    effect and each remedy is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``, ``on.frozen``
+    whether frozen weights are one of ``remedies``."""
+
+    method: str
+    linearity_preserving: bool
+    body_force: str
+    velocity: str
+    effects: tuple[str, ...]
+    estimators: tuple[str, ...]
+    remedies: tuple[str, ...]
+    motion: str  # of a problem that has several, "" of the others
+
+    def __getattr__(self, name: str) -> bool:
+        if name in SWITCHES:
+            return SWITCHES[name] in self.remedies
+        if name not in ALL:
+            raise AttributeError(f"no effect or remedy is called {name}")
+        return name in self.effects
+
+
+def switches(scene: Scene) -> Switches:
+    """The switches of a scene."""
+    return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
+                    tuple(effect for effect in ALL if scene.has(effect)), scene.active_estimators, scene.remedies,
+                    getattr(scene, "motion", ""))
+
+
+@lru_cache(maxsize=256)  # asked again and again while somebody waits for the compiler
+def combination(scene: Scene) -> tuple:
+    """What makes the compiler work: two scenes with equal combinations run the same kernels on the same processor."""
+    plan = getattr(scene, "plan", None)  # of a problem that has several
+    return scene.problem, scene.arch, scene.threads, plan, switches(scene)

@@ -1,0 +1,215 @@
+"""What every problem's solver shares: stepping, sampling and saying why a run stopped."""
+
+from __future__ import annotations
+
+import functools
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from solvers.estimators.memory import memory_parts
+from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
+from solvers.scene.scene import Scene
+from solvers.scene.step_bound import SAFE
+from solvers.solver.result import Snapshot
+from solvers.solver.samples import MARGIN, ROWS
+from solvers.solver.step_breakdown import Anatomy, Carried
+
+if TYPE_CHECKING:
+    from solvers.solver.arrays import Watch
+    from solvers.solver.soundness import Finding
+
+STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
+SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
+
+
+class Solver(ABC):
+    """Owns the arrays of one run. All calls must come from the thread that started Taichi.
+
+    A problem's solver sets ``_arrays`` (a state with a member ``material_position``), ``arch`` and ``threads``, and
+    supplies the kernels and the estimators. ``_find_margin`` launches the kernel that finds the margin of the step.
+    """
+
+    plan: str = "serial"
+    HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
+    _arrays: Watch
+    _find_margin: Callable[[], None]
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.step = 0
+        self.arch = ""
+        self.setup_seconds = 0.0  # that it took to put particles and estimators in place
+        self.threads = 1
+
+    @property
+    def time(self) -> float:
+        return self.step * self.scene.time_step
+
+    @property
+    def bytes(self) -> int:
+        """Memory of all arrays."""
+        return sum(a.nbytes for a in self._arrays.members().values() if isinstance(a, np.ndarray))
+
+    @property
+    def sound(self) -> bool:
+        """False once a check has found the run gone bad."""
+        return self._arrays.verdict[0] == SOUND
+
+    @property
+    def longest_advance(self) -> int:
+        """Steps that one :meth:`advance` may take before its samples have to be collected."""
+        return (ROWS - 1) * self.scene.sample_interval
+
+    def compile(self) -> None:
+        """Compile (or load from the cache) the kernels of this scene, without stepping."""
+        self._run(0)
+        if self.scene.has("margin"):
+            self._find_margin()
+
+    def advance(self, steps: int) -> np.ndarray:
+        """Take ``steps`` steps and return the rows of samples (``solvers.solver.samples``) taken on the way.
+
+        A run that goes bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell. With the margin of
+        the step asked for, stretches end where it is looked at, so that a run is the same however its steps are taken.
+        """
+        interval, end, rows = self.scene.margin_interval, self.step + steps, []
+        while True:
+            stop = min(end, (self.step // interval + 1) * interval) if self.scene.has("margin") else end
+            rows.append(self._stretch(stop - self.step))
+            if self.step >= end or not self.sound:
+                return np.concatenate(rows) if len(rows) > 1 else rows[0]
+
+    def _stretch(self, steps: int) -> np.ndarray:
+        """Take steps in one launch or as many as the plan needs."""
+        interval, before = self.scene.sample_interval, self.step
+        self._run(steps)
+        self.step = self.step + steps if self.sound else int(self._arrays.verdict[1])
+        rows = self._arrays.samples[:max(0, self.step // interval - before // interval)].copy()
+        return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
+
+    def dissect(self, particle: int) -> tuple[np.ndarray, Anatomy]:
+        """Take one ordinary step; return its rows of samples and what it did around a particle."""
+        before = self._carried()
+        rows = self.advance(1)
+        return rows, self._anatomy(particle, before)
+
+    def measure(self) -> np.ndarray:
+        """Check the state and sample it now: one row."""
+        self._measure()
+        return self._with_margin(self._arrays.samples[:1].copy())
+
+    def _with_margin(self, rows: np.ndarray) -> np.ndarray:
+        """The rows of samples, the last with the margin of the step, if that is asked for."""
+        if len(rows) and self.scene.has("margin"):
+            self._find_margin()
+            rows[-1, MARGIN] = self._arrays.step_margin[0]
+        return rows
+
+    def not_valid(self) -> dict[str, str]:
+        """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
+        found = {name: self.HOOKS[name].verdict(self.scene, self._memory) for name in self.scene.active_estimators}
+        return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
+
+    @functools.cached_property
+    def _memory(self) -> dict[str, np.ndarray]:
+        """The estimators' arrays: views of those that the kernels write to."""
+        return memory_parts(self.HOOKS, self._arrays.memory)
+
+    @property
+    def estimate_intervals(self) -> tuple[int, ...]:
+        """Steps between two steps of each active estimator."""
+        return tuple(int(n) for n in self._arrays.estimate_intervals[:len(self.scene.active_estimators)])
+
+    def bookmark(self) -> Callable[[], None]:
+        """Remember the present state; calling what this returns puts it back, to the bit, any number of times."""
+        return functools.partial(self.put, *self.state())
+
+    def state(self) -> tuple[int, dict[str, np.ndarray]]:
+        """The step and copies of all arrays: what another solver of the same scene needs to go on from here."""
+        return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
+
+    def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
+        """Take over the :meth:`state` of a solver of the same scene, to the bit."""
+        members = self._arrays.members()
+        for name, values in arrays.items():
+            members[name][...] = values
+        self.step = step
+
+    def without_estimators(self) -> Solver:
+        """Another solver, of the same scene without estimators, in the present state."""
+        other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
+        own, theirs = self._arrays.members(), other._arrays.members()
+        watching = {"estimate", "estimate_intervals", "samples", *self._arrays.memory}
+        for name in own.keys() - watching:
+            if isinstance(own[name], np.ndarray) and own[name].shape == theirs[name].shape:
+                theirs[name][...] = own[name]
+        other.step = self.step
+        return other
+
+    def leave_out(self, estimator: str) -> None:
+        """Run no more of an active estimator, for timings; putting a bookmarked state back brings it back."""
+        self._arrays.estimate_intervals[self.scene.active_estimators.index(estimator)] = NEVER
+
+    def reason(self) -> str:
+        """Why the run stopped, and what to change, in one sentence."""
+        kind, step, p = (int(n) for n in self._arrays.verdict)
+        what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
+                CRUSHED: "was crushed to less than a thousandth of its size", ESCAPED: self._escape()}[kind]
+        return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
+                f"(X = {self._place(p)}) {what}; {self._advice()}")
+
+    def lost(self, finding: Finding) -> str:
+        """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""
+        where = "" if finding.particle is None else \
+            f", most at particle {finding.particle} (X = {self._place(finding.particle)})"
+        return f"the run is lost from t = {finding.time:.4g} s on: {finding.sentence}{where}; {self._advice()}"
+
+    def _place(self, particle: int) -> str:
+        return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))
+
+    def _advice(self) -> str:
+        """What to change: the likeliest cause first."""
+        scene = self.scene
+        lonely = scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen
+        if scene.time_step > SAFE * scene.step_bound:
+            also = "; and give two or more particles per cell: one loses runs with short steps too" if lonely else ""
+            return (f"take shorter steps (--dt auto takes {SAFE * scene.step_bound:.3g} s, this run took "
+                    f"{scene.time_step:.3g} s){also}")
+        if lonely:
+            return "one particle per cell is the cause: give two or more"
+        if scene.velocity == "particle":
+            return "moving the particles with their own velocity is the cause: give --velocity grid"
+        return self._other_advice()
+
+    @abstractmethod
+    def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
+        """The particles as they are now, with their true and estimated errors; on request how far these differ, and
+        the field of the quantity with the key ``plotted``."""
+
+    @abstractmethod
+    def _carried(self) -> Carried:
+        """What the particles carry now, copied."""
+
+    @abstractmethod
+    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+        """The last step taken apart around a particle; ``before`` is what was carried when it began."""
+
+    @abstractmethod
+    def _run(self, steps: int) -> None:
+        """Launch the kernels for ``steps`` steps from ``self.step``."""
+
+    @abstractmethod
+    def _measure(self) -> None:
+        """Launch the kernel that checks the state and samples it into row 0."""
+
+    @abstractmethod
+    def _escape(self) -> str:
+        """What a particle did that is where it cannot be."""
+
+    @abstractmethod
+    def _other_advice(self) -> str:
+        """What to change when the step is short enough and the cause is none of the usual ones."""

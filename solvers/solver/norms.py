@@ -1,0 +1,63 @@
+"""Norms of errors over a run: summaries, the paper's error index, the pointwise distance, and the drift of the energy.
+
+All take series over the sampled times of a run (``solvers.solver.samples``), mostly RMS norms over particles. A run
+that went bad leaves numbers up to the largest there are, and beyond: what they add up to may be no number, which is
+None.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+UNBOUNDED = np.errstate(over="ignore", invalid="ignore")  # around arithmetic with what a run gone bad left
+
+
+@UNBOUNDED
+def summary(series: np.ndarray) -> dict[str, float | None]:
+    """Final, largest and mean value over the sampled times after the start; None where there is none. The largest and
+    the mean pass over what a run that went bad left unrepresentable."""
+    values = series[1:]
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return {"final": None, "max": None, "mean": None}
+    return {"final": finite(values[-1]), "max": float(known.max()), "mean": finite(known.mean())}
+
+
+def largest(values: np.ndarray) -> float | None:
+    """The largest of those that are numbers; None where none is."""
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else None
+
+
+@UNBOUNDED
+def error_index(estimated: np.ndarray, true: np.ndarray) -> float | None:
+    """The paper's eq 35: the sum over time of estimated norms over that of true norms. 1 is perfect."""
+    total = float(np.sum(true))
+    return finite(float(np.sum(estimated)) / total) if total > 0 else None
+
+
+def distance(difference: np.ndarray, true: np.ndarray) -> float | None:
+    """The same of ||estimate - truth||: 0 is perfect, 1 no better than silence. An index of 1 can hide an estimate of
+    the right size in the wrong place; this cannot."""
+    return error_index(difference, true)
+
+
+@UNBOUNDED
+def energy_drift(series: Mapping[str, np.ndarray]) -> float | None:
+    """(E - W - E0)/E0 at the end, E kinetic plus strain energy, W the body force's work; None where it is unknown."""
+    total = series["kinetic"] + series["strain"]
+    return finite(float(total[-1] - series["work"][-1] - total[0]) / float(total[0])) if total[0] > 0 else None
+
+
+@UNBOUNDED
+def spin_drift(series: Mapping[str, np.ndarray], against: np.ndarray) -> float | None:
+    """What the angular momentum has gained at the end beyond what ``against`` has, over what it was at the start."""
+    spin = series["spin"]
+    gained = float(spin[-1] - spin[0]) - float(against[-1] - against[0])
+    return finite(gained / float(spin[0])) if spin[0] else None
+
+
+def finite(value: float) -> float | None:
+    """JSON has no NaN: what is not a finite number is None."""
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,168 @@
+"""Result: what a run leaves behind, and the JSON object that the command line prints."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solvers.scene.effects import ALL
+from solvers.scene.scene import Scene
+from solvers.solver.norms import UNBOUNDED, distance, energy_drift, error_index, finite, largest, spin_drift, summary
+from solvers.solver.samples import QUANTITIES
+from solvers.solver.soundness import evidence
+
+SCHEMA = "mpm-lab/run/1"
+ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run counts as accurate
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
+
+    Positions are (P,) for the bar and (P, 2) for the ring, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
+    exact for the bar, the size of that for the ring, or None without the truth; ``estimate`` maps an estimator to
+    (P, 4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth
+    is known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
+    ``plotted`` (P, 2) is the field that was asked for and its deviation from the exact one, NaN where it is not known:
+    along the bar, along e_R for the ring.
+    """
+
+    step: int
+    time: float
+    material_position: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    deformation_gradient: np.ndarray
+    error: np.ndarray | None
+    estimate: dict[str, np.ndarray]
+    last_crossing: np.ndarray | None
+    difference: dict[str, np.ndarray] = field(default_factory=dict)
+    plotted: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Wall time: setting up, compiling (or loading from the cache), running, and each estimator's part of the run."""
+
+    setup: float
+    compile: float
+    run: float
+    estimators: dict[str, float]
+
+    @property
+    def estimate(self) -> float | None:
+        """The part of the run that all estimators took together; None without any."""
+        return sum(self.estimators.values()) if self.estimators else None
+
+
+@dataclass(frozen=True)
+class Result:
+    """A finished run. ``series`` holds the sampled norms over time (see ``solvers.solver.samples``)."""
+
+    scene: Scene
+    status: str  # "ok", "unstable" or "lost" (``solvers.solver.soundness``)
+    reason: str | None
+    broken_at: float | None  # time at which the run was found lost or unstable
+    time: float
+    steps: int
+    series: dict[str, np.ndarray]
+    final: Snapshot
+    moment: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.shown_step``)
+    bytes: int
+    not_valid: dict[str, str]  # estimators that do not hold here, each with a sentence that says why
+    seconds: Seconds
+    arch: str
+    threads: int
+    plan: str  # how the step was spread: "serial" or "parallel"
+
+    @property
+    def shown(self) -> Snapshot:
+        """The particles at the moment that a picture shows."""
+        return self.moment or self.final
+
+    @property
+    def particles(self) -> int:
+        return len(self.final.position)
+
+    @property
+    def rate(self) -> float:
+        """Million particle-steps per second of the run."""
+        return 1e-6 * self.particles * self.steps / self.seconds.run if self.seconds.run > 0 else math.nan
+
+    @property
+    def effects(self) -> list[str]:
+        """What was really computed beyond the bare method."""
+        scene = self.scene
+        extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
+        return [effect for effect in ALL if scene.has(effect)] + [name for name, on in extra.items() if on]
+
+    def errors(self) -> dict:
+        """``{"x": {"final", "max", "mean"}, ...}`` of the true errors, nulls where the truth was off."""
+        extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
+        return {**{q: summary(self.series[f"error_{q}"]) for q in QUANTITIES}, **extra}
+
+    def estimates(self, estimator: str) -> dict:
+        return {q: summary(self.series[f"{estimator}/estimate_{q}"]) for q in QUANTITIES}
+
+    def index(self, estimator: str) -> dict:
+        """The error index of each quantity (eq 35)."""
+        return {q: error_index(self.series[f"{estimator}/estimate_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
+
+    def distance(self, estimator: str) -> dict:
+        """How far the estimate is from the truth particle by particle, over the size of the truth."""
+        return {q: distance(self.series[f"{estimator}/difference_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
+
+    @UNBOUNDED
+    def energy(self) -> dict | None:
+        """Kinetic plus strain energy, and the drift (E - W - E0)/E0 with the body force's work W."""
+        if not self.scene.has("energy"):
+            return None
+        total = self.series["kinetic"] + self.series["strain"]
+        return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
+
+    def spin(self) -> dict | None:
+        """The angular momentum; what it has gained beyond the torque of the body force ("drift"), and beyond the exact
+        solution ("error"), over what it was at the start."""
+        if not self.scene.has("spin"):
+            return None
+        series = self.series
+        return {"initial": finite(series["spin"][0]), "final": finite(series["spin"][-1]),
+                "drift": spin_drift(series, series["torque"]), "error": spin_drift(series, series["exact_spin"])}
+
+    @UNBOUNDED
+    def life(self) -> dict[str, float | None]:
+        """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
+        the run was found lost or unstable ("sound"), None where it did not or the truth is unknown; and the largest
+        error of x within the first period, in amplitudes ("first_period")."""
+        beyond = np.flatnonzero(self.series["error_x"] > ACCURATE * self.scene.motion_amplitude)
+        times = {"accurate": self.series["time"][beyond[0]] if len(beyond) else None, "sound": self.broken_at}
+        first = self.series["error_x"][self.series["time"] <= 1.001 * self.scene.period].max()
+        return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()} \
+            | {"first_period": finite(first / self.scene.motion_amplitude)}
+
+    def step(self) -> dict[str, float | None]:
+        """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""
+        return {"dt": self.scene.time_step, "bound": self.scene.step_bound, "margin": largest(self.series["margin"])}
+
+    def to_dict(self) -> dict:
+        """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
+        crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
+        return {
+            "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
+            "t": self.time, "steps": self.steps, "particles": self.particles,
+            "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
+            "index": self._each(self.index, None), "distance": self._each(self.distance, None),
+            "grid_crossings": int(crossings) if math.isfinite(crossings) else None, "energy": self.energy(),
+            "angular_momentum": self.spin(),
+            "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),
+            "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
+            "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
+                        "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
+            "rate": finite(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
+
+    def _each(self, what, missing) -> dict:
+        """One estimator's values as they are, several keyed by estimator, nulls for none and where not valid."""
+        nothing = dict.fromkeys(QUANTITIES, missing)
+        names = self.scene.estimators if "estimate" in self.scene.effects else ()
+        values = {name: nothing if name in self.not_valid else what(name) for name in names}
+        return values if len(names) > 1 else next(iter(values.values()), nothing)
