@@ -12,7 +12,7 @@ import viser
 import viser._viser
 from viser import _messages
 
-from app.page.panels.controls import Controls
+from app.page.controls import Controls
 from app.page.viewer import messages, server, widgets
 from app.page.visit.limits import FASTEST, MOST_WATCHED, too_many
 from app.page.visit.session import FIRST_SCENE, Session

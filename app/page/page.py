@@ -10,6 +10,7 @@ import numpy as np
 import viser
 
 from app.drawing import RECTANGLE, ColourBar, enlarge
+from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.classroom import Classroom
 from app.page.features.lesson.panel import Player
@@ -17,14 +18,13 @@ from app.page.features.own.panel import OwnCode
 from app.page.features.own.run import OwnRun
 from app.page.features.own.words import sentence as said_of_file
 from app.page.features.slow.panel import SlowMotion
-from app.page.panels.controls import Controls
+from app.page.measurements import Measurements
 from app.page.panels.head import add_head, set_up
 from app.page.panels.keeper import Hooks, Keeper
 from app.page.panels.looking import Looking
-from app.page.panels.measurements import Measurements
 from app.page.panels.presenter import ENLARGED, Presenter
-from app.page.panels.sharing import Sharing, link, parts
 from app.page.panels.texts import add_about
+from app.page.sharing import Sharing, link, parts
 from app.page.stage.camera import FlatCamera
 from app.page.stage.mark import Mark
 from app.page.stage.probe import Probe

@@ -6,10 +6,10 @@ from html import escape
 
 import viser
 
+from app.page.controls import Controls
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.features.own.words import lines as own_lines
 from app.page.features.own.words import readout as own_readout
-from app.page.panels.controls import Controls
 from app.page.panels.head import MEASUREMENTS_WIDTH
 from app.page.panels.plots import LEAST_HEIGHT, Plots
 from app.page.panels.readout import LINE, extra_lines, pinned_lines, readout

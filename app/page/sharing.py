@@ -7,7 +7,7 @@ import segno
 import viser
 
 from app import state
-from app.page.panels.controls import Controls
+from app.page.controls import Controls
 from app.page.panels.head import BESIDE
 from app.page.panels.keeper import Keeper
 
