@@ -32,9 +32,9 @@ def styled(result: Result) -> list[tuple[str, str, Any]]:
     return [(name, ESTIMATORS[name].colour, line_style(name)) for name in result.scene.active_estimators]
 
 
-def moment(result: Result) -> str:
+def when_text(result: Result) -> str:
     """In words, when the particles are shown."""
-    why = "" if result.moment is None else " (last peak of the motion)"
+    why = "" if result.mid_run is None else " (last peak of the motion)"
     return f"at t = {result.shown.time:.4g} s{why}"
 
 

@@ -80,7 +80,7 @@ def test_an_effect_switched_off_reports_nulls_and_takes_no_memory(effect):
                for one in (scene, replace(scene, effects=tuple(e for e in EFFECTS if e != effect))))
     seen, gone = ({"truth": r["error"]["x"]["max"], "estimate": r["estimate"]["x"]["max"],
                    "crossings": r["grid_crossings"], "energy": r["energy"],
-                   "acceleration": r["error"]["a"]["max"], "soundness": r["soundness"]["apart"],
+                   "acceleration": r["error"]["a"]["max"], "soundness": r["soundness"]["neighbour_gap"],
                    "margin": r["step"]["margin"]}[effect] for r in (on.to_dict(), off.to_dict()))
     assert seen is not None and gone is None
     assert effect in on.effects and effect not in off.effects

@@ -142,7 +142,7 @@ def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_stripped_step_is_the_solvers_own(problem):
     scene = bare(problem, 16)
-    solvers = [kind(scene) for kind in (PROBLEMS[problem].solver, PROBLEMS[problem].stripped)]
+    solvers = [kind(scene) for kind in (PROBLEMS[problem].solver, PROBLEMS[problem].baseline)]
     for solver in solvers:
         solver.advance(200)
     ours, stripped = (solver.snapshot() for solver in solvers)

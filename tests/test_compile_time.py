@@ -11,8 +11,8 @@ MOST_MERGED = 2600
 
 COMPILE = """
 import taichi as ti
-from solvers.ring.scene import RingScene
-from solvers.run import build
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
 build(RingScene(estimators=("recovered",))).advance(0)
 ti.profiler.print_scoped_profiler_info()
 """

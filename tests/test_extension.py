@@ -93,7 +93,7 @@ import json, sys
 from dataclasses import replace
 from app.cli import main
 from app.pictures.tables import figure
-from solvers.tables import plan
+from solvers.study.tables import plan
 table = lambda estimators: plan.table_1(estimators, cells=(20,), end=0.01, long=0.02)
 plan.make = lambda number, estimators: replace(table(estimators), rows=table(estimators).rows[:2])
 assert main(["tables", "1", "--out", sys.argv[1]]) == 0
@@ -119,9 +119,9 @@ def test_pictures_of_runs_and_studies_show_five(tmp_path):
 import json, sys
 from app.pictures.run import png_bytes, run_figure
 from app.pictures.study import FIGURES
-from solvers.bar.scene import BarScene
-from solvers.estimators.registry import names
-from solvers.run import run
+from solvers.problems.bar.scene import BarScene
+from solvers.scene.registry import names
+from solvers.running.run import run
 from solvers.study import row
 from solvers.study.grid import plan
 inputs = {"ppc": 2, "amplitude": 0.004, "periods": 0.2, "linearity_preserving": True}

@@ -175,7 +175,7 @@ def test_a_run_can_be_put_back_taken_apart_and_taken_in_pieces():
     rows = np.concatenate([mine.advance(n) for n in (1, 7, 16)])
     assert len(rows) == 24 // scene.sample_interval == len(whole.advance(24))
     shots, bookmark, before = (mine.snapshot(), whole.snapshot()), mine.bookmark(), mine.state()
-    anatomy = mine.dissect(5)[1]
+    breakdown = mine.break_down(5)[1]
     bookmark()
     step, arrays = mine.state()
     assert step == before[0] == 24
@@ -185,9 +185,9 @@ def test_a_run_can_be_put_back_taken_apart_and_taken_in_pieces():
     theirs.advance(24)
     for shot in shots:
         assert_same_state(shot, theirs.snapshot())
-    for name, values in vars(theirs.dissect(5)[1]).items():
+    for name, values in vars(theirs.break_down(5)[1]).items():
         if isinstance(values, np.ndarray) and values.dtype.kind == "f":
-            np.testing.assert_allclose(getattr(anatomy, name), values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
+            np.testing.assert_allclose(getattr(breakdown, name), values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
 
 
 #: What is wrong with which particles, and what the check must find.

@@ -52,7 +52,7 @@ def test_a_run_of_ours_is_judged_to_have_our_own_errors(own_run, kind, tmp_path)
         assert grid["error"][q] == pytest.approx(errors[q], rel=1e-12)
         assert grid["estimate"]["index"][q] == pytest.approx(1, abs=1e-3)
         assert grid["estimate"]["own_error"][q] < 1e-2 * errors[q]["max"]
-    assert grid["apart"] is None and grid["notes"] == []
+    assert grid["neighbour_gap"] is None and grid["notes"] == []
     assert {entry.name for entry in out.iterdir()} == {"report.json", "report.md", "report.html", "norms.png",
                                                        "space.png"}
 
@@ -160,8 +160,8 @@ def test_moved_particles_are_found_with_their_place(problem, tmp_path):
     found = set(judged.grids[0].apart.which)
     # Of the vortex one stands in a block of the rim with but one other, which tells nothing of it.
     assert found <= set(moved) and len(found) == len(moved) - (problem == "vortex")
-    assert grid["apart"]["farthest_over_h"] == pytest.approx(0.1, rel=0.2)
-    assert grid["apart"]["particle"] in moved and grid["worst"]["x"]["particle"] in moved
+    assert grid["neighbour_gap"]["farthest_over_h"] == pytest.approx(0.1, rel=0.2)
+    assert grid["neighbour_gap"]["particle"] in moved and grid["worst"]["x"]["particle"] in moved
     assert grid["worst"]["x"]["X"] in X[moved].tolist()
 
 

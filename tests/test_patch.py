@@ -185,15 +185,15 @@ def test_a_step_around_the_end_of_the_bar_is_told_whole():
     solver = build(replace(PATCH, ppc=2.5, method="ugimp"))
     solver.advance(70)
     front = int(np.argmax(solver.snapshot().position))
-    _, anatomy = solver.dissect(front)
-    assert anatomy.before.position[0, 0] > 1
-    assert anatomy.links.weight[0].sum() == pytest.approx(1)
-    assert anatomy.before.deformation_gradient == pytest.approx(1.02)
-    assert anatomy.before.stress == pytest.approx(20)
-    momentum = (anatomy.links.weight * (anatomy.mass * anatomy.before.velocity[:, 0])[:, None]).sum(axis=0)
-    assert momentum == pytest.approx(anatomy.momentum[:, 0])
-    pulls = -(anatomy.links.slope[:, :, 0] * anatomy.tension[:, 0]).sum(axis=0)
-    assert pulls == pytest.approx(anatomy.internal_force[:, 0], abs=1e-9)
+    _, breakdown = solver.break_down(front)
+    assert breakdown.before.position[0, 0] > 1
+    assert breakdown.links.weight[0].sum() == pytest.approx(1)
+    assert breakdown.before.deformation_gradient == pytest.approx(1.02)
+    assert breakdown.before.stress == pytest.approx(20)
+    momentum = (breakdown.links.weight * (breakdown.mass * breakdown.before.velocity[:, 0])[:, None]).sum(axis=0)
+    assert momentum == pytest.approx(breakdown.momentum[:, 0])
+    pulls = -(breakdown.links.slope[:, :, 0] * breakdown.tension[:, 0]).sum(axis=0)
+    assert pulls == pytest.approx(breakdown.internal_force[:, 0], abs=1e-9)
 
 
 def test_the_page_passes_from_one_motion_to_the_other():

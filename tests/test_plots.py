@@ -244,7 +244,7 @@ def test_the_moment_shown_has_something_to_see(scene, share):
 def test_the_moment_changes_no_bit_of_the_result(scene):
     """The picture's particles are those of a run that ends there, and the rest is as without."""
     scene = replace(scene, estimators=("companion",))
-    kept, without = run(scene, prices=False), run(scene, prices=False, moment=False)
+    kept, without = run(scene, prices=False), run(scene, prices=False, mid_run=False)
     for name, values in without.series.items():
         np.testing.assert_array_equal(values, kept.series[name])
     np.testing.assert_array_equal(kept.final.estimate["companion"], without.final.estimate["companion"])

@@ -11,7 +11,7 @@ import pytest
 from app.page.panels.readout import readout
 from app.page.stage.worst import WorstRegions
 from app.page.summary import summary
-from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS, Course, until
+from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS, DownsampledSeries, until
 from app.page.visit.history import History
 from app.page.visit.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
 from app.page.visit.view import NOT_COMPARED, look
@@ -140,7 +140,7 @@ def test_a_frame_from_before_the_comparison_says_so():
 
 
 def test_a_course_is_thinned_evenly_and_bounded():
-    course, count = Course(), 10 * MOST_ROWS + 7
+    course, count = DownsampledSeries(), 10 * MOST_ROWS + 7
     for k in range(0, count, 3):
         course.add({"time": np.arange(k, k + 3.0), "double": 2 * np.arange(k, k + 3.0)})
     time = course.series["time"]

@@ -33,9 +33,9 @@ def hook(event, args):
     if event in ("socket.connect", "socket.getaddrinfo", "urllib.Request"):
         asked.append((event, args))
 sys.addaudithook(hook)
-from solvers.bar.scene import BarScene
-from solvers.run import run
-from solvers.scene import Scene
+from solvers.problems.bar.scene import BarScene
+from solvers.running.run import run
+from solvers.scene.scene import Scene
 run(BarScene(cells=8, periods=0.1))
 for thread in threading.enumerate():
     if thread is not threading.current_thread():

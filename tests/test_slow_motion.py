@@ -48,7 +48,7 @@ def test_the_parts_of_a_step_add_up(name):
     solver = build(scene)
     solver.advance(40)
     for particle in range(0, solver.snapshot().position.shape[0], 3):
-        _, a = solver.dissect(particle)
+        _, a = solver.break_down(particle)
         S, dS, dt, carried = a.links.weight, a.links.slope, a.time_step, a.before
         assert a.particle == particle and a.links.members[0] == particle and a.step == solver.step
         assert close(S[0].sum(), 1.0, 1.0) and close(dS[0].sum(axis=0), 0.0, 1 / a.spacing)
@@ -76,7 +76,7 @@ def test_the_parts_of_a_step_add_up(name):
 def test_what_remedies_add_is_said():
     """With the filter, the new velocity is not of the nodes alone, and the rest is reported."""
     solver = build(SCENES["bar mended"])
-    rest = [np.abs(solver.dissect(5)[1].left_over).max() for _ in range(40)]
+    rest = [np.abs(solver.break_down(5)[1].left_over).max() for _ in range(40)]
     assert max(rest) > 1e3 * ROUND_OFF
 
 
@@ -86,7 +86,7 @@ def test_a_step_taken_apart_is_an_ordinary_step(name):
     scene = replace(SCENES[name], estimators=("recovered",) if name == "bar ugimp" else ())
     one, other = build(scene), build(scene)
     for _ in range(12):
-        assert one.advance(1).tobytes() == other.dissect(3)[0].tobytes()
+        assert one.advance(1).tobytes() == other.break_down(3)[0].tobytes()
     (steps, mine), (_, theirs) = one.state(), other.state()
     assert steps == other.step == 12
     assert {key for key in mine if mine[key].tobytes() != theirs[key].tobytes()} == set()
@@ -94,27 +94,27 @@ def test_a_step_taken_apart_is_an_ordinary_step(name):
 
 def test_an_engine_sends_what_a_wish_asks_for():
     """With the frame of a single step, again with the next while the run rests, and not once it has gone on."""
-    wish = Wish(1, 1, BAR, False, 1.0, 0, 0, "", dissected=4)
+    wish = Wish(1, 1, BAR, False, 1.0, 0, 0, "", broken_down=4)
     with one_session(wish) as session:
         def after(**changes):
             session.accept(replace(session.wish, number=session.wish.number + 1, **changes))
             return session.frame()
 
-        assert session.frame().anatomy is None
+        assert session.frame().breakdown is None
         report = after(single_steps=3)
-        assert report.step == report.anatomy.step == 3 and report.anatomy.particle == 4
-        assert after(plotted="v").anatomy is report.anatomy
-        other = after(dissected=5)  # of the same step
-        assert (other.step, other.anatomy.step, other.anatomy.particle) == (3, 3, 5)
-        back = after(dissected=4)
-        assert back.step == 3 and back.anatomy is not report.anatomy
-        for name, values in vars(report.anatomy).items():
-            assert not isinstance(values, np.ndarray) or np.array_equal(vars(back.anatomy)[name], values), name
-        assert after(dissected=None).anatomy is None
-        session.accept(replace(session.wish, playing=True, dissected=4))
+        assert report.step == report.breakdown.step == 3 and report.breakdown.particle == 4
+        assert after(plotted="v").breakdown is report.breakdown
+        other = after(broken_down=5)  # of the same step
+        assert (other.step, other.breakdown.step, other.breakdown.particle) == (3, 3, 5)
+        back = after(broken_down=4)
+        assert back.step == 3 and back.breakdown is not report.breakdown
+        for name, values in vars(report.breakdown).items():
+            assert not isinstance(values, np.ndarray) or np.array_equal(vars(back.breakdown)[name], values), name
+        assert after(broken_down=None).breakdown is None
+        session.accept(replace(session.wish, playing=True, broken_down=4))
         session.turn()
-        assert session.frame().anatomy is None
-        assert after(restarts=1, playing=False).anatomy is None
+        assert session.frame().breakdown is None
+        assert after(restarts=1, playing=False).breakdown is None
 
 
 @pytest.mark.parametrize("name", ["bar ugimp", "bar frozen", "bar node", "ring cpdi", "ring frozen"])
@@ -123,7 +123,7 @@ def test_the_page_shows_the_numbers_of_the_step(name):
     scene = SCENES[name]
     solver = build(scene)
     solver.advance(40)
-    _, a = solver.dissect(7)
+    _, a = solver.break_down(7)
     for phase in PHASES:
         for column in phase.columns:
             values = column.scale * column.values(a)
@@ -141,7 +141,7 @@ def test_the_drawn_shape_function_is_that_of_the_solver():
     for name in ("bar mpm", "bar ugimp", "bar cpgimp", "bar bspline"):
         solver = build(SCENES[name])
         solver.advance(20)
-        _, a = solver.dissect(5)
+        _, a = solver.break_down(5)
         reach = 0.5 if name == "bar bspline" else a.edges[0, 0, 0] / a.spacing
         drawn = shape((a.place[0, 0] - a.nodes[:, 0]) / a.spacing, reach)
         assert close(drawn, a.links.weight[0], 1.0)
@@ -155,11 +155,11 @@ def test_words_stay_on_a_small_stage(name):
     stage = VIEWS[SCENES[name].problem].slow(SimpleNamespace(scene=drawn, camera=camera))
     solver = build(SCENES[name])
     solver.advance(40)
-    _, anatomy = solver.dissect(7)
+    _, breakdown = solver.break_down(7)
     longest = []
     for camera.image_width in (773, 390):
         for phase in range(len(PHASES)):
-            stage.draw(SCENES[name], anatomy, phase, 1.0)
+            stage.draw(SCENES[name], breakdown, phase, 1.0)
             lines = [line for handle in drawn.made.values() for line in handle.text.split("\n")]
             assert max(map(len, lines)) <= stage.width
         longest.append(stage.width)
@@ -176,12 +176,12 @@ def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(scen
     solver.advance(40)
     sides = {"bottom-center": (0, 1), "top-center": (0, -1), "center-left": (1, 0), "center-right": (-1, 0)}
     for particle in range(0, 24, 7):
-        _, anatomy = solver.dissect(particle)
+        _, breakdown = solver.break_down(particle)
         for phase in range(len(PHASES)):
-            stage.draw(scene, anatomy, phase, 1.0)
+            stage.draw(scene, breakdown, phase, 1.0)
             front = drawn.made["dots2"].points[-1, :2]
             numbers = [handle for handle in drawn.made.values() if handle.visible and handle.anchor in sides]
-            assert len(numbers) == len(anatomy.nodes)
+            assert len(numbers) == len(breakdown.nodes)
             halves = [0.5 * np.array(drawing.extent(drawn, handle.text, NUMBERS)) / stage._pixels for handle in numbers]
             middles = [np.array(handle.position[:2]) + half * sides[handle.anchor]
                        for handle, half in zip(numbers, halves, strict=True)]

@@ -59,10 +59,11 @@ def test_the_bars_contradictions_are_what_they_say(simulate):
     u, F, dX = shot.position - shot.material_position, shot.deformation_gradient, 1 / P
     miss = np.roll(u, -1) - u - dX * (0.5 * (F + np.roll(F, -1)) - 1)
     gap = u[0] + np.concatenate([[0.0], np.cumsum(miss)[:-1]])
-    apart, adrift, torn, place = (values[-1] for values in columns(result.series, "apart", "adrift", "torn", "place"))
-    assert apart == pytest.approx(np.sqrt(np.mean(miss**2)), rel=1e-12)
-    assert adrift == pytest.approx(abs(u.mean()), abs=1e-15)
-    assert torn == pytest.approx(gap.std(), rel=1e-9)
+    neighbour_gap, mean_drift, mismatch, place = (values[-1] for values in columns(
+        result.series, "neighbour_gap", "mean_drift", "displacement_mismatch", "place"))
+    assert neighbour_gap == pytest.approx(np.sqrt(np.mean(miss**2)), rel=1e-12)
+    assert mean_drift == pytest.approx(abs(u.mean()), abs=1e-15)
+    assert mismatch == pytest.approx(gap.std(), rel=1e-9)
     assert place == np.argmax(abs(miss))
 
 
@@ -88,7 +89,7 @@ def test_the_rings_contradictions_are_what_they_say(layout, simulate):
     radial = (u * X).sum(axis=1) / R
     hoop = (u[:, 1] * X[:, 0] - u[:, 0] * X[:, 1]) / R
     scatter = sum(((radial[R.round(12) == r] - radial[R.round(12) == r].mean()) ** 2).sum() for r in set(R.round(12)))
-    apart, shape = (values[-1] for values in columns(result.series, "apart", "out_of_shape"))
+    apart, shape = (values[-1] for values in columns(result.series, "neighbour_gap", "out_of_shape"))
     assert apart == pytest.approx(np.sqrt(np.mean(np.sum(np.square(misses), axis=1))), rel=1e-10)
     assert shape == pytest.approx(np.sqrt((np.sum(hoop**2) + scatter) / len(X)), rel=1e-8)
 
@@ -96,7 +97,7 @@ def test_the_rings_contradictions_are_what_they_say(layout, simulate):
 def test_adrift_and_out_of_shape_are_lower_bounds_of_the_error(simulate):
     """Strict: the exact motion neither drifts nor differs around a circle. Of broken runs and sound ones alike."""
     bar = simulate(replace(ONE_EACH, linearity_preserving=True, ppc=4, amplitude=0.1, cfl=0.3, periods=45))
-    assert (np.nan_to_num(bar.series["adrift"]) <= bar.series["error_x"] * (1 + 1e-9) + 1e-15).all()
+    assert (np.nan_to_num(bar.series["mean_drift"]) <= bar.series["error_x"] * (1 + 1e-9) + 1e-15).all()
     ring = simulate(RingScene(method="mpm", cells=12, periods=2, cfl=0.3, estimators=(), effects=LOOKS))
     assert (np.nan_to_num(ring.series["out_of_shape"]) <= ring.series["error_x"] * (1 + 1e-9) + 1e-12).all()
 

@@ -85,7 +85,7 @@ def test_turns_are_shorter_where_many_share_an_engine():
             assert session._slice == pytest.approx(steps, abs=1)
 
 
-@pytest.mark.parametrize("apart", [FRAME_SECONDS, 0.1])
+@pytest.mark.parametrize("neighbour_gap", [FRAME_SECONDS, 0.1])
 def test_frames_keep_their_beat(clock, apart):
     """Looked after only every 7 ms, and 10 ms late for a turn, frames still come 30 a second, and evenly, or as many as
     are wished.
@@ -131,11 +131,11 @@ def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
         session.accept(replace(session.wish, single_steps=12))
         right, wrong = BarSolver(SCENE), BarSolver(replace(SCENE, cells=24))
         for prepared in (right, wrong, None):
-            heir = Stepper.resumed(session.state(), prepared)
-            assert (heir.solver is prepared) == (prepared is right) and heir.solver.scene == SCENE
-            assert heir.solver.step == session.solver.step == 7
-            np.testing.assert_array_equal(heir.solver.snapshot().position, session.solver.snapshot().position)
-            heir.close()
+            replacement = Stepper.resumed(session.state(), prepared)
+            assert (replacement.solver is prepared) == (prepared is right) and replacement.solver.scene == SCENE
+            assert replacement.solver.step == session.solver.step == 7
+            np.testing.assert_array_equal(replacement.solver.snapshot().position, session.solver.snapshot().position)
+            replacement.close()
 
 
 def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
@@ -170,7 +170,7 @@ def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
     verdict.look(row[:1], 4)
     assert verdict.tell(solver, {})[0] == "lost" and "recovered" in verdict.tell(solver, {})[1]
     assert verdict.tell(solver, {"recovered": "it rains"}) == ("ok", None, None)
-    row[1, names.index("apart")] = SCENE.amplitude
+    row[1, names.index("neighbour_gap")] = SCENE.amplitude
     verdict.look(row[1:], 4)
     assert verdict.tell(solver, {"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
     assert verdict.tell(solver, {})[2] == pytest.approx(10 * SCENE.time_step)

@@ -267,8 +267,8 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, results, counted, capsys):
     code = f"""
 import os, signal, sys
 from app.cli import main
-from app.commands import tables
-from solvers.tables import plan
+from app.commands.study import tables
+from solvers.study.tables import plan
 MADE = {MADE}
 plan.make, run, runs = lambda number, estimators: MADE[number], tables.run_row, []
 def two_rows(row, show):

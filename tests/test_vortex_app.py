@@ -90,7 +90,7 @@ def test_a_step_taken_apart_adds_up(changes):
     """What the particles give is what the solver's nodes have, to rounding: mass, momentum, forces; and a = f/m."""
     solver = build(VortexScene(cells=12, ppc=2, **changes))
     solver.advance(20)
-    _, a = solver.dissect(40)
+    _, a = solver.break_down(40)
     k, W, dW = a.links.members, a.links.weight, a.links.slope
     np.testing.assert_allclose(W.T @ a.mass, a.node_mass, rtol=1e-11)
     np.testing.assert_allclose(W.T @ (a.mass[:, None] * a.before.velocity), a.momentum, rtol=0,

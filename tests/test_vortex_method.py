@@ -163,7 +163,7 @@ def test_plans_agree(method):
                   for plan in ({}, {"plan": "parallel", "threads": 2}))
     assert (one.plan, other.plan, other.threads) == ("serial", "parallel", 2)
     assert np.abs(one.final.position - other.final.position).max() < 1e-12
-    for name in ("error_x", "work", "spin", "torque"):
+    for name in ("error_x", "work", "angular_momentum", "torque"):
         np.testing.assert_allclose(other.series[name], one.series[name], rtol=1e-7, atol=1e-12)
     assert one.series["crossings"][-1] == other.series["crossings"][-1]
 

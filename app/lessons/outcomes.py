@@ -89,4 +89,4 @@ def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
 
     if os.nice(0) < question["politeness"]:
         os.nice(question["politeness"] - os.nice(0))
-    answer(run(state.read(question["scene"]).scene, prices=False, moment=False).to_dict())
+    answer(run(state.read(question["scene"]).scene, prices=False, mid_run=False).to_dict())

@@ -20,7 +20,7 @@ from app.page.features.own.words import sentence as said_of_file
 from app.page.features.slow.panel import SlowMotion
 from app.page.measurements import Measurements
 from app.page.panels.head import add_head, set_up
-from app.page.panels.keeper import Hooks, Keeper
+from app.page.panels.keeper import BrowserStore, Hooks
 from app.page.panels.looking import Looking
 from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.texts import add_about
@@ -69,7 +69,7 @@ class Page:
         set_up(client.gui)
         add_head(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
-        self._keeper = Keeper(client.gui)
+        self._keeper = BrowserStore(client.gui)
         self._presenter = Presenter(client.gui)
         self._notice, self._says, self._pace = client.gui.add_html(""), client.gui.add_html(""), Pace()
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")

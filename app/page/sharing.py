@@ -9,7 +9,7 @@ import viser
 from app import state
 from app.page.controls import Controls
 from app.page.panels.head import BESIDE
-from app.page.panels.keeper import Keeper
+from app.page.panels.keeper import BrowserStore
 
 LESSON = "lesson="
 SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are
@@ -33,7 +33,7 @@ def parts(text: str) -> tuple[str, str]:
 class Sharing:
     """Two buttons among a visitor's controls. The browser itself copies: its address is the link."""
 
-    def __init__(self, gui: viser.GuiApi, keeper: Keeper, controls: Controls):
+    def __init__(self, gui: viser.GuiApi, keeper: BrowserStore, controls: Controls):
         self._gui, self._keeper, self._controls = gui, keeper, controls
         with gui.add_folder(None, order=LAST):
             gui.add_html(f"{BESIDE}<i class='lab-copy'></i>")

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.words import PREFIXES
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import Anatomy
+from solvers.solver.step_breakdown import StepBreakdown
 
 #: What a node's weight is, by method.
 WEIGHT = {"mpm": "the node's hat function at the particle", "bspline": "the node's quadratic B-spline at the particle",
@@ -24,7 +24,7 @@ class Column:
 
     name: str
     unit: str
-    values: Callable[[Anatomy], np.ndarray]
+    values: Callable[[StepBreakdown], np.ndarray]
     scale: float = 1.0
 
 
@@ -48,7 +48,7 @@ class Phase:
     words: Callable[[Scene], str]
     columns: tuple[Column, ...]
     drawn: int
-    front: Callable[[Scene, Anatomy], list[str]]
+    front: Callable[[Scene, StepBreakdown], list[str]]
 
 
 def _of_force(scene: Scene) -> str:
@@ -70,26 +70,26 @@ def _of_stress(scene: Scene) -> str:
     return f"F grows by time step × {gradient}{'' if scene.frozen else ' × F'}; stress follows from the new F"
 
 
-def _carried(_: Scene, a: Anatomy) -> list[str]:
+def _carried(_: Scene, a: StepBreakdown) -> list[str]:
     here = a.before
     return [f"x = {amount(here.position[0], 'm')}, v = {amount(here.velocity[0], 'm/s')}",
             f"mass {amount(1000 * a.mass[:1], 'g')}, stress {_tensor(here.stress[0])}"]
 
 
-def _given(_: Scene, a: Anatomy) -> list[str]:
+def _given(_: Scene, a: StepBreakdown) -> list[str]:
     momentum = a.mass[0] * a.before.velocity[0]
     return [f"each node gets its weight × mass {amount(1000 * a.mass[:1], 'g')}, and × momentum "
             f"{amount(momentum, 'N s')}"]
 
 
-def _pulled(scene: Scene, a: Anatomy) -> list[str]:
+def _pulled(scene: Scene, a: StepBreakdown) -> list[str]:
     if scene.frozen:
         return [f"volume × stress at rest {_tensor(a.tension[0], 'N m', True)}",
                 "the weights stay those of the particle at rest"]
     return [f"volume × stress {_tensor(a.tension[0], 'N m')}"]
 
 
-def _moved(_: Scene, a: Anatomy) -> list[str]:
+def _moved(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
     lines = [f"v = {change(before.velocity[0], after.velocity[0], 'm/s')}",
              f"x = {change(before.position[0], after.position[0], 'm')}"]
@@ -98,7 +98,7 @@ def _moved(_: Scene, a: Anatomy) -> list[str]:
     return lines
 
 
-def _strained(_: Scene, a: Anatomy) -> list[str]:
+def _strained(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
     return [f"F {_tensor(before.deformation_gradient[0], '', True, after.deformation_gradient[0])}",
             f"stress {_tensor(before.stress[0], 'Pa', False, after.stress[0])}"]

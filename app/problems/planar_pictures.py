@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from app.colours import TRUTH
-from app.figures import MOST_CELL_LINES, moment, positive, say, styled, thinned
+from app.figures import MOST_CELL_LINES, positive, say, styled, thinned, when_text
 from solvers.scene.scene import Scene
 from solvers.solver.result import Result
 
@@ -29,7 +29,7 @@ def draw_profile(axes: Axes, result: Result, inner: float, outer: float) -> None
         axes.plot(*_shells(result, radius, shown, inner, outer), color=colour, linestyle=style, linewidth=1.6,
                   label=label, zorder=3)
         drawn.append(shown)
-    axes.set_title(f"error of x {moment(result)}, over the thickness", fontsize=10)
+    axes.set_title(f"error of x {when_text(result)}, over the thickness", fontsize=10)
     axes.set(xlabel=f"material radius R (m), from the inner surface {inner} to the outer {outer}",
              ylabel="|error of x| (m)", xlim=(inner, outer))
     if not drawn:

@@ -5,7 +5,7 @@ import numpy as np
 from app.problems.slow import DOMAINS, FRONT, OTHERS, SlowStage, shape
 from solvers.problems.planar.layout import CORNERS
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import Anatomy
+from solvers.solver.step_breakdown import StepBreakdown
 
 AROUND = 0.75  # of a cell, that is seen around the nodes
 HEIGHT = 0.12  # of a shape function that is one
@@ -18,7 +18,7 @@ class PlanarSlowStage(SlowStage):
     _picture = (-0.05, 1.0, -0.01, 0.93)
     _above, _aside = 0.02, np.array([0.0, 0.0])
 
-    def _look_at(self, a: Anatomy) -> None:
+    def _look_at(self, a: StepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place[:1]])
         low, high = x.min(axis=0) - AROUND * a.spacing, x.max(axis=0) + AROUND * a.spacing
         x0, x1, y0, y1 = self._picture
@@ -42,7 +42,7 @@ class PlanarSlowStage(SlowStage):
         corners = x[:, None] + np.einsum("ce,ked->kcd", 2 * np.array(CORNERS), edges)
         self._sketch.outline(self._place(corners), colour, thickness)
 
-    def _ground(self, a: Anatomy) -> None:
+    def _ground(self, a: StepBreakdown) -> None:
         for axis in range(2):
             h, low, high = a.spacing, self._low[axis], self._high[axis]
             at = h * np.arange(np.ceil(low / h), np.floor(high / h) + 1)
@@ -52,7 +52,7 @@ class PlanarSlowStage(SlowStage):
             starts, stops = self._place(ends)
             self._sketch.line(starts, stops, DOMAINS)
 
-    def _functions(self, scene: Scene, a: Anatomy, s: float) -> None:
+    def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         """A weight is a product of a function of x and one of y, which stand below and on the left; CPDI reads the
         grid's own at the corners of its domain."""
         cpdi = scene.method == "cpdi"

@@ -11,7 +11,7 @@ from app import drawing
 from app.problems.phases import PHASES, scaled
 from app.problems.sketch import SIZES, Sketch
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import Anatomy
+from solvers.solver.step_breakdown import StepBreakdown
 
 #: Colours: the particle in front, the others, their domains, forces of stress and of the body, what moves.
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
@@ -36,7 +36,7 @@ class SlowStage(ABC):
         self.root = client.scene.add_frame(f"/slow-{problem}", show_axes=False, visible=False)
         self._sketch = Sketch(client.scene, f"/slow-{problem}")
 
-    def draw(self, scene: Scene, a: Anatomy, phase: int, s: float) -> None:
+    def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
         """Show a phase at ``s``, from 0 at its beginning to 1 at its end."""
         self._look_at(a)
         self._nodes = self._node_spots(a.nodes)
@@ -61,12 +61,12 @@ class SlowStage(ABC):
         self._caption(scene, a, phase)
         self._sketch.show()
 
-    def _functions_phase(self, scene: Scene, a: Anatomy, s: float) -> None:
+    def _functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         self._functions(scene, a, s)
         self._weights(a, FRONT, s)
         self._legend.append("green: the particle; its lines to nodes are as thick as the weight")
 
-    def _gather(self, _: Scene, a: Anatomy, s: float) -> None:
+    def _gather(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Parcels go from particles to nodes, whose squares grow; green in them: what the particle in front gives."""
         self._weights(a, FRONT, 1.0)
         self._parcels(a, s, slice(None))
@@ -80,14 +80,14 @@ class SlowStage(ABC):
         self._arrows(self._nodes, s * a.momentum, NODE, a.momentum)
         self._legend.append("squares: mass of the nodes (green: from the particle); arrows: v of particles, momentum")
 
-    def _forces(self, _: Scene, a: Anatomy, s: float) -> None:
+    def _forces(self, _: Scene, a: StepBreakdown, s: float) -> None:
         self._weights(a, FRONT, 1.0)
         both = np.concatenate([a.internal_force, a.body_force])
         self._arrows(self._nodes, s * a.internal_force, STRESS, both, 3.5)
         self._arrows(self._nodes - 0.05 * self._scale * self._aside, s * a.body_force, BODY, both, 3.5)
         self._legend.append("orange: force of stress; blue: body force")
 
-    def _velocities(self, _: Scene, a: Anatomy, s: float) -> None:
+    def _velocities(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """The change is small beside the velocity: it has a scale of its own."""
         old, gained = a.before_velocity, a.velocity - a.before_velocity
         factor = _round(np.abs(a.velocity).max() / max(np.abs(gained).max(), 1e-300))
@@ -96,7 +96,7 @@ class SlowStage(ABC):
         self._arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
         self._legend.append(f"grey: old v; black: new v; orange: what is gained, drawn × {factor:g}")
 
-    def _scatter(self, _: Scene, a: Anatomy, s: float) -> None:
+    def _scatter(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Parcels come back in the first half, the particles move in the second."""
         self._weights(a, FRONT, 1.0)
         self._arrows(self._nodes, a.velocity, NODE)
@@ -109,7 +109,7 @@ class SlowStage(ABC):
             self._sketch.dots(start[seen], DOMAINS, 1)
         self._legend.append("black: new v of the nodes")
 
-    def _strain(self, _: Scene, a: Anatomy, s: float) -> None:
+    def _strain(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """The material of the particle changes its shape, magnified."""
         self._weights(a, FRONT, 1.0)
         self._arrows(self._nodes, a.velocity, NODE)
@@ -121,12 +121,12 @@ class SlowStage(ABC):
             self._outline(self._places[:1], (edges @ (np.eye(len(F)) + share * gained).T)[None], colour, thickness)
         self._legend.append(f"outline: the particle's material before and after, its strain in this step × {factor:g}")
 
-    def _weights(self, a: Anatomy, colour: tuple[int, int, int], s: float) -> None:
+    def _weights(self, a: StepBreakdown, colour: tuple[int, int, int], s: float) -> None:
         """Lines from the particle in front to its nodes, as thick as the weights."""
         start = np.broadcast_to(self._spots[:1], self._nodes.shape)
         self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
 
-    def _parcels(self, a: Anatomy, s: float, members: slice) -> None:
+    def _parcels(self, a: StepBreakdown, s: float, members: slice) -> None:
         """What is on its way between the particles and nodes that share a weight."""
         k, n = np.nonzero(a.links.weight[members])
         start, end = self._within(self._spots[k], self._nodes[n]), self._nodes[n]
@@ -144,12 +144,12 @@ class SlowStage(ABC):
         if most > 0:
             self._sketch.arrow(at, LONGEST * self._scale / most * self._aim(vectors), colour, thickness)
 
-    def _domains(self, a: Anatomy) -> None:
+    def _domains(self, a: StepBreakdown) -> None:
         seen = self._seen(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
         self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
         self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
 
-    def _numbers(self, a: Anatomy, phase: int) -> None:
+    def _numbers(self, a: StepBreakdown, phase: int) -> None:
         """The solver's own, beside each node: on the side to which its arrows point least."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
@@ -167,7 +167,7 @@ class SlowStage(ABC):
         names = [f"{c.name} in {unit}" if unit else c.name for c, unit in zip(shown, units, strict=True)]
         self._legend.insert(0, "numbers at the nodes: " + ", below it ".join(names))
 
-    def _caption(self, scene: Scene, a: Anatomy, phase: int) -> None:
+    def _caption(self, scene: Scene, a: StepBreakdown, phase: int) -> None:
         lines, width = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)], self.width
         self._sketch.text(LEFT, TOP, drawing.wrapped("; ".join(self._legend), width), "top-left", CAPTION)
         self._sketch.text(LEFT, BOTTOM, "\n".join(drawing.wrapped(line, width) for line in lines), "bottom-left",
@@ -218,7 +218,7 @@ class SlowStage(ABC):
     _per_metre: float
 
     @abstractmethod
-    def _look_at(self, a: Anatomy) -> None:
+    def _look_at(self, a: StepBreakdown) -> None:
         """Choose ``_per_metre`` and the place of the picture so that all of the step is in it."""
 
     @abstractmethod
@@ -238,11 +238,11 @@ class SlowStage(ABC):
         """Draw the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
 
     @abstractmethod
-    def _ground(self, a: Anatomy) -> None:
+    def _ground(self, a: StepBreakdown) -> None:
         """Draw the cells."""
 
     @abstractmethod
-    def _functions(self, scene: Scene, a: Anatomy, s: float) -> None:
+    def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         """Draw the shape functions; they grow with ``s``."""
 
 
@@ -259,7 +259,7 @@ def shape(distance: np.ndarray, reach: float) -> np.ndarray:
     return (integral(distance + reach) - integral(distance - reach)) / (2 * reach)
 
 
-def _magnification(a: Anatomy) -> float:
+def _magnification(a: StepBreakdown) -> float:
     """By how much the particles' way in the step is drawn longer than it is, to be seen."""
     way = np.abs(a.after.position - a.before.position).max()
     return max(1.0, _round(MAGNIFIED * a.spacing / max(way, 1e-300)))

@@ -1,7 +1,7 @@
 """The bench: how fast the solvers are, what each effect costs, and how long it takes to start.
 
 ``measure`` has the rates and the prices, against each problem's step without any optional code where it has one
-(``solvers.problems.Problem.stripped``); ``gpu`` what a GPU gains where there is one; ``start`` the start-up and compile
+(``solvers.problems.Problem.baseline``); ``gpu`` what a GPU gains where there is one; ``start`` the start-up and compile
 times and ``example`` the public example beside them, all three in fresh processes (``solvers.workers.processes``);
 ``bench`` puts it all together.
 """

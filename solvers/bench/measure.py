@@ -91,7 +91,7 @@ def effect_prices(problem: str, effort: Effort) -> list[dict]:
 
 
 def off(problem: str, effort: Effort) -> dict:
-    """A bare step over one stripped by hand of all that is optional, and how far to believe that.
+    """A bare step over one baseline by hand of all that is optional, and how far to believe that.
 
     Two solvers of each kind take turns. ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles;
     ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How
@@ -100,10 +100,10 @@ def off(problem: str, effort: Effort) -> dict:
     part of a step, but more arguments, used or not, make a call longer.
     """
     scene = _priced_scene(problem, effort)
-    own, stripped = PROBLEMS[problem].solver, PROBLEMS[problem].stripped
-    if stripped is None:
-        raise ValueError(f"the {problem} has no stripped solver")
-    solvers = [kind(scene) for kind in (stripped, own, stripped, own)]
+    own, baseline = PROBLEMS[problem].solver, PROBLEMS[problem].baseline
+    if baseline is None:
+        raise ValueError(f"the {problem} has no baseline solver")
+    solvers = [kind(scene) for kind in (baseline, own, baseline, own)]
     stretches = [Stretch(solver, effort.off_seconds) for solver in solvers]
     steps = max(stretch.steps for stretch in stretches)
     for stretch in stretches:

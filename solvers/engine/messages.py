@@ -6,7 +6,7 @@ import numpy as np
 
 from solvers.scene.scene import Scene
 from solvers.solver.soundness import OK
-from solvers.solver.step_breakdown import Anatomy
+from solvers.solver.step_breakdown import StepBreakdown
 
 FRAME_SECONDS = 1 / 30
 
@@ -20,7 +20,7 @@ class Wish:
     seconds a second. ``memory`` names the shared memory block that frames go to; ``differences`` asks that they hold
     the sizes of estimate minus truth too, ``plotted`` is the key of the quantity whose field they should hold, if any.
     ``partner`` is another session of the same engine: the two keep together in periods, and start again together.
-    ``dissected`` is the number of a particle, if any, around which single steps are taken apart. ``frame_seconds`` is
+    ``broken_down`` is the number of a particle, if any, around which single steps are taken apart. ``frame_seconds`` is
     the time between two frames of a run that plays. A run that ``ends`` stops where its scene says; others go on.
     """
 
@@ -35,7 +35,7 @@ class Wish:
     differences: bool = False
     plotted: str | None = None
     partner: int | None = None
-    dissected: int | None = None
+    broken_down: int | None = None
     frame_seconds: float = FRAME_SECONDS
     ends: bool = False
 
@@ -48,7 +48,7 @@ class Goodbye:
 
 
 @dataclass(frozen=True)
-class Usual:
+class Prewarm:
     """What visitors usually ask for, the likeliest first: to be compiled when there is time."""
 
     scenes: tuple[Scene, ...]
@@ -63,8 +63,8 @@ class FrameReport:
     been measured. ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found
     out by now; ``differences`` says that the frame holds estimate minus truth, ``plotted`` is the key of the quantity
     whose field it holds. ``status`` is "ok", "unstable" or "lost" (``solvers.solver.soundness``), ``reason`` says why
-    in a sentence, ``since`` from which time in s on. An unstable run has stopped; a lost one goes on. ``anatomy`` is of
-    the last step, if the wish asks for it and that was a single one.
+    in a sentence, ``since`` from which time in s on. An unstable run has stopped; a lost one goes on. ``breakdown`` is
+    of the last step, if the wish asks for it and that was a single one.
     """
 
     session: int
@@ -86,7 +86,7 @@ class FrameReport:
     status: str = OK
     since: float | None = None
     plotted: str | None = None
-    anatomy: Anatomy | None = None
+    breakdown: StepBreakdown | None = None
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:

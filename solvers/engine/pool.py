@@ -89,7 +89,7 @@ class SessionLink:
         engine.links[session] = self
 
     def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
-            differences: bool = False, plotted: str | None = None, dissected: int | None = None,
+            differences: bool = False, plotted: str | None = None, broken_down: int | None = None,
             ends: bool = False) -> int:
         """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
@@ -98,7 +98,7 @@ class SessionLink:
                 return last
             number = last + 1
             self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene).name, differences, plotted, self._partner, dissected,
+                             self._fitting_block(scene).name, differences, plotted, self._partner, broken_down,
                              self._frame_seconds, ends)
             self._deaths = 0
             self.engine.send(self.wish)

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
-from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
+from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Prewarm, Ready, Trouble, Wish
 from solvers.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class EngineProcess:
         self._usual: tuple[Scene, ...] = ()
         self._closing = False
         self._news = threading.Condition()
-        self._outbox: deque[Goodbye | Usual] = deque()
+        self._outbox: deque[Goodbye | Prewarm] = deque()
         self._wishes: dict[int, Wish] = {}
         self._start()
         for work in (self._read, self._write):
@@ -64,7 +64,7 @@ class EngineProcess:
         """Have the process, and any that takes its place, compile what is ``usual`` beside its work."""
         with self._news:
             self._usual = tuple(usual)
-            self._outbox.append(Usual(self._usual))
+            self._outbox.append(Prewarm(self._usual))
             self._news.notify_all()
 
     def send(self, message: Wish | Goodbye) -> None:

@@ -14,7 +14,7 @@ from solvers.engine.verdict import Verdict
 from solvers.running.run import build
 from solvers.scene.scene import MOST_STEPS
 from solvers.solver.base import Solver
-from solvers.solver.step_breakdown import Anatomy
+from solvers.solver.step_breakdown import StepBreakdown
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn and frame: shorter ones then
@@ -57,7 +57,7 @@ class Stepper:
         self._rows = [self.solver.measure()]  # samples since the last frame
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
-        self._anatomy: Anatomy | None = None  # of the last step
+        self._breakdown: StepBreakdown | None = None  # of the last step
         self._put_back: Callable[[], None] | None = None  # to where that step began
         self._kernel_seconds, self._kernel_steps = 0.0, 0
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
@@ -80,12 +80,12 @@ class Stepper:
         if anew:
             self.rebuild()
         elif wish.single_steps > old.single_steps and self.solver.sound and not wish.playing:
-            self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance), wish.dissected)
+            self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance), wish.broken_down)
             if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
                 self._rows.append(self.solver.measure())
-        elif wish.dissected not in (None, old.dissected) and self._put_back:
+        elif wish.broken_down not in (None, old.broken_down) and self._put_back:
             self._put_back()
-            self._anatomy = self.solver.dissect(wish.dissected)[1]
+            self._breakdown = self.solver.break_down(wish.broken_down)[1]
         self._start_clock()
         return anew
 
@@ -160,7 +160,7 @@ class Stepper:
             rows=rows, reason=reason, status=status, since=since,
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference),
-            plotted=self.wish.plotted, anatomy=self._anatomy if self.wish.dissected is not None else None)
+            plotted=self.wish.plotted, breakdown=self._breakdown if self.wish.broken_down is not None else None)
         if not self._frame_wanted:  # else it may have stood still since it was due
             self._lateness += FRAME_WEIGHT * (now - self._due - self._lateness)
         self._rows = [report.rows[:0]]
@@ -234,16 +234,16 @@ class Stepper:
         scene = self.solver.scene
         return max(min(self.wish.frame_seconds * self.wish.speed, MOST_APART * scene.period), 2 * scene.time_step)
 
-    def _advance(self, steps: int, dissected: int | None = None) -> None:
-        """Take steps, the last of them apart around the particle ``dissected``, if any."""
-        begun, self._anatomy, self._put_back = perf_counter(), None, None
-        if dissected is None:
+    def _advance(self, steps: int, broken_down: int | None = None) -> None:
+        """Take steps, the last of them apart around the particle ``broken_down``, if any."""
+        begun, self._breakdown, self._put_back = perf_counter(), None, None
+        if broken_down is None:
             self._rows.append(self.solver.advance(steps))
         else:
             self._rows.append(self.solver.advance(steps - 1))
             if self.solver.sound:
                 self._put_back = self.solver.bookmark()
-                rows, self._anatomy = self.solver.dissect(dissected)
+                rows, self._breakdown = self.solver.break_down(broken_down)
                 self._rows.append(rows)
         took = max(perf_counter() - begun, 1e-7)
         self._seconds_a_step = took / steps

@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection
 from time import perf_counter
 
 from solvers.engine import successor
-from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Ready, Trouble, Usual, Wish
+from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Prewarm, Ready, Trouble, Wish
 from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
 from solvers.kernels import runtime
@@ -110,7 +110,7 @@ class Worker:
                     self._wishes[message.session] = message
                 case None:
                     raise EOFError  # the pool closes
-                case Usual():
+                case Prewarm():
                     self._usual = list(message.scenes)
                 case Goodbye():
                     self._wishes.pop(message.session, None)
@@ -178,31 +178,32 @@ class Worker:
         if scenes := wanted[:1] or self._usual:
             answer = successor.fork(scenes, bool(wanted), self._prepare)
             if not isinstance(answer, Successor):
-                self._inherit(*answer)
+                self._take_state(*answer)
                 return True
             self._successor = answer
             self._pipe.send(Forked(answer.process_id))
         return False
 
-    def _handed_over(self, heir: Successor) -> bool:
+    def _handed_over(self, replacement: Successor) -> bool:
         """Whether the successor had compiled and has taken over everything: then this process has nothing left."""
         try:
-            if not heir.ready(lambda: {session: stepper.solver.scene for session, stepper in self._steppers.items()}):
+            if not replacement.ready(lambda: {session: stepper.solver.scene
+                                              for session, stepper in self._steppers.items()}):
                 return False
             states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
-            heir.take_over((states, {**self._waiting, **self._wishes},
-                            self._compiled | set(map(combination, heir.compiled)), self._usual))
+            replacement.take_over((states, {**self._waiting, **self._wishes},
+                            self._compiled | set(map(combination, replacement.compiled)), self._usual))
             return True
         except MemoryError:
-            self._give_up(heir, NO_MEMORY)
+            self._give_up(replacement, NO_MEMORY)
         except (EOFError, OSError):
-            self._give_up(heir, FAILED)
+            self._give_up(replacement, FAILED)
         return False
 
-    def _give_up(self, heir: Successor, sentence: str) -> None:
+    def _give_up(self, replacement: Successor, sentence: str) -> None:
         """The successor could not compile: say so to those who wait for it, and do not try again unasked."""
-        heir.end()
-        self._successor, failed = None, combination(heir.scenes[0])
+        replacement.end()
+        self._successor, failed = None, combination(replacement.scenes[0])
         self._usual = [scene for scene in self._usual if combination(scene) != failed]
         for wish in [wish for wish in self._waiting.values() if combination(wish.scene) == failed]:
             del self._waiting[wish.session]
@@ -223,7 +224,7 @@ class Worker:
         gc.collect()
         gc.freeze()
 
-    def _inherit(self, states: dict[int, tuple[Wish, dict]], wishes: dict[int, Wish], compiled: set[tuple],
+    def _take_state(self, states: dict[int, tuple[Wish, dict]], wishes: dict[int, Wish], compiled: set[tuple],
                  usual: list[Scene]) -> None:
         """Take over what the engine had that this process is a fork of. ``wishes`` have still to be acted on, also
         those that waited for the compiler."""

@@ -15,7 +15,7 @@ from solvers.estimators.spectral import Elements
 SAFE = 1.5  # omega H of a step: 2.58 is where the method ends; at 1.5 its error is no part of the whole
 
 
-class Body(ABC):
+class ElasticBody(ABC):
     """What moves: N nodes with D components.
 
     ``velocity`` (N, D) is the initial one, ``frequency`` the highest of the body at rest, in 1/s.
@@ -41,11 +41,11 @@ class Lost(ArithmeticError):
         super().__init__(f"lost before t = {time:g} s")
 
 
-class March:
+class NystromIntegrator:
     """A body on its way from t = 0, at rest in shape, by steps of at most ``longest`` seconds: ``u``, ``v`` and ``a``
     (N, D) are those of the ``time`` to which it was brought last."""
 
-    def __init__(self, body: Body, longest: float = math.inf):
+    def __init__(self, body: ElasticBody, longest: float = math.inf):
         self.body, self.time, self.longest = body, 0.0, min(longest, SAFE / body.frequency)
         self.u, self.v = np.zeros_like(body.velocity), body.velocity.copy()
         self.a = body.accelerations(self.u, 0.0)
@@ -66,19 +66,19 @@ class March:
             raise Lost(time)
 
 
-def solve(body: Body, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
+def solve(body: ElasticBody, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
     """Displacement and velocity of the nodes, (N, D) each, at the times, which do not fall and begin at 0 or later.
 
     Raises :class:`Lost` where the motion breaks down.
     """
-    march, found = March(body), []
+    march, found = NystromIntegrator(body), []
     for time in times:
         march.to(time)
         found.append((march.u, march.v))
     return found
 
 
-class Polar(Body):
+class Polar(ElasticBody):
     """A body between two radii and two angles: elements in R and theta under the exact map, of which the unknowns are
     Cartesian displacements.
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.estimators.alone import Body, Lost, March
+from solvers.estimators.alone import ElasticBody, Lost, NystromIntegrator
 from solvers.estimators.companion import MOST_INTERVAL, NOW
 
 KEPT = 8  # instants to which it can go back, as for timings, which take some steps again and again; and the start
@@ -15,9 +15,9 @@ KEPT = 8  # instants to which it can go back, as for timings, which take some st
 class Beside:
     """A ``body`` whose nodes are those of the ``memory`` of a companion, and steps of ``dt`` seconds."""
 
-    def __init__(self, body: Body, memory: Mapping[str, np.ndarray], dt: float):
+    def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
         self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
-        self._kept = [March(body, MOST_INTERVAL * dt)]
+        self._kept = [NystromIntegrator(body, MOST_INTERVAL * dt)]
 
     def bring_to(self, step: int) -> None:
         """Fill the layer ``NOW`` of ``companion_nodes``: u and v after so many steps, and a one step before; not a
@@ -29,7 +29,7 @@ class Beside:
         N = len(march.u)
         self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([march.u, march.v, a], axis=1)
 
-    def _at(self, step: int) -> March:
+    def _at(self, step: int) -> NystromIntegrator:
         """The body after so many steps, from the last instant before that it knows."""
         time = step * self._dt
         while self._kept[-1].time > time:

@@ -3,15 +3,15 @@
 import taichi as ti
 
 from solvers.estimators.memory import packing
-from solvers.kernels.hoist import as_it_is
-from solvers.kernels.packing import Look
+from solvers.kernels.hoist import untranslated
+from solvers.kernels.packing import MemoryView
 from solvers.scene.estimator_hooks import NEVER
 
 
-@as_it_is
+@untranslated
 def with_memory(state, estimators, name):
     """The state with an estimator's memory, which it keeps packed, as attributes, while kernels are compiled."""
-    return Look(state, packing(estimators), estimators[name].memory)
+    return MemoryView(state, packing(estimators), estimators[name].memory)
 
 
 @ti.func

@@ -1,4 +1,4 @@
-"""What another code is given of a problem: particles, tables and numbers, from the problem's ``outside``."""
+"""What another code is given of a problem: particles, tables and numbers, from the problem's ``reference``."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solvers.estimators.alone import Body, Lost, solve
+from solvers.estimators.alone import ElasticBody, Lost, solve
 from solvers.judging.columns import LETTERS
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS
@@ -18,18 +18,18 @@ SCHEMA = "mpm-lab/problem/1"
 
 
 def start(scene: Scene) -> Start:
-    return PROBLEMS[scene.problem].outside.start(scene)
+    return PROBLEMS[scene.problem].reference.start(scene)
 
 
 def texts(scene: Scene) -> Texts:
-    return PROBLEMS[scene.problem].outside.texts(scene)
+    return PROBLEMS[scene.problem].reference.texts(scene)
 
 
 def initial(scene: Scene) -> Frame:
     """The particles at the time 0."""
-    outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
-    return Frame("", 0.0, np.arange(len(X)), X, X.copy(), outside.velocity(scene, X, 0.0),
-                 outside.initial_deformation_gradient(scene, X))
+    reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
+    return Frame("", 0.0, np.arange(len(X)), X, X.copy(), reference.velocity(scene, X, 0.0),
+                 reference.initial_deformation_gradient(scene, X))
 
 
 def masses(scene: Scene) -> np.ndarray:
@@ -40,26 +40,27 @@ def masses(scene: Scene) -> np.ndarray:
 
 def exact(scene: Scene, t: float) -> Frame:
     """The particles at a time where they should be."""
-    outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
-    return Frame("", t, np.arange(len(X)), X, X + outside.displacement(scene, X, t), outside.velocity(scene, X, t),
-                 outside.deformation_gradient(scene, X, t), outside.exact_stress(scene, X, t))
+    reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
+    return Frame("", t, np.arange(len(X)), X, X + reference.displacement(scene, X, t), reference.velocity(scene, X, t),
+                 reference.deformation_gradient(scene, X, t), reference.exact_stress(scene, X, t))
 
 
 def companion(scene: Scene, times: Sequence[float]) -> list[Frame]:
     """The particles where a companion has them: for problems that have no exact solution."""
-    outside, X = PROBLEMS[scene.problem].outside, start(scene).material_position
+    reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     (body, solved), frames = solution(scene, True, times), []
     for t, (u, v) in zip(times, solved, strict=True):
         (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
-        F = (np.eye(X.shape[1]) + gradient) @ outside.initial_deformation_gradient(scene, X)
-        frames.append(Frame("", t, np.arange(len(X)), X, X + moved, speed, F, outside.stress(scene, F)))
+        F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(scene, X)
+        frames.append(Frame("", t, np.arange(len(X)), X, X + moved, speed, F, reference.stress(scene, F)))
     return frames
 
 
-def solution(scene: Scene, fine: bool, times: Sequence[float]) -> tuple[Body, list[tuple[np.ndarray, np.ndarray]]]:
+def solution(scene: Scene, fine: bool,
+             times: Sequence[float]) -> tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]:
     """The companion's body and what moves it at the times; :class:`~solvers.scene.rules.SceneError` where it is
     lost."""
-    body = PROBLEMS[scene.problem].outside.companion(scene, fine)
+    body = PROBLEMS[scene.problem].reference.companion(scene, fine)
     try:
         return body, solve(body, times)
     except Lost as lost:
@@ -70,9 +71,9 @@ def solution(scene: Scene, fine: bool, times: Sequence[float]) -> tuple[Body, li
 
 def force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
     """The body force on a line of material points over the first two periods of its vibration."""
-    outside = PROBLEMS[scene.problem].outside
-    X, instants = outside.table_points(scene, points), np.linspace(0, 2 * scene.period, times)
-    b = np.concatenate([outside.body_force(scene, X, t) for t in instants])
+    reference = PROBLEMS[scene.problem].reference
+    X, instants = reference.table_points(scene, points), np.linspace(0, 2 * scene.period, times)
+    b = np.concatenate([reference.body_force(scene, X, t) for t in instants])
     where = {LETTERS[k].upper(): np.tile(X[:, k], times) for k in range(X.shape[1])}
     return {"t": np.repeat(instants, len(X)), **where, **{f"b{LETTERS[k]}": b[:, k] for k in range(X.shape[1])}}
 

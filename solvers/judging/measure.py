@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.estimators.alone import Body
+from solvers.estimators.alone import ElasticBody
 from solvers.judging.frames import Frame, Grid
 from solvers.judging.handout import solution
 from solvers.judging.placing import check_origin
@@ -29,9 +29,9 @@ NEIGHBOURS = 8  # particles of a group that share their error, at least about
 
 def truth(scene: Scene, frame: Frame) -> Errors:
     """The true errors of a frame."""
-    outside, X, t = PROBLEMS[scene.problem].outside, frame.material_position, frame.time
-    return _errors(scene, frame, outside.displacement(scene, X, t), outside.velocity(scene, X, t),
-                   outside.exact_stress(scene, X, t))
+    reference, X, t = PROBLEMS[scene.problem].reference, frame.material_position, frame.time
+    return _errors(scene, frame, reference.displacement(scene, X, t), reference.velocity(scene, X, t),
+                   reference.exact_stress(scene, X, t))
 
 
 def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
@@ -39,7 +39,7 @@ def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
     if frame.stress is not None or frame.deformation_gradient is None:
         return frame.stress
     with np.errstate(all="ignore"):
-        return PROBLEMS[scene.problem].outside.stress(scene, frame.deformation_gradient)
+        return PROBLEMS[scene.problem].reference.stress(scene, frame.deformation_gradient)
 
 
 def sizes(error: np.ndarray) -> np.ndarray:
@@ -60,7 +60,7 @@ class Companions:
     times: tuple[float, ...]
 
     @functools.cached_property
-    def _solved(self) -> list[tuple[Body, list[tuple[np.ndarray, np.ndarray]]]]:
+    def _solved(self) -> list[tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]]:
         return [solution(self.scene, fine, self.times) for fine in (True, False)]
 
     def errors(self, frame: Frame, fine: bool = True) -> Errors:
@@ -77,9 +77,9 @@ class Companions:
         u, v = solved[self.times.index(frame.time)]
         X = frame.material_position
         (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
-        outside = PROBLEMS[self.scene.problem].outside
-        F = (np.eye(X.shape[1]) + gradient) @ outside.initial_deformation_gradient(self.scene, X)
-        return moved, speed, outside.stress(self.scene, F)
+        reference = PROBLEMS[self.scene.problem].reference
+        F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(self.scene, X)
+        return moved, speed, reference.stress(self.scene, F)
 
 
 def _errors(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:
@@ -196,7 +196,7 @@ def _levelled(X: np.ndarray, error: np.ndarray) -> np.ndarray:
 
 def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
     """Which particles (P,) of each frame are in another cell than at the time before, or than where they began."""
-    before, corner = None, PROBLEMS[scene.problem].outside.grid_corner(scene)
+    before, corner = None, PROBLEMS[scene.problem].reference.grid_corner(scene)
     for frame in frames:
         order = np.lexsort(frame.material_position.T)
         X, x = frame.material_position[order], frame.position[order]
@@ -234,7 +234,7 @@ def law_kept(scene: Scene, grid: Grid) -> float | None:
     for frame in grid.frames:
         if frame.stress is None or frame.deformation_gradient is None:
             continue
-        own = PROBLEMS[scene.problem].outside.stress(scene, frame.deformation_gradient)
+        own = PROBLEMS[scene.problem].reference.stress(scene, frame.deformation_gradient)
         size = rms(own)
         worst = max(worst or 0.0, rms(frame.stress - own) / size if size > 0 else 0.0)
     return worst

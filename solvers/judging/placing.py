@@ -12,7 +12,7 @@ import numpy as np
 from solvers.judging.columns import spelled
 from solvers.judging.frames import FileError, Frame, Grid, Raw
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import Outside
+from solvers.problems.reference import ProblemReference
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 
@@ -26,13 +26,13 @@ def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
     ``cells`` is the scene's own number, or one for each file, and holds where a file says none; ``times`` are those of
     the files in their order, or nothing where the files say them.
     """
-    outside = PROBLEMS[scene.problem].outside
+    reference = PROBLEMS[scene.problem].reference
     frames: dict[int, list[Frame]] = {}
     notes: dict[int, list[str]] = {}
     for k, raw in enumerate(files):
         count = raw.cells if raw.cells is not None else cells[k if len(cells) > 1 else 0]
         own = _scene_of(raw.file, scene, count)
-        found, said = _frames(raw, own, outside, times[k] if times else None)
+        found, said = _frames(raw, own, reference, times[k] if times else None)
         frames.setdefault(count, []).extend(found)
         notes.setdefault(count, []).extend(said)
     return [Grid(count, _in_order(frames[count], scene), tuple(dict.fromkeys(notes[count])))
@@ -47,9 +47,9 @@ def _scene_of(file: str, scene: Scene, cells: int) -> Scene:
                               f"{error.sentence}") from None
 
 
-def _frames(raw: Raw, scene: Scene, outside: Outside, given: float | None) -> tuple[list[Frame], list[str]]:
+def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | None) -> tuple[list[Frame], list[str]]:
     """A file's particles, time by time, and what is to be noted of them."""
-    D, columns = len(outside.axes), raw.columns
+    D, columns = len(reference.axes), raw.columns
     if "x" not in columns:
         raise FileError(raw.file, f"has no positions ({spelled('x', D)} or position); its columns are "
                                   f"{', '.join(raw.names[:12])}")
@@ -64,8 +64,8 @@ def _frames(raw: Raw, scene: Scene, outside: Outside, given: float | None) -> tu
         whole[key] = _in_plane(raw, key, D)[0] if key in columns else None
     for key, values in whole.items():
         _check_finite(raw, key, values, times)
-    X, number = _material(raw, scene, outside, whole["X"])
-    moved = outside.unwrapped(scene, X, x, times)
+    X, number = _material(raw, scene, reference, whole["X"])
+    moved = reference.unwrapped(scene, X, x, times)
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes = [*notes, f"{turned:,} positions were moved back by a period of the grid"]
     found = []
@@ -76,7 +76,7 @@ def _frames(raw: Raw, scene: Scene, outside: Outside, given: float | None) -> tu
         frame = Frame(raw.file, float(t), who, X[at], moved[at], part["v"], part["F"], part["sigma"])
         _check_once(frame)
         found.append(frame)
-    start = outside.start(scene)
+    start = reference.start(scene)
     if "id" in columns and (short := len(start.volume) - min(len(frame.number) for frame in found)) > 0:
         notes = [*notes, f"{short:,} of {len(start.volume):,} particles are not in {raw.file}"]
     return found, notes
@@ -129,22 +129,23 @@ def _check_finite(raw: Raw, key: str, values: np.ndarray | None, times: np.ndarr
                                   f"{times[row]:g} s; leave times out at which the run had gone bad")
 
 
-def _material(raw: Raw, scene: Scene, outside: Outside, X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def _material(raw: Raw, scene: Scene, reference: ProblemReference,
+              X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Material position (n, D) and number (n,) of each row."""
     ids = raw.columns.get("id")
     if ids is not None and not (np.isfinite(ids).all() and (ids == np.round(ids)).all()):
         raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
     if X is not None:
         n = len(X)
-        if (wrong := outside.misplaced(scene, X)).any():
+        if (wrong := reference.misplaced(scene, X)).any():
             low, high = X.min(axis=0), X.max(axis=0)
             reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
             raise FileError(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the "
                                       f"{scene.problem} (they "
-                                      f"reach from {reach}): its origin may be shifted; {_where(scene, outside)}")
+                                      f"reach from {reach}): its origin may be shifted; {_where(scene, reference)}")
         return X, np.arange(n) if ids is None else ids.astype(int)
     assert ids is not None
-    start, number = outside.start(scene), ids.astype(int)
+    start, number = reference.start(scene), ids.astype(int)
     count = len(start.volume)
     if number.min() < 0 or number.max() >= count:
         raise FileError(raw.file, f"has ids from {number.min()} to {number.max()}, and {scene.cells} cells with "
@@ -154,10 +155,10 @@ def _material(raw: Raw, scene: Scene, outside: Outside, X: np.ndarray | None) ->
     return start.material_position[number], number
 
 
-def _where(scene: Scene, outside: Outside) -> str:
-    points = outside.start(scene).material_position
+def _where(scene: Scene, reference: ProblemReference) -> str:
+    points = reference.start(scene).material_position
     reach = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
-        outside.axes, points.min(axis=0), points.max(axis=0), strict=True))
+        reference.axes, points.min(axis=0), points.max(axis=0), strict=True))
     return f"particles begin at {reach}"
 
 

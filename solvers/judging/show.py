@@ -189,16 +189,16 @@ class _Table:
     def _fields(self, frame: Frame) -> dict[str, tuple[np.ndarray, Any]]:
         """Of each quantity that the frame has: the component, and its deviation where the exact one is known."""
         scene, X, x, t = self._scene, frame.material_position, frame.position, frame.time
-        outside = PROBLEMS[scene.problem].outside
+        reference = PROBLEMS[scene.problem].reference
         own = {"x": x - X, "v": frame.velocity, "sigma": stress(scene, frame)}
         if not scene.solution_known:
-            return {q: (outside.along(q, X, x, values), np.nan) for q, values in own.items() if values is not None}
-        u = outside.displacement(scene, X, t)
-        exact = {"x": u, "v": outside.velocity(scene, X, t), "sigma": outside.exact_stress(scene, X, t)}
+            return {q: (reference.along(q, X, x, values), np.nan) for q, values in own.items() if values is not None}
+        u = reference.displacement(scene, X, t)
+        exact = {"x": u, "v": reference.velocity(scene, X, t), "sigma": reference.exact_stress(scene, X, t)}
         found = {}
         for q, values in own.items():
             if values is not None:
-                along, right = outside.along(q, X, x, values), outside.along(q, X, X + u, exact[q])
+                along, right = reference.along(q, X, x, values), reference.along(q, X, X + u, exact[q])
                 drift = right if q == "x" and not scene.swings else 0.0  # what carries all alike is not plotted
                 found[q] = along - drift, along - right
         return found

@@ -16,7 +16,7 @@ class _Members:
         vars(self).update(members)
 
 
-def as_it_is(function: Any) -> Any:
+def untranslated(function: Any) -> Any:
     """The compiler warns of a call that it does not translate unless told so; here nothing is to be."""
     function.__dict__["_is_taichi_function"] = False
     return function
@@ -27,8 +27,8 @@ def variable(value: object) -> object:
     return ti.lang.impl.expr_init(value)
 
 
-@as_it_is
-def read_once(state: Any) -> _Members:
+@untranslated
+def hoist_scalars(state: Any) -> _Members:
     """For kernels: the state, an argument pack, with its numbers read here."""
     return _Members({name: variable(value) if isinstance(value, ti.lang.expr.Expr) else value
                      for name, value in state.items})

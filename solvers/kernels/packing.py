@@ -2,7 +2,7 @@
 
 Every member of a state's argument pack counts, and an estimator with a second run has a state's worth of them. So all
 that estimators keep is in a :class:`Packing`: the arrays of one type lie one behind the other in a single one, and the
-numbers and the places where arrays begin stand in front. In kernels :class:`Look` gives the state with the packed
+numbers and the places where arrays begin stand in front. In kernels :class:`MemoryView` gives the state with the packed
 members as attributes, for reading and for writing to arrays, and ``part`` gives those of one prefix by the rest of
 their names, so that functions written for a state (``bar.position[p]``) work on a second one.
 """
@@ -14,7 +14,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels import kinds
-from solvers.kernels.hoist import as_it_is, variable
+from solvers.kernels.hoist import untranslated, variable
 
 PREFIX = "memory_"  # of the arrays that hold the others
 #: Types of arrays that can be packed, by name, with the shape of an entry.
@@ -68,7 +68,7 @@ class Packing:
         return found
 
 
-class Look:
+class MemoryView:
     """A state, and some of the packed members as more of its attributes, while a kernel is compiled.
 
     Numbers, and the places where arrays begin, are read once, where this is made: read at every use, they were a third
@@ -112,7 +112,7 @@ def _entry(array: object, index: object) -> object:
     return ti.lang.impl.subscript(None, array, index)
 
 
-@as_it_is
+@untranslated
 def part(state: object, prefix: str) -> _Part:
     """For kernels: the members whose names begin with ``prefix``, as attributes by the rest of their names."""
     return _Part(state, prefix)

@@ -13,7 +13,7 @@ from solvers.problems.vortex.scene import VortexScene
 from solvers.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from solvers.problems.reference import Outside
+    from solvers.problems.reference import ProblemReference
     from solvers.solver.base import Solver
 
 
@@ -30,15 +30,15 @@ class Problem:
         return getattr(importlib.import_module(module), name)
 
     @property
-    def stripped(self) -> type[Solver] | None:
+    def baseline(self) -> type[Solver] | None:
         """A solver whose step has nothing optional in it, written out by hand, where the problem has one."""
-        module = f"{self.solver_path.rpartition('.')[0]}.stripped"
+        module = f"{self.solver_path.rpartition('.')[0]}.baseline"
         return importlib.import_module(module).SOLVER if importlib.util.find_spec(module) else None
 
     @property
-    def outside(self) -> Outside:
-        """The problem as another code sees it: the ``OUTSIDE`` of its folder's ``outside.py``."""
-        return importlib.import_module(f"{self.solver_path.rpartition('.')[0]}.outside").OUTSIDE
+    def reference(self) -> ProblemReference:
+        """The problem as another code sees it: the ``REFERENCE`` of its folder's ``reference.py``."""
+        return importlib.import_module(f"{self.solver_path.rpartition('.')[0]}.reference").REFERENCE
 
     @property
     def estimators(self) -> tuple[str, ...]:

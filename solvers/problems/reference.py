@@ -1,7 +1,7 @@
 """A problem as another code sees it: what it needs to be set up, and what its particles are held against.
 
-Each problem has one :class:`Outside`, called ``OUTSIDE``, in ``solvers/problems/NAME/outside.py``. Points and vectors
-are (P, D) and tensors (P, D, D), also where D is 1; positions are not wrapped.
+Each problem has one :class:`ProblemReference`, called ``REFERENCE``, in ``solvers/problems/NAME/reference.py``. Points
+and vectors are (P, D) and tensors (P, D, D), also where D is 1; positions are not wrapped.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from solvers.estimators.alone import Body
+    from solvers.estimators.alone import ElasticBody
 
 #: Fields of a scene that say how we would solve it, and nothing of the problem.
 OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
@@ -44,7 +44,7 @@ class Texts:
     table: str  # where the points of the table of the force are, and what holds elsewhere
 
 
-class Outside(ABC):
+class ProblemReference(ABC):
     """One problem for other codes. ``axes`` are the names of its coordinates."""
 
     axes: tuple[str, ...] = ("x",)
@@ -86,7 +86,7 @@ class Outside(ABC):
         """Which of the material points (P,) are none of the body's, by more than rounding."""
 
     @abstractmethod
-    def companion(self, scene: Any, fine: bool) -> Body:
+    def companion(self, scene: Any, fine: bool) -> ElasticBody:
         """What can be solved beside the particles (``solvers.estimators.alone``), on a fine or a coarser mesh."""
 
     def exact_stress(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:

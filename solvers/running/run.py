@@ -25,11 +25,11 @@ def build(scene: Scene) -> Solver:
 
 
 def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = True,
-        moment: bool = True, on_sample: Callable[[Snapshot], None] | None = None) -> Result:
+        mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
     ``on_progress`` is called several times a second with the part done, 0 to 1. With ``prices`` the estimators' shares
-    of the time are measured half way, which takes a few tenths of a second beside the run. With ``moment`` the
+    of the time are measured half way, which takes a few tenths of a second beside the run. With ``mid_run`` the
     particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`). ``on_sample`` is
     given the particles whenever their norms are sampled, from the start to the end; the run stops there each time.
     """
@@ -42,7 +42,7 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
         on_sample(solver.snapshot())
     shares: dict[str, float] = {}
     ran, slice_steps = 0.0, 64
-    shown_at = shown_step(scene) if moment else scene.steps
+    shown_at = shown_step(scene) if mid_run else scene.steps
     kept: Snapshot | None = None
     while solver.step < scene.steps and solver.sound:
         stop = shown_at if solver.step < shown_at else scene.steps
@@ -73,7 +73,7 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     status, reason, broken_at = _verdict(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
-                  series=series, final=final, moment=kept if solver.sound else None, bytes=solver.bytes,
+                  series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
                   not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan)
 
 

@@ -8,7 +8,7 @@ from solvers.scene.rules import SceneError, require_whole
 MOST_PER_CELL = 64  # particles, along each direction
 
 
-class Usual:
+class SceneDefaults:
     """Rules and facts of a scene whose motion swings to and fro and whose cells hold whole numbers of particles."""
 
     #: Fields that only single runs and sweeps have, each with the reason why no other command has them.

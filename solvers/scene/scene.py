@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 from solvers.scene import registry
-from solvers.scene.defaults import Usual
+from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS
 from solvers.scene.estimator_validity import PROCESSOR_REASON
 from solvers.scene.remedies import FROZEN
@@ -47,7 +47,7 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
 
 
 @dataclass(frozen=True)
-class Scene(Usual, ABC, Remembered):
+class Scene(SceneDefaults, ABC, Remembered):
     """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the

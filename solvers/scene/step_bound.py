@@ -69,4 +69,4 @@ def of_scene(scene: Any) -> float:
 
 @functools.lru_cache(maxsize=64)
 def _of_motion(scene: Any) -> float:
-    return importlib.import_module(f"solvers.problems.{scene.problem}.step_bound").least(scene)
+    return importlib.import_module(f"solvers.problems.{scene.problem}.step_bound").critical_time_step(scene)

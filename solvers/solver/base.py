@@ -16,7 +16,7 @@ from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
 from solvers.solver.result import Snapshot
 from solvers.solver.samples import MARGIN, ROWS
-from solvers.solver.step_breakdown import Anatomy, Carried
+from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 if TYPE_CHECKING:
     from solvers.solver.arrays import Watch
@@ -91,11 +91,11 @@ class Solver(ABC):
         rows = self._arrays.samples[:max(0, self.step // interval - before // interval)].copy()
         return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
 
-    def dissect(self, particle: int) -> tuple[np.ndarray, Anatomy]:
+    def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
         """Take one ordinary step; return its rows of samples and what it did around a particle."""
         before = self._carried()
         rows = self.advance(1)
-        return rows, self._anatomy(particle, before)
+        return rows, self._breakdown(particle, before)
 
     def measure(self) -> np.ndarray:
         """Check the state and sample it now: one row."""
@@ -195,7 +195,7 @@ class Solver(ABC):
         """What the particles carry now, copied."""
 
     @abstractmethod
-    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+    def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         """The last step taken apart around a particle; ``before`` is what was carried when it began."""
 
     @abstractmethod

@@ -21,7 +21,7 @@ class Phases(NamedTuple):
 
 
 @ti.func
-def take_turn(state: ti.template(), turn, start, purpose, phases: ti.template(), on: ti.template()):
+def run_loop(state: ti.template(), turn, start, purpose, phases: ti.template(), on: ti.template()):
     """Turn number ``turn``, from zero, of a run at step ``start``: take one step and sample the norms if it is one of
     every ``sample_interval`` (``STEP``); or, wherever the run stands, check and sample it into row 0 (``MEASURE``) or
     only bring the estimates up to date (``REPORT``).

@@ -51,11 +51,11 @@ def energy_drift(series: Mapping[str, np.ndarray]) -> float | None:
 
 
 @UNBOUNDED
-def spin_drift(series: Mapping[str, np.ndarray], against: np.ndarray) -> float | None:
+def angular_momentum_drift(series: Mapping[str, np.ndarray], against: np.ndarray) -> float | None:
     """What the angular momentum has gained at the end beyond what ``against`` has, over what it was at the start."""
-    spin = series["spin"]
-    gained = float(spin[-1] - spin[0]) - float(against[-1] - against[0])
-    return finite(gained / float(spin[0])) if spin[0] else None
+    momentum = series["angular_momentum"]
+    gained = float(momentum[-1] - momentum[0]) - float(against[-1] - against[0])
+    return finite(gained / float(momentum[0])) if momentum[0] else None
 
 
 def finite(value: float) -> float | None:

@@ -7,7 +7,16 @@ import numpy as np
 
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
-from solvers.solver.norms import UNBOUNDED, distance, energy_drift, error_index, finite, largest, spin_drift, summary
+from solvers.solver.norms import (
+    UNBOUNDED,
+    angular_momentum_drift,
+    distance,
+    energy_drift,
+    error_index,
+    finite,
+    largest,
+    summary,
+)
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
 
@@ -67,7 +76,7 @@ class Result:
     steps: int
     series: dict[str, np.ndarray]
     final: Snapshot
-    moment: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.shown_step``)
+    mid_run: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.shown_step``)
     bytes: int
     not_valid: dict[str, str]  # estimators that do not hold here, each with a sentence that says why
     seconds: Seconds
@@ -78,7 +87,7 @@ class Result:
     @property
     def shown(self) -> Snapshot:
         """The particles at the moment that a picture shows."""
-        return self.moment or self.final
+        return self.mid_run or self.final
 
     @property
     def particles(self) -> int:
@@ -120,14 +129,16 @@ class Result:
         total = self.series["kinetic"] + self.series["strain"]
         return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
 
-    def spin(self) -> dict | None:
+    def angular_momentum(self) -> dict | None:
         """The angular momentum; what it has gained beyond the torque of the body force ("drift"), and beyond the exact
         solution ("error"), over what it was at the start."""
         if not self.scene.has("spin"):
             return None
         series = self.series
-        return {"initial": finite(series["spin"][0]), "final": finite(series["spin"][-1]),
-                "drift": spin_drift(series, series["torque"]), "error": spin_drift(series, series["exact_spin"])}
+        momentum = series["angular_momentum"]
+        return {"initial": finite(momentum[0]), "final": finite(momentum[-1]),
+                "drift": angular_momentum_drift(series, series["torque"]),
+                "error": angular_momentum_drift(series, series["exact_angular_momentum"])}
 
     @UNBOUNDED
     def life(self) -> dict[str, float | None]:
@@ -153,7 +164,7 @@ class Result:
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": int(crossings) if math.isfinite(crossings) else None, "energy": self.energy(),
-            "angular_momentum": self.spin(),
+            "angular_momentum": self.angular_momentum(),
             "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,

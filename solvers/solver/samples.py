@@ -9,15 +9,15 @@ import numpy as np
 QUANTITIES = ("x", "v", "sigma", "a")
 
 #: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own norm
-#: (bar: stress as E ln F); ``spin`` is the angular momentum, ``torque`` the impulse of the body force's, and
-#: ``exact_spin`` what the exact solution has; ``apart`` to ``torn`` are contradictions (``solvers.solver.soundness``)
-#: in metres, ``place`` is the particle where they are worst, ``margin`` is dt over its bound; what is switched off
-#: stays NaN.
+#: (bar: stress as E ln F); ``angular_momentum`` is about the centre, ``torque`` the impulse of the body force's, and
+#: ``exact_angular_momentum`` what the exact solution has; ``neighbour_gap`` to ``displacement_mismatch`` are
+#: contradictions (``solvers.solver.soundness``) in metres, ``place`` is the particle where they are worst, ``margin``
+#: is dt over its bound; what is switched off stays NaN.
 BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
-        "kinetic", "strain", "work", "spin", "torque", "exact_spin", "crossings",
-        "apart", "adrift", "out_of_shape", "torn", "place", "margin")
+        "kinetic", "strain", "work", "angular_momentum", "torque", "exact_angular_momentum", "crossings",
+        "neighbour_gap", "mean_drift", "out_of_shape", "displacement_mismatch", "place", "margin")
 MARGIN = BASE.index("margin")  # which the host fills in, once for every stretch of steps
-LOOKS = slice(BASE.index("apart"), MARGIN + 1)  # the columns that only some samples have
+LOOKS = slice(BASE.index("neighbour_gap"), MARGIN + 1)  # the columns that only some samples have
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.
 EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
 

@@ -40,17 +40,21 @@ class Contradiction:
 
 CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
     # D <= 2 rms(e_x) and what F adds: derived, not fitted.
-    Contradiction("apart", 0.2, "neighbouring particles no longer stand where their deformation says (off by {size} of "
-                                "the amplitude); do not trust positions or stress"),
+    Contradiction("neighbour_gap", 0.2,
+                  "neighbouring particles no longer stand where their deformation says (off by {size} of the "
+                  "amplitude); do not trust positions or stress"),
     # The forces sum to zero: a strict lower bound of the error.
-    Contradiction("adrift", 0.1, "the body as a whole has moved by {size} of the amplitude though no net force acts; "
-                                 "its shape may still be right"),
+    Contradiction("mean_drift", 0.1,
+                  "the body as a whole has moved by {size} of the amplitude though no net force acts; its shape may "
+                  "still be right"),
     # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
     Contradiction("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
     # Seen on fine grids, where neighbours are too close to be apart by much; sound runs reach 0.3.
-    Contradiction("torn", 0.4, "displacements no longer add up to what the deformation says (off by {size} of the "
-                               "amplitude)"),
+    Contradiction("displacement_mismatch", 0.4,
+                  "displacements no longer add up to what the deformation says (off by {size} of the amplitude)"),
 )}
+#: What three of them were called in JSON objects up to version 0.1.0; both names are written until the next version.
+FORMER_NAMES = {"neighbour_gap": "apart", "mean_drift": "adrift", "displacement_mismatch": "torn"}
 
 
 @dataclass(frozen=True)
@@ -122,4 +126,5 @@ def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float 
     """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
     for; for the JSON object."""
     A = scene.motion_amplitude
-    return {name: largest(series[name] / A) for name in CONTRADICTIONS}
+    found = {name: largest(series[name] / A) for name in CONTRADICTIONS}
+    return found | {former: found[name] for name, former in FORMER_NAMES.items()}

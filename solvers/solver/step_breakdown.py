@@ -80,7 +80,7 @@ def flipped(tensors: np.ndarray, signs: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Anatomy:
+class StepBreakdown:
     """Step number ``step``, from ``time`` on in s, around the first of k members; n nodes, D directions.
 
     ``place`` (k, D) is where the weights see the particles: at x, or at X with frozen weights. ``edges`` (k, D, D) has

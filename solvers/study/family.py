@@ -50,7 +50,7 @@ class Family:
     def measure(self, cells: int) -> Point:
         """Run a member and learn its error and its rate."""
         scene = self.member(cells)
-        result = run(scene, prices=False, moment=False)
+        result = run(scene, prices=False, mid_run=False)
         largest = result.estimates(ESTIMATOR)[self.quantity]["max"] if result.status == "ok" else None
         error = math.inf if largest is None or ESTIMATOR in result.not_valid else largest
         bare = replace(scene, estimators=(), effects=(), cfl=GENTLE_CFL)  # how long a step takes is not its length's

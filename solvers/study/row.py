@@ -46,7 +46,7 @@ def measure(task: Task) -> dict:
 def _measured(task: Task, scene: Scene) -> dict:
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
-    results = [run(scene, prices=task.repeats > 0, moment=False) for _ in range(max(1, task.repeats))]
+    results = [run(scene, prices=task.repeats > 0, mid_run=False) for _ in range(max(1, task.repeats))]
     full, values = results[0], results[0].to_dict()
     seconds, timed = time_bare(scene, task.repeats) if task.repeats else ([full.seconds.run], full)
     least = min(seconds)
@@ -85,10 +85,10 @@ def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tupl
 
     scene = replace(scene, effects=effects, estimators=())
     short = min(scene.end_time, WARM_UP_STEPS * scene.time_step)
-    run(replace(scene, t_end=short, periods=None, sample_every=None), moment=False)
+    run(replace(scene, t_end=short, periods=None, sample_every=None), mid_run=False)
     seconds: list[float] = []
     while len(seconds) < repeats or (sum(seconds) < TIMED_SECONDS and len(seconds) < MOST_TIMES * repeats):
-        result = run(scene, moment=False)
+        result = run(scene, mid_run=False)
         seconds.append(result.seconds.run)
     return seconds, result
 

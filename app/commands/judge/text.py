@@ -96,7 +96,7 @@ def _verdict(g: dict, values: dict) -> str:
                          f"{_size(best['error']['x']['max'], 'x')} (these particles: "
                          f"{ratio(x / best['error']['x']['max'])} "
                          f"times), and {_method(worst)} the most, {_size(worst['error']['x']['max'], 'x')}.")
-    if found := g["apart"]:
+    if found := g["neighbour_gap"]:
         sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
                          f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
                          f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "

@@ -10,7 +10,7 @@ import tyro
 from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, report, say, working
-from app.commands.run.particles import Keeper
+from app.commands.run.particles import ParticleWriter
 from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.scene.scene import Scene
@@ -41,7 +41,7 @@ class Output:
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
-        keeper = None if self.particles is None else Keeper(self.particles, scene)
+        keeper = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
             say(f"warning: {sentence}")
         result = _run(scene, self.quiet, keeper)
@@ -94,7 +94,7 @@ class RunText(Output):
         return self.run_and_write(scene)
 
 
-def _run(scene: Scene, quiet: bool, keeper: Keeper | None) -> Result:
+def _run(scene: Scene, quiet: bool, keeper: ParticleWriter | None) -> Result:
     with working(quiet) as show:
         from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
         return run(scene, on_progress=show, on_sample=keeper.keep if keeper else None)

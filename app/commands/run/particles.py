@@ -19,7 +19,7 @@ KINDS = (".npz", ".csv")
 MOST_ROWS = 20_000_000  # of particles and times, which is what the judge reads at most
 
 
-class Keeper:
+class ParticleWriter:
     """What ``--particles`` asks for; the file is tried now."""
 
     def __init__(self, text: str, scene: Scene):

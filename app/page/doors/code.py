@@ -64,7 +64,7 @@ class ClassCode:
 
     def enter(self, guess: str, who: str) -> Entry:
         """Look at a code from an IP address; not while there were too many wrong ones, right or not."""
-        who = _house(who)
+        who = network_of(who)
         own = self._of.get(who) or Bucket(*ONE)
         wait = math.ceil(max(own.wait(), self._all.wait()))
         if wait:
@@ -85,7 +85,7 @@ def _digest(text: str) -> bytes:
     return hashlib.sha256(text.encode("utf-8", "replace")).digest()
 
 
-def _house(who: str) -> str:
+def network_of(who: str) -> str:
     """Of an IPv6 address the part that its owner cannot change at will."""
     try:
         address = ipaddress.ip_address(who.partition("%")[0])

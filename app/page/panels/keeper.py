@@ -1,4 +1,5 @@
-"""Keeper: what the browser keeps for its visitor (``keeper.js``): the state in its address, and answers to lessons."""
+"""BrowserStore: what the browser keeps for its visitor (``keeper.js``): the state in its address, and answers to
+lessons."""
 
 import json
 from collections.abc import Callable
@@ -22,7 +23,7 @@ class Hooks:
     on_answers: Callable[[str, str], None]
 
 
-class Keeper:
+class BrowserStore:
     """One visitor's. What the browser says is believed in nothing: it may be anything."""
 
     def __init__(self, gui: viser.GuiApi):

@@ -15,7 +15,7 @@ from app.page.visit.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.scene.registry import ESTIMATORS
-from solvers.solver.norms import energy_drift, spin_drift
+from solvers.solver.norms import angular_momentum_drift, energy_drift
 from solvers.solver.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
@@ -83,8 +83,9 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
         rows.append(("energy", f"out of balance by {_percent(drift)}"))
-    if scene.has("spin") and len(series.get("spin", ())):
-        off, wrong = (spin_drift(series, series[against]) for against in ("torque", "exact_spin"))
+    if scene.has("spin") and len(series.get("angular_momentum", ())):
+        off, wrong = (angular_momentum_drift(series, series[against])
+                      for against in ("torque", "exact_angular_momentum"))
         rows.append(("turning", f"balance {_percent(off)}, error {_percent(wrong)}"))
     rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
     return table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))

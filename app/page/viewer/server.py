@@ -68,7 +68,7 @@ class Lab(viser.ViserServer):
         """There is nothing to disconnect."""
 
 
-class House(Protocol):
+class Host(Protocol):
     """What the doors are those of: it knows who is in, and how it does."""
 
     def attend(self, token: str, watched: bool) -> bool: ...
@@ -85,11 +85,11 @@ class Doors:
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
-        self._house: House | None = None
+        self._house: Host | None = None
 
-    def watch(self, server: viser.ViserServer, house: House) -> None:
+    def watch(self, server: viser.ViserServer, host: Host) -> None:
         """This server's widgets are meant in what browsers say, and these visitors."""
-        self._server, self._house = server, house
+        self._server, self._house = server, host
 
     @contextmanager
     def guarding(self) -> Iterator[None]:

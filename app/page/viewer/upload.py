@@ -1,4 +1,4 @@
-"""Post: a file from a browser, taken in part by part and kept on disk, never in memory.
+"""Upload: a file from a browser, taken in part by part and kept on disk, never in memory.
 
 The viewer would hold whatever is sent. Its button for files is therefore only what a browser sends to; what comes is
 checked and taken in here, and the viewer does not hear of it.
@@ -33,7 +33,7 @@ def kind_of(message: bytes | str) -> str | None:
 
 
 @dataclass
-class _Parcel:
+class _UploadPart:
     """A file on its way."""
 
     transfer: str
@@ -47,7 +47,7 @@ class _Parcel:
         return min(self.size, self.parts * PART_BYTES)
 
 
-class Post:
+class Upload:
     """One visitor's: one file at a time. ``on_file(name, path)`` gets a file that has come, in the ``folder``, where
     the next one will take its place; ``on_refusal`` a sentence. The web server's loop calls all but :meth:`close`."""
 
@@ -55,7 +55,7 @@ class Post:
                  on_refusal: Callable[[str], None]):
         self._gui, self._button, self._on_file, self._on_refusal = gui, button, on_file, on_refusal
         self._folder = tempfile.TemporaryDirectory(prefix="mpm-lab-", ignore_cleanup_errors=True)
-        self._parcel: _Parcel | None = None
+        self._parcel: _UploadPart | None = None
         self._closed, self._lock = False, threading.Lock()
         object.__setattr__(button, _OWN, self)  # the viewer's own way takes its properties only
 
@@ -99,7 +99,7 @@ class Post:
         if said["part_count"] != math.ceil(said["size_bytes"] / PART_BYTES):
             return "a file in parts that it cannot have"
         into = open(self.folder / "coming", "wb")  # closed with its last part
-        self._parcel = _Parcel(said["transfer_uuid"], said["filename"], said["size_bytes"], into)
+        self._parcel = _UploadPart(said["transfer_uuid"], said["filename"], said["size_bytes"], into)
         self._follow(self._parcel)
         return None
 
@@ -115,7 +115,7 @@ class Post:
         self._follow(parcel)
         return None
 
-    def _follow(self, parcel: _Parcel) -> None:
+    def _follow(self, parcel: _UploadPart) -> None:
         """Tell the browser how much has come; hand over a file that is complete."""
         self._gui._websock_interface.queue_message(FileTransferPartAck(
             self._button._impl.uuid, parcel.transfer, parcel.received, parcel.size))
@@ -125,6 +125,6 @@ class Post:
             self._on_file(parcel.name, self.folder / "coming")
 
 
-def of(button: Any) -> Post | None:
+def of(button: Any) -> Upload | None:
     """The post of a button for files, if it has one."""
     return getattr(button, _OWN, None)

@@ -10,7 +10,7 @@ LAST_PERIODS = 2  # that plots show on request: fine enough however long the run
 ROOM = 2 * MOST_ROWS  # rows of a table: it is copied when it is full, not with every frame
 
 
-class Course:
+class DownsampledSeries:
     """Keeps every so many-th of the rows that are added, or of those in the ``last`` seconds. One thread adds, any may
     read :attr:`series`."""
 
@@ -48,11 +48,11 @@ class Course:
         self._held = table, start, end
 
 
-class Courses:
+class RunSeries:
     """One run's series twice: from its start on, and over its last periods, finer where the run is long."""
 
     def __init__(self, period: float):
-        self._whole, self._latest = Course(), Course(LAST_PERIODS * period)
+        self._whole, self._latest = DownsampledSeries(), DownsampledSeries(LAST_PERIODS * period)
 
     @property
     def series(self) -> dict[str, np.ndarray]:
@@ -64,7 +64,7 @@ class Courses:
         return self._latest.series
 
     def append(self, new: Mapping[str, np.ndarray]) -> None:
-        """To both, as :meth:`Course.add`."""
+        """To both, as :meth:`DownsampledSeries.add`."""
         self._whole.add(new)
         self._latest.add(new)
 

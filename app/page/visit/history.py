@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 
-from app.page.visit.downsampled import Courses
+from app.page.visit.downsampled import RunSeries
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.samples import QUANTITIES
@@ -14,7 +14,7 @@ CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are cou
 MOST_WAITING = 500  # frames' samples that may wait for a reader
 
 
-class History(Courses):
+class History(RunSeries):
     """Sampled norms and the running error index of one run. One thread adds, any may read.
 
     Its series are named as in ``solvers.solver.samples.read``, and up to that time the error index (eq 35) and the

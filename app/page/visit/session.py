@@ -66,7 +66,7 @@ class Session:
         self._crowded_at = -math.inf
         self.watched, self._rests = True, False
         self._plotted = QUANTITIES[0]
-        self._dissected: int | None = None
+        self._broken_down: int | None = None
         self._restarts = self._single_steps = self._number = self._compiled_for = 0
         self._start(scene)
         self.history = History(scene, scene.particles)
@@ -132,11 +132,11 @@ class Session:
         """Seconds since the visitor last asked for anything."""
         return monotonic() - self._asked_at
 
-    def dissect(self, particle: int | None, step: bool = True) -> int:
+    def break_down(self, particle: int | None, step: bool = True) -> int:
         """Pause, and take one ``step`` apart around a particle, or the last one again; None asks for no more of that.
         The number of the wish."""
         with self._lock:
-            self._dissected = particle
+            self._broken_down = particle
             if particle is not None:
                 self.playing, self._beyond = False, self._beyond or self.ended
                 self._single_steps += step
@@ -230,7 +230,7 @@ class Session:
             waiting = self.report is None or self.report.number < self._number
             urgent, history = self._urgent(waiting), self.history
             valid = self.report.valid_estimators if self.report else ()
-        # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
+        # ProblemReference the lock: the bound of a large ring's step takes seconds, and frames must go on.
         return urgent or (None if waiting else doubt(history, valid) or self._crowd())
 
     def _urgent(self, waiting: bool) -> Notice | None:
@@ -299,7 +299,7 @@ class Session:
         self._trouble, self._asked_at = None, monotonic()
         playing, ends = self.playing and self.watched, self.ends and not self._beyond
         self._number = self._link.ask(self.scene, playing, self.speed * self.scene.period, self._restarts,
-                                      self._single_steps, self._differences, self._plotted, self._dissected,
+                                      self._single_steps, self._differences, self._plotted, self._broken_down,
                                       ends)
         if self.pinned:
             self.pinned.follow(playing, self.speed, self._single_steps, self._differences, self._plotted, ends)

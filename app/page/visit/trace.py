@@ -5,14 +5,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.page.visit.downsampled import MOST_ROWS, Courses
+from app.page.visit.downsampled import MOST_ROWS, RunSeries
 from app.page.visit.recent import Frame, Recent
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.solver.samples import QUANTITIES
 
 
-class Traced(Courses):
+class Traced(RunSeries):
     """A particle of one run, by its number, and what frames said of it. Its series are called as those of a history are
     (``app.page.visit.history``), with the sizes of its own errors in place of norms."""
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, colour_bar, drawable, moment, robust_size, say, shared_scale, thinned
+from app.figures import MOST_CELL_LINES, colour_bar, drawable, robust_size, say, shared_scale, thinned, when_text
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 from solvers.solver.result import Result
@@ -31,7 +31,7 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     moved = drawable((shown.position - shown.material_position - even)[few])
     size = float(np.clip(5000 / len(few), 3.0, 30.0))
     axes.scatter(shown.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
-    axes.set_title(f"displacement {moment(result)}", fontsize=10)
+    axes.set_title(f"displacement {when_text(result)}", fontsize=10)
     limit = 1.4 * max(abs(curve).max(), robust_size(moved)) or scene.motion_amplitude
     name = "displacement u − vt (m)" if scene.is_patch else "displacement u (m)"
     axes.set(xlabel="material coordinate X (m)", ylabel=name, xlim=(0, 1), ylim=(-limit, limit))
@@ -68,6 +68,6 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
         tick.set_color(colour)
     axes.set(xlabel=f"position x (m){'; grey lines: cell boundaries' if lined else ''}", xlim=(-0.01, 1.01),
              ylim=(-0.5, len(lanes) - 0.5))
-    axes.set_title(f"particles {moment(result)}, coloured by the size of the position's error", fontsize=10)
+    axes.set_title(f"particles {when_text(result)}, coloured by the size of the position's error", fontsize=10)
     if len(few) and lanes[0][1] is not None:
         colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)

@@ -5,7 +5,7 @@ import viser
 
 from app.problems.slow import DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import Anatomy
+from solvers.solver.step_breakdown import StepBreakdown
 
 NODES_AT, PARTICLES_AT = 0.43, 0.14
 HEIGHT = 0.42  # of a shape function that is one
@@ -21,7 +21,7 @@ class BarSlowStage(SlowStage):
     def __init__(self, client: viser.ClientHandle):
         super().__init__(client, "bar")
 
-    def _look_at(self, a: Anatomy) -> None:
+    def _look_at(self, a: StepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place])
         self._left, self._right = x.min() - 0.3 * a.spacing, x.max() + 0.3 * a.spacing
         self._per_metre = 1.1 / (self._right - self._left)
@@ -47,7 +47,7 @@ class BarSlowStage(SlowStage):
                      for y in (-0.03, 0.03))
         self._sketch.outline(np.concatenate([low, high[:, ::-1]], axis=1), colour, thickness)
 
-    def _ground(self, a: Anatomy) -> None:
+    def _ground(self, a: StepBreakdown) -> None:
         first = np.ceil(self._left / a.spacing)
         edges = a.spacing * np.arange(first, np.floor(self._right / a.spacing) + 1)
         self._sketch.line(self._at(edges, PARTICLES_AT - 0.06), self._at(edges, NODES_AT), DOMAINS)
@@ -55,7 +55,7 @@ class BarSlowStage(SlowStage):
         for y in (NODES_AT, PARTICLES_AT):
             self._sketch.line(self._at(ends[:1], y), self._at(ends[1:], y), OTHERS)
 
-    def _functions(self, scene: Scene, a: Anatomy, s: float) -> None:
+    def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         """A curve for each node: the weight of a particle like the one in front, wherever it were."""
         h, place = a.spacing, a.place[0, 0]
         reach = 0.5 if scene.method == "bspline" else float(a.edges[0, 0, 0]) / h

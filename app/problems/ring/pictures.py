@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import colour_bar, drawable, moment, robust_size, say, shared_scale, thinned
+from app.figures import colour_bar, drawable, robust_size, say, shared_scale, thinned, when_text
 from app.problems.planar_pictures import UNKNOWN_COLOUR, dot_area, draw_cells, draw_profile
 from solvers.problems.ring import exact
 from solvers.problems.ring.scene import RingScene
@@ -51,7 +51,7 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
         if not len(few):
             say(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
-        axes.set_title(f"particles {moment(result)}{coloured}", fontsize=10)
+        axes.set_title(f"particles {when_text(result)}{coloured}", fontsize=10)
     panels[0].set_ylabel("y (m)")
     if len(few) and (estimates or truth is not None):
         colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import colour_bar, drawable, moment, say, shared_scale, thinned
+from app.figures import colour_bar, drawable, say, shared_scale, thinned, when_text
 from app.problems.planar_pictures import UNKNOWN_COLOUR, dot_area, draw_cells, draw_profile
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.scene import VortexScene
@@ -52,7 +52,7 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
         if not len(few):
             say(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
-        axes.set_title(f"particles {moment(result)}{coloured}", fontsize=10)
+        axes.set_title(f"particles {when_text(result)}{coloured}", fontsize=10)
     panels[0].set_ylabel("y (m)")
     if len(few) and (estimates or truth is not None):
         colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),

@@ -77,7 +77,7 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
             out[row, at] = squares[q]
             if ti.static(on.truth and (q < 3 or on.acceleration)):
                 out[row, at + 4] = missed[q]
-    for q in ti.static(range(column("apart"), column("margin") + 1)):
+    for q in ti.static(range(column("neighbour_gap"), column("margin") + 1)):
         out[row, q] = ti.math.nan
     if ti.static(on.soundness):
         if looks:

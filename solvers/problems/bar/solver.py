@@ -7,16 +7,16 @@ import numpy as np
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.bar import exact
-from solvers.problems.bar.anatomy import anatomy, carried
 from solvers.problems.bar.field import field
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
 from solvers.problems.bar.step import advance, find_margin, freeze
+from solvers.problems.bar.step_breakdown import breakdown, carried
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene.switches import switches
 from solvers.solver.base import MEASURE, REPORT, STEP, Solver
 from solvers.solver.result import Snapshot
-from solvers.solver.step_breakdown import Anatomy, Carried
+from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 HATS_LIMIT = 0.14  # amplitude from which on no remedy holds hat functions together
 
@@ -67,8 +67,8 @@ class BarSolver(Solver):
     def _carried(self) -> Carried:
         return carried(self._arrays)
 
-    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
-        return anatomy(self.scene, self._arrays, particle, self.step, before)
+    def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
+        return breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def _run(self, steps: int) -> None:
         self._advance(self.step, steps, STEP)

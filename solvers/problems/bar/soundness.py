@@ -31,7 +31,7 @@ def look(bar: ti.template(), row, drift):
         gap += miss
     out = ti.static(bar.samples)
     mean = gaps / P
-    out[row, ti.static(column("apart"))] = ti.sqrt(squares / P)
-    out[row, ti.static(column("adrift"))] = abs(moved / P - drift)
-    out[row, ti.static(column("torn"))] = ti.sqrt(ti.max(0.0, gap_squares / P - mean * mean))
+    out[row, ti.static(column("neighbour_gap"))] = ti.sqrt(squares / P)
+    out[row, ti.static(column("mean_drift"))] = abs(moved / P - drift)
+    out[row, ti.static(column("displacement_mismatch"))] = ti.sqrt(ti.max(0.0, gap_squares / P - mean * mean))
     out[row, ti.static(column("place"))] = place

@@ -3,13 +3,13 @@
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.kernels.hoist import read_once
+from solvers.kernels.hoist import hoist_scalars
 from solvers.problems.bar import margin, remedies
 from solvers.problems.bar.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.samples import sample
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
-from solvers.solver.loop import Phases, take_turn
+from solvers.solver.loop import Phases, run_loop
 
 FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
 
@@ -50,10 +50,10 @@ PHASES = Phases(one_step, check, sample, HOOKS)
 
 @ti.kernel
 def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti.template()):
-    """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.solver.loop.take_turn`."""
+    """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.solver.loop.run_loop`."""
     ti.loop_config(serialize=True)
     for turn in range(turns):
-        take_turn(read_once(bar), turn, start, purpose, PHASES, on)
+        run_loop(hoist_scalars(bar), turn, start, purpose, PHASES, on)
 
 
 @ti.kernel

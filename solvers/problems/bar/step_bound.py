@@ -10,7 +10,7 @@ from solvers.scene.step_bound import INSTANTS, bound, stencil
 MOST_PARTICLES = 20_000  # of the bar that is looked at; a finer one has the same cells, only more of them
 
 
-def least(scene: BarScene) -> float:
+def critical_time_step(scene: BarScene) -> float:
     """The smallest bound, in seconds, over the bar's motion from one extreme to the other."""
     if scene.is_patch:
         return _of_patch(scene)

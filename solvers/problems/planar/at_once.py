@@ -33,7 +33,8 @@ class KernelsAtOnce(NamedTuple):
     find_margin: Any  # (state, on)
 
 
-def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, outside: Callable) -> KernelsAtOnce:
+def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures,
+                    has_escaped: Callable) -> KernelsAtOnce:
     """The kernels of a problem, of which the arguments are those of ``solvers.problems.planar.step.kernels``."""
 
     @ti.kernel
@@ -74,7 +75,7 @@ def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures,
     @ti.kernel
     def check(step: ti.i32, body: State, on: ti.template()):
         """Stop a run that has gone bad."""
-        check_at_once(body, step, outside)
+        check_at_once(body, step, has_escaped)
 
     @ti.kernel
     def sample(step: ti.i32, line: ti.i32, body: State, on: ti.template()):

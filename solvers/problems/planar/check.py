@@ -11,9 +11,9 @@ SAME = 1e-12  # of itself, by which a det F may differ when it is found twice, i
 
 
 @ti.func
-def check(body: ti.template(), step, outside: ti.template()):
+def check(body: ti.template(), step, has_escaped: ti.template()):
     """Stop a run with a particle with det F <= 0, tiny or NaN, the flattest of them, or else the first for which
-    ``outside(body, p)`` says that none of a sound run is there."""
+    ``has_escaped(body, p)`` says that none of a sound run is there."""
     flattest, bad = FLATTEST, -1
     for p in range(body.particles):
         F = body.deformation_gradient[p]
@@ -21,7 +21,7 @@ def check(body: ti.template(), step, outside: ti.template()):
         if not J >= flattest:  # true for NaN too
             flattest, bad = NO_NUMBER if ti.math.isnan(J) else J, p
             body.verdict[0] = CRUSHED if J > 0 else INVERTED
-        elif bad < 0 and outside(body, p):
+        elif bad < 0 and has_escaped(body, p):
             bad = p
             body.verdict[0] = ESCAPED
     if bad >= 0:
@@ -29,7 +29,7 @@ def check(body: ti.template(), step, outside: ti.template()):
 
 
 @ti.func
-def check_at_once(body: ti.template(), step, outside: ti.template()):
+def check_at_once(body: ti.template(), step, has_escaped: ti.template()):
     """The same where all particles are looked at side by side, and the same particle: of several that are not numbers
     the last. To be called from a kernel itself, whose loops are run in parallel."""
     flattest, rank = FLATTEST, body.particles
@@ -41,7 +41,7 @@ def check_at_once(body: ti.template(), step, outside: ti.template()):
         if flattest < FLATTEST:
             if flatness(body, p) <= flattest + SAME * ti.abs(flattest):
                 ti.atomic_min(rank, p if flattest > NO_NUMBER else body.particles - 1 - p)
-        elif outside(body, p):
+        elif has_escaped(body, p):
             ti.atomic_min(rank, p)
     if rank < body.particles:
         body.verdict[0] = ESCAPED if flattest == FLATTEST else (CRUSHED if flattest > 0 else INVERTED)

@@ -8,7 +8,7 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 import taichi as ti
 
 from solvers.problems.planar.layout import CORNERS
-from solvers.problems.planar.records import add, force_moment, force_record
+from solvers.problems.planar.records import force_moment, force_record, scatter_add
 
 
 @ti.func
@@ -75,7 +75,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
             N = hats(places, c)
             first = grid + cells[c]
             for k in ti.static(range(4)):
-                add(body.node_sums, first + (k // 2) * body.row + k % 2, N[k] * sums)
+                scatter_add(body.node_sums, first + (k // 2) * body.row + k % 2, N[k] * sums)
 
 
 @ti.func
@@ -105,4 +105,4 @@ def scatter(body: ti.template(), p, carried, values: ti.template()):
     for c in ti.static(range(4)):
         N = hats(places, c)
         for k in ti.static(range(4)):
-            add(values, cells[c] + (k // 2) * body.row + k % 2, 0.25 * N[k] * carried)
+            scatter_add(values, cells[c] + (k // 2) * body.row + k % 2, 0.25 * N[k] * carried)

@@ -21,7 +21,7 @@ class DeviceArrays:
         self.copies = {name: ti.ndarray(types[name].dtype, array.shape[:types[name].ndim])
                        for name, array in arrays.items()}
         runtime.holders.add(self)
-        self.push(*arrays)
+        self.upload(*arrays)
 
     def __del__(self) -> None:
         self.forget()
@@ -31,7 +31,7 @@ class DeviceArrays:
         for name in names:
             self._arrays[name][...] = self.copies[name].to_numpy()
 
-    def push(self, *names: str) -> None:
+    def upload(self, *names: str) -> None:
         """Bring the copies up to date."""
         for name in names:
             self.copies[name].from_numpy(self._arrays[name])

@@ -4,7 +4,7 @@ import taichi as ti
 
 from solvers.kernels.shapes import outer_weights, stencil
 from solvers.problems.planar.layout import MOST_HALF_WIDTH
-from solvers.problems.planar.records import add, force_moment, force_record
+from solvers.problems.planar.records import force_moment, force_record, scatter_add
 
 
 @ti.func
@@ -63,7 +63,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
             level = R[j] * carried + dR[j] * along_y
             slope = R[j] * along_x
             for i in ti.static(range(3)):
-                add(body.node_sums, first + j * body.row + i, S[i] * level + dS[i] * slope)
+                scatter_add(body.node_sums, first + j * body.row + i, S[i] * level + dS[i] * slope)
 
 
 @ti.func
@@ -90,4 +90,4 @@ def scatter(body: ti.template(), p, carried, values: ti.template()):
     first = body.first_node[p]
     for j in ti.static(range(3)):
         for i in ti.static(range(3)):
-            add(values, first + j * body.row + i, S[i] * R[j] * carried)
+            scatter_add(values, first + j * body.row + i, S[i] * R[j] * carried)

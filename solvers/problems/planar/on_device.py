@@ -93,9 +93,9 @@ class OnDevice:
         """Bring the arrays up to date."""
         self._own.fetch(*self._names)
 
-    def push(self) -> None:
+    def upload(self) -> None:
         """Have the GPU go on from the arrays as they are here."""
-        self._own.push(*self._names)
+        self._own.upload(*self._names)
 
     def _mend(self) -> None:
         self._kernels.begin_remedies()
@@ -113,5 +113,5 @@ class OnDevice:
         """Bring the estimates up to date. The processor carries its part on while the GPU has work in its queue."""
         if self._beside and self._arrays.estimate_intervals[0] != NEVER:
             self._beside.bring_to(step)
-            self._own.push(NODES)
+            self._own.upload(NODES)
             self._kernels.report(step)

@@ -56,5 +56,5 @@ class OnProcessor:
     def fetch(self) -> None:
         """The arrays are what they are."""
 
-    def push(self) -> None:
+    def upload(self) -> None:
         """The arrays are what they are."""

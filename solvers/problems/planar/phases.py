@@ -91,10 +91,10 @@ def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), o
         if ti.static(on.acceleration):
             body.acceleration[p] = ti.Vector([here[2], here[3]])
         if ti.static(on.energy and on.body_force != "none"):  # the power, with the velocity in the middle of the step
-            push = traits.push(body, p)
-            work += dt * (push[0] * (here[0] - 0.5 * dt * here[2]) + push[1] * (here[1] - 0.5 * dt * here[3]))
+            force = traits.body_force_on(body, p)
+            work += dt * (force[0] * (here[0] - 0.5 * dt * here[2]) + force[1] * (here[1] - 0.5 * dt * here[3]))
         if ti.static(on.spin and on.body_force != "none"):
-            turning = traits.push(body, p)
+            turning = traits.body_force_on(body, p)
             spun += dt * (q[0] * turning[1] - q[1] * turning[0])
         body.motion[p] = moved
         if ti.static(on.frozen):  # the gradient of S is with respect to X

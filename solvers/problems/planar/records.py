@@ -11,11 +11,11 @@ CARRIED = 5  # numbers of a node's record that are not always zero
 def force_moment(body: ti.template(), p, traits: ti.template(), on: ti.template()):
     """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yx, yy) by gradient of the weight."""
     q, mass = body.motion[p], body.mass[p]
-    push = ti.Vector([0.0, 0.0])
+    force = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force != "none"):
-        push = traits.push(body, p)
+        force = traits.body_force_on(body, p)
     tau = (mass / body.density) * traits.stress(body, p, on)  # V sigma = V0 J sigma
-    return ti.Vector([mass * q[2], mass * q[3], push[0], push[1], mass, 0.0, 0.0, 0.0]), tau
+    return ti.Vector([mass * q[2], mass * q[3], force[0], force[1], mass, 0.0, 0.0, 0.0]), tau
 
 
 @ti.func
@@ -25,7 +25,7 @@ def force_record(x, y):
 
 
 @ti.func
-def add(records: ti.template(), place, record):
+def scatter_add(records: ti.template(), place, record):
     """Add to one of many records: of nodes, as particles do, or of circles.
 
     On a processor nobody else adds there (slabs have grids of their own), and an atomic addition, which += would be,

@@ -16,12 +16,13 @@ from solvers.solver.samples import BASE, EACH, column
 
 
 class Measures(NamedTuple):
-    """What a problem knows of itself, as functions for kernels; ``moment`` is handed on to those that follow it."""
+    """What a problem knows of itself, as functions for kernels; ``exact_at_step`` is handed on to those that follow
+    it."""
 
-    moment: Callable  # (body, step): what is known of the exact solution at the step, as numbers or in an array
-    vector_errors: Callable  # (body, p, moment, on): errors of x and v as one vector of four, and of a
-    stress_error: Callable  # (body, p, moment): error of the Cauchy stress, as xx, xy, yy
-    node_acceleration_error: Callable  # (body, moment, on): mean squared error of the nodes' acceleration
+    exact_at_step: Callable  # (body, step): what is known of the exact solution at the step, as numbers or in an array
+    vector_errors: Callable  # (body, p, exact_at_step, on): errors of x and v as one vector of four, and of a
+    stress_error: Callable  # (body, p, exact_at_step): error of the Cauchy stress, as xx, xy, yy
+    node_acceleration_error: Callable  # (body, exact_at_step, on): mean squared error of the nodes' acceleration
     strain_energy: Callable  # (body, p): of a particle, in J
     look: Callable  # (body, row): for contradictions
     more: Callable  # (body, row, step, on): samples that only this problem has
@@ -63,7 +64,7 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
         sample_truth(body, row, step, measures, on)
     if ti.static(len(on.estimators) > 0):
         sample_estimates(body, row, step, measures, on)
-    for q in ti.static(range(column("apart"), column("margin") + 1)):
+    for q in ti.static(range(column("neighbour_gap"), column("margin") + 1)):
         body.samples[row, q] = ti.math.nan
     if ti.static(on.energy):
         sample_energy(body, row, measures)
@@ -73,16 +74,16 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
 @ti.func
 def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
     """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
-    moment = measures.moment(body, step)
+    exact_at_step = measures.exact_at_step(body, step)
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
-        motion, a = measures.vector_errors(body, p, moment, on)
-        squares += squared_parts(motion, measures.stress_error(body, p, moment), a)
+        motion, a = measures.vector_errors(body, p, exact_at_step, on)
+        squares += squared_parts(motion, measures.stress_error(body, p, exact_at_step), a)
     for q in ti.static(range(3)):
         body.samples[row, ti.static(column("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
         # Before the first step no acceleration has been computed, and so none can be wrong.
-        nodes = measures.node_acceleration_error(body, moment, on)
+        nodes = measures.node_acceleration_error(body, exact_at_step, on)
         body.samples[row, ti.static(column("error_a"))] = squares[3] if step > 0 else 0.0
         body.samples[row, ti.static(column("error_extra"))] = nodes * body.particles if step > 0 else 0.0
 
@@ -90,17 +91,17 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
 @ti.func
 def sample_estimates(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth."""
-    moment = measures.moment(body, step)
+    exact_at_step = measures.exact_at_step(body, step)
     if ti.static(runtime.on_processor()):
         for e in range(ti.static(len(on.estimators))):
-            sample_estimate(body, row, step, e, moment, measures, on)
+            sample_estimate(body, row, step, e, exact_at_step, measures, on)
     else:
         for e in ti.static(range(len(on.estimators))):
-            sample_estimate(body, row, step, e, moment, measures, on)
+            sample_estimate(body, row, step, e, exact_at_step, measures, on)
 
 
 @ti.func
-def sample_estimate(body: ti.template(), row, step, e, moment, measures: ti.template(), on: ti.template()):
+def sample_estimate(body: ti.template(), row, step, e, exact_at_step, measures: ti.template(), on: ti.template()):
     """The same of estimator number e."""
     squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
@@ -109,10 +110,11 @@ def sample_estimate(body: ti.template(), row, step, e, moment, measures: ti.temp
         a = body.estimate_acceleration[e * body.particles + p]
         squares += squared_parts(motion, sigma, a)
         if ti.static(on.truth):
-            true_motion, true_a = measures.vector_errors(body, p, moment, on)
+            true_motion, true_a = measures.vector_errors(body, p, exact_at_step, on)
             if step == 0:  # none has been computed, and so none can be wrong
                 true_a = ti.Vector([0.0, 0.0])
-            missed += squared_parts(motion - true_motion, sigma - measures.stress_error(body, p, moment), a - true_a)
+            true_sigma = measures.stress_error(body, p, exact_at_step)
+            missed += squared_parts(motion - true_motion, sigma - true_sigma, a - true_a)
     at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
     for q in ti.static(range(4)):
         body.samples[row, at + q] = squares[q]

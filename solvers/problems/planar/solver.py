@@ -20,7 +20,7 @@ from solvers.scene.switches import switches
 from solvers.solver import devices
 from solvers.solver.base import MEASURE, REPORT, Solver
 from solvers.solver.result import Snapshot
-from solvers.solver.step_breakdown import Anatomy, Carried
+from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
 
@@ -97,12 +97,12 @@ class PlanarSolver(Solver):
 
     def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
         super().put(step, arrays)
-        self._stepping.push()
+        self._stepping.upload()
 
     def without_estimators(self) -> Solver:
         self._stepping.fetch()
         other = cast(PlanarSolver, super().without_estimators())
-        other._stepping.push()
+        other._stepping.upload()
         return other
 
     def _run(self, steps: int) -> None:
@@ -115,9 +115,9 @@ class PlanarSolver(Solver):
         self._stepping.fetch()
         return self._carried_now()
 
-    def _anatomy(self, particle: int, before: Carried) -> Anatomy:
+    def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         self._stepping.fetch()
-        return self._anatomy_now(particle, before)
+        return self._break_down_now(particle, before)
 
     @abstractmethod
     def _allocate(self, slabs: int) -> WatchedBody:
@@ -136,5 +136,5 @@ class PlanarSolver(Solver):
         """What the particles carry, as the arrays have it."""
 
     @abstractmethod
-    def _anatomy_now(self, particle: int, before: Carried) -> Anatomy:
+    def _break_down_now(self, particle: int, before: Carried) -> StepBreakdown:
         """The last step taken apart, as the arrays have it."""

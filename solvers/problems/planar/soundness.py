@@ -17,7 +17,7 @@ def look_at_neighbours(body: ti.template(), row):
         for side in ti.static(range(2)):
             q = body.neighbours[2 * p + side]
             if q >= 0:
-                miss = apart(body, p, q)
+                miss = neighbour_gap(body, p, q)
                 squares += miss
                 pairs += 1
                 if ti.static(runtime.on_processor()):
@@ -31,15 +31,15 @@ def look_at_neighbours(body: ti.template(), row):
             for side in ti.static(range(2)):
                 q = body.neighbours[2 * p + side]
                 if q >= 0:
-                    if apart(body, p, q) >= worst * (1 - SAME):
+                    if neighbour_gap(body, p, q) >= worst * (1 - SAME):
                         ti.atomic_min(place, p)
         place = place % body.particles  # none where nothing is a number
-    body.samples[row, ti.static(column("apart"))] = ti.sqrt(squares / ti.max(pairs, 1))
+    body.samples[row, ti.static(column("neighbour_gap"))] = ti.sqrt(squares / ti.max(pairs, 1))
     body.samples[row, ti.static(column("place"))] = place
 
 
 @ti.func
-def apart(body: ti.template(), p, q):
+def neighbour_gap(body: ti.template(), p, q):
     """|x_q - x_p - (F_p + F_q)/2 (X_q - X_p)| squared."""
     dx = body.motion[q] - body.motion[p]
     dX = body.material_position[q] - body.material_position[p]

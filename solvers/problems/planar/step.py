@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.kernels.hoist import read_once
+from solvers.kernels.hoist import hoist_scalars
 from solvers.problems.planar import margin, phases, remedies
 from solvers.problems.planar.at_once import KernelsAtOnce, kernels_at_once
 from solvers.problems.planar.check import check
 from solvers.problems.planar.samples import Measures, sample
 from solvers.problems.planar.traits import Traits
 from solvers.solver.base import MEASURE, REPORT, SOUND
-from solvers.solver.loop import Phases, take_turn
+from solvers.solver.loop import Phases, run_loop
 
 TASK = 512  # indices that a parallel loop never splits between threads
 
@@ -33,9 +33,9 @@ class Kernels(NamedTuple):
     at_once: KernelsAtOnce  # those for a GPU
 
 
-def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, outside: Callable) -> Kernels:
+def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, has_escaped: Callable) -> Kernels:
     """The kernels of a problem: the type of its state, its estimators, its own part of the phases and of the samples,
-    and ``outside(state, p)``, which says that a particle is where none of a sound run can be."""
+    and ``has_escaped(state, p)``, which says that a particle is where none of a sound run can be."""
 
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):
@@ -52,17 +52,17 @@ def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, outside
 
     @ti.func
     def check_it(body: ti.template(), step):
-        check(body, step, outside)
+        check(body, step, has_escaped)
 
     in_turn = Phases(one_step, check_it, sample_it, HOOKS)
 
     @ti.kernel
     def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
         """On one thread, from step ``start`` on, ``turns`` turns for ``purpose``: see
-        ``solvers.solver.loop.take_turn``."""
+        ``solvers.solver.loop.run_loop``."""
         ti.loop_config(serialize=True)
         for turn in range(turns):
-            take_turn(read_once(body), turn, start, purpose, in_turn, on)
+            run_loop(hoist_scalars(body), turn, start, purpose, in_turn, on)
 
     @ti.kernel
     def step_in_slabs(step: ti.i32, slabs: ti.i32, body: State, on: ti.template()):
@@ -101,7 +101,7 @@ def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, outside
         ti.loop_config(serialize=True)
         for _ in range(1):
             if purpose != REPORT and body.verdict[0] == SOUND:
-                check(body, step, outside)
+                check(body, step, has_escaped)
             if line >= 0:
                 running.report(body, step, HOOKS, on)
             if line >= 0 and purpose != REPORT:
@@ -122,4 +122,4 @@ def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, outside
             margin.step_margin(body, TRAITS, on)
 
     return Kernels(advance, step_in_slabs, inspect, freeze, find_margin,
-                   kernels_at_once(State, HOOKS, TRAITS, MEASURES, outside))
+                   kernels_at_once(State, HOOKS, TRAITS, MEASURES, has_escaped))

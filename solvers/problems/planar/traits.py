@@ -9,7 +9,7 @@ class Traits(NamedTuple):
 
     forces: Callable  # (body, t, on): find the body force per mass at time t, wherever a particle needs it
     prepare: Callable  # (body, start, end): find what the stress of these particles needs, before it is asked for
-    push: Callable  # (body, p): the force on particle p that was found, in N
+    body_force_on: Callable  # (body, p): the force on particle p that was found, in N
     stress: Callable  # (body, p, on): J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest
     #: (body, p, on): for the margin of the step, a stiffness in N m and a metric (xx, xy, yy) for the gradients of
     #: weights g and h at two nodes, which it binds with at most the stiffness times |g| |h|.

@@ -58,7 +58,7 @@ def radial_forces(ring: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def push(ring: ti.template(), p):
+def body_force_on(ring: ti.template(), p):
     """The body force on a particle, in N."""
     return ring.mass[p] * ring.radial_force[ring.radius[p]] * ring.direction[p]
 

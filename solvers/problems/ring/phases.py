@@ -4,7 +4,7 @@ import taichi as ti
 
 from solvers.problems.planar.traits import Traits
 from solvers.problems.ring.layout import GHOSTS
-from solvers.problems.ring.material import push, radial_forces, stress_of, tangent
+from solvers.problems.ring.material import body_force_on, radial_forces, stress_of, tangent
 
 
 @ti.func
@@ -63,5 +63,5 @@ def nothing_to_prepare(ring: ti.template(), start, end):
     """The stress needs no more than F."""
 
 
-TRAITS = Traits(forces=radial_forces, prepare=nothing_to_prepare, push=push, stress=stress_of, tangent=tangent,
-                first=GHOSTS, fold=fold, pin=pin, mirror=mirror_records, image=image)
+TRAITS = Traits(forces=radial_forces, prepare=nothing_to_prepare, body_force_on=body_force_on, stress=stress_of,
+                tangent=tangent, first=GHOSTS, fold=fold, pin=pin, mirror=mirror_records, image=image)

@@ -13,7 +13,7 @@ NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly lin
 
 
 @ti.func
-def moment(ring: ti.template(), step):
+def exact_at_step(ring: ti.template(), step):
     """T and T' of the exact solution at the step, and T at the step before, whose acceleration was used."""
     angle = ring.angular_frequency * ring.dt * step
     before = ti.max(0.0, angle - ring.angular_frequency * ring.dt)  # at the start both a are 0
@@ -23,7 +23,7 @@ def moment(ring: ti.template(), step):
 
 @ti.func
 def vector_errors(ring: ti.template(), p, now, on: ti.template()):
-    """Errors of x and v as one vector of four, and of a, at particle p; ``now`` is the :func:`moment`."""
+    """Errors of x and v as one vector of four, and of a, at particle p; ``now`` is the :func:`exact_at_step`."""
     expansion, speed, before = now[0], now[1], now[2]
     w = ring.radii[ring.radius[p]][1]
     X, e, q = ring.material_position[p], ring.direction[p], ring.motion[p]
@@ -88,4 +88,5 @@ def nothing_more(ring: ti.template(), row, step, on: ti.template()):
     """The ring has no samples of its own."""
 
 
-MEASURES = Measures(moment, vector_errors, stress_error, node_acceleration_error, strain_energy, look, nothing_more)
+MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy, look,
+                    nothing_more)

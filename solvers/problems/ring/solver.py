@@ -4,15 +4,15 @@ import numpy as np
 
 from solvers.problems.planar.errors import Fields
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.ring.anatomy import anatomy, carried
 from solvers.problems.ring.body import FARTHEST_MOVE, farthest
 from solvers.problems.ring.errors import true_fields
 from solvers.problems.ring.field import field
 from solvers.problems.ring.scene import RESONANCE, RingScene
 from solvers.problems.ring.state import HOOKS, RingState, WatchedRing, allocate
 from solvers.problems.ring.step import KERNELS
+from solvers.problems.ring.step_breakdown import breakdown, carried
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
-from solvers.solver.step_breakdown import Anatomy, Carried
+from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 
 class RingSolver(PlanarSolver):
@@ -34,8 +34,8 @@ class RingSolver(PlanarSolver):
     def _carried_now(self) -> Carried:
         return carried(self._arrays)
 
-    def _anatomy_now(self, particle: int, before: Carried) -> Anatomy:
-        return anatomy(self.scene, self._arrays, particle, self.step, before)
+    def _break_down_now(self, particle: int, before: Carried) -> StepBreakdown:
+        return breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def _escape(self) -> str:
         return (f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, beyond a plane, "

@@ -6,7 +6,7 @@ errors, whatever the true motion is.
 
 import taichi as ti
 
-from solvers.problems.planar.records import add
+from solvers.problems.planar.records import scatter_add
 from solvers.problems.planar.soundness import look_at_neighbours
 from solvers.solver.samples import column
 
@@ -23,7 +23,7 @@ def look(ring: ti.template(), row):
         u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
         radial, hoop = u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1]
         around += hoop * hoop
-        add(ring.circles, ring.radius[p], ti.Vector([1.0, radial, radial * radial, 0.0]))
+        scatter_add(ring.circles, ring.radius[p], ti.Vector([1.0, radial, radial * radial, 0.0]))
     scatter = 0.0
     for k in range(ring.radius_count):  # a cartesian layout has next to no two particles on a circle
         sums = ring.circles[k]

@@ -9,7 +9,7 @@ from solvers.problems.ring.state import HOOKS, RingState
 
 
 @ti.func
-def outside(ring: ti.template(), p):
+def has_escaped(ring: ti.template(), p):
     """Whether a particle is beyond a plane, or farther from the centre or from where it began than in a sound run."""
     q, X = ring.motion[p], ring.material_position[p]
     inside = q[0] > -ring.spacing and q[1] > -ring.spacing
@@ -17,4 +17,4 @@ def outside(ring: ti.template(), p):
                 (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < ring.farthest_move ** 2)
 
 
-KERNELS = kernels(RingState, HOOKS, TRAITS, MEASURES, outside)
+KERNELS = kernels(RingState, HOOKS, TRAITS, MEASURES, has_escaped)

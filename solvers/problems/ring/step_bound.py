@@ -17,7 +17,7 @@ from solvers.scene.step_bound import INSTANTS, bound
 MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
 
 
-def least(scene: RingScene) -> float:
+def critical_time_step(scene: RingScene) -> float:
     """The smallest bound, in seconds, over the ring's motion from one extreme to the other."""
     fine = scene
     while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:

@@ -100,7 +100,7 @@ def forces(vortex: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def push(vortex: ti.template(), p):
+def body_force_on(vortex: ti.template(), p):
     """The body force on a particle, in N."""
     f, e = vortex.polar_force[vortex.radius[p]], vortex.direction[p]
     return vortex.mass[p] * ti.Vector([f[0] * e[0] - f[1] * e[1], f[0] * e[1] + f[1] * e[0]])

@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.problems.planar.traits import Traits
-from solvers.problems.vortex.material import forces, prepare, push, stress, tangent
+from solvers.problems.vortex.material import body_force_on, forces, prepare, stress, tangent
 
 
 @ti.func
@@ -28,5 +28,5 @@ def itself(vortex: ti.template(), node):
     return node
 
 
-TRAITS = Traits(forces=forces, prepare=prepare, push=push, stress=stress, tangent=tangent, first=0,
+TRAITS = Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress, tangent=tangent, first=0,
                 fold=nothing_to_fold, pin=free, mirror=nothing_to_mirror, image=itself)

@@ -17,7 +17,7 @@ from solvers.solver.samples import column
 
 
 @ti.func
-def moment(vortex: ti.template(), step):
+def exact_at_step(vortex: ti.template(), step):
     """Fill ``turns`` for the step; returns A, w and the angle w t of the step before."""
     A, w = vortex.amplitude, vortex.angular_frequency
     now = w * vortex.dt * step
@@ -91,25 +91,26 @@ def strain_energy(vortex: ti.template(), p):
 
 
 @ti.func
-def sample_spin(vortex: ti.template(), row, step, on: ti.template()):
+def sample_angular_momentum(vortex: ti.template(), row, step, on: ti.template()):
     """Angular momentum, the exact one of the particles, and the impulse of the body force's torque so far.
 
     Velocities belong to half a step before, and so does the exact angular momentum here: sum m R^2 alpha_t.
     """
     if ti.static(on.spin):
-        spin, expected, torque = 0.0, 0.0, 0.0
+        momentum, expected, torque = 0.0, 0.0, 0.0
         angle = vortex.angular_frequency * vortex.dt * (step - 0.5)
         rate = vortex.amplitude * vortex.angular_frequency * cos(angle)
         for p in range(vortex.particles):
             q, known = vortex.motion[p], vortex.radii[vortex.radius[p]]
-            spin += vortex.mass[p] * (q[0] * q[3] - q[1] * q[2])
+            momentum += vortex.mass[p] * (q[0] * q[3] - q[1] * q[2])
             expected += vortex.mass[p] * known[0] * known[0] * known[1] * rate
         for slab in range(vortex.slabs):
             torque += vortex.totals[ti.static(TOTALS) * slab + 2]
-        vortex.samples[row, ti.static(column("spin"))] = spin
+        vortex.samples[row, ti.static(column("angular_momentum"))] = momentum
         vortex.samples[row, ti.static(column("torque"))] = torque
         if ti.static(on.truth):
-            vortex.samples[row, ti.static(column("exact_spin"))] = expected
+            vortex.samples[row, ti.static(column("exact_angular_momentum"))] = expected
 
 
-MEASURES = Measures(moment, vector_errors, stress_error, node_acceleration_error, strain_energy, look, sample_spin)
+MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy, look,
+                    sample_angular_momentum)

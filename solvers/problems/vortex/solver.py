@@ -4,15 +4,15 @@ import numpy as np
 
 from solvers.problems.planar.errors import Fields
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.vortex.anatomy import anatomy, carried
 from solvers.problems.vortex.body import farthest
 from solvers.problems.vortex.errors import true_fields
 from solvers.problems.vortex.field import field
 from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.state import HOOKS, VortexState, WatchedVortex, allocate
 from solvers.problems.vortex.step import KERNELS
+from solvers.problems.vortex.step_breakdown import breakdown, carried
 from solvers.scene.remedies import FILTER
-from solvers.solver.step_breakdown import Anatomy, Carried
+from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up to A = 1
 
@@ -36,8 +36,8 @@ class VortexSolver(PlanarSolver):
     def _carried_now(self) -> Carried:
         return carried(self._arrays)
 
-    def _anatomy_now(self, particle: int, before: Carried) -> Anatomy:
-        return anatomy(self.scene, self._arrays, particle, self.step, before)
+    def _break_down_now(self, particle: int, before: Carried) -> StepBreakdown:
+        return breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def _escape(self) -> str:
         return f"was thrown off (it is {farthest(self.scene):.3g} m or more from the centre, at an edge of the grid)"

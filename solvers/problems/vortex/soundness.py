@@ -6,7 +6,7 @@ as a whole: differences along it are errors, whatever the true motion is.
 
 import taichi as ti
 
-from solvers.problems.planar.records import add
+from solvers.problems.planar.records import scatter_add
 from solvers.problems.planar.soundness import look_at_neighbours
 from solvers.solver.samples import column
 
@@ -24,7 +24,7 @@ def look(vortex: ti.template(), row):
     for p in range(vortex.particles):
         X, e, motion = vortex.material_position[p], vortex.direction[p], vortex.motion[p]
         u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
-        add(vortex.circles, vortex.radius[p], ti.Vector([
+        scatter_add(vortex.circles, vortex.radius[p], ti.Vector([
             1.0, u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1], u[0] * u[0] + u[1] * u[1]]))
     scatter = 0.0
     for k in range(vortex.radius_count):

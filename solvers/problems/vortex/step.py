@@ -9,10 +9,10 @@ from solvers.problems.vortex.state import HOOKS, VortexState
 
 
 @ti.func
-def outside(vortex: ti.template(), p):
+def has_escaped(vortex: ti.template(), p):
     """Whether a particle is near the grid's edge."""
     q = vortex.motion[p]
     return not ti.max(ti.abs(q[0]), ti.abs(q[1])) < vortex.farthest
 
 
-KERNELS = kernels(VortexState, HOOKS, TRAITS, MEASURES, outside)
+KERNELS = kernels(VortexState, HOOKS, TRAITS, MEASURES, has_escaped)

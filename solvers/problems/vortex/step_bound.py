@@ -22,7 +22,7 @@ from solvers.scene.step_bound import INSTANTS, bound
 MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
 
 
-def least(scene: VortexScene) -> float:
+def critical_time_step(scene: VortexScene) -> float:
     """The smallest bound, in seconds, over the motion from rest to the largest turn; the other way is its mirror."""
     fine = scene
     while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:

@@ -12,7 +12,7 @@ import viser
 from app.page.features.own.judging import Judging
 from app.page.features.own.run import OwnRun
 from app.page.panels.head import BARE
-from app.page.viewer.upload import LARGEST, TOO_LARGE, Post
+from app.page.viewer.upload import LARGEST, TOO_LARGE, Upload
 from app.page.visit.notice import Notice
 from app.page.visit.session import Session
 from app.words import on_page
@@ -47,7 +47,7 @@ class OwnCode:
         gui.add_html(f"<i class='lab-post' data-largest='{LARGEST}' data-too-large='{TOO_LARGE}.' data-busy='{BUSY}' "
                      f"data-one='{ONE}'></i>")
         button = gui.add_upload_button("file of particles", mime_type=",".join(KINDS))
-        self._post = Post(gui, button, self._arrived, self._refuse)
+        self._post = Upload(gui, button, self._arrived, self._refuse)
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.page.visit.downsampled import Courses
+from app.page.visit.downsampled import RunSeries
 from app.page.visit.view import UNKNOWN, View
 from app.problems.stage import Half
 from app.words import QUANTITIES
@@ -20,7 +20,7 @@ COMING = "the companion is being solved"
 NO_ACCELERATION = "a file is not judged by its acceleration"
 
 
-class OwnRun(Courses):
+class OwnRun(RunSeries):
     """T frames of a file called ``name``. What the companion and the judge say comes later: ``estimate`` has norms over
     the times by quantity, ``verdict`` the judge's report on the grid."""
 

@@ -15,7 +15,7 @@ from app.problems.slow import DIGITS, SlowStage
 from app.problems.views import VIEWS
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import Anatomy
+from solvers.solver.step_breakdown import StepBreakdown
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 TICK = 0.06  # seconds between two pictures
@@ -33,7 +33,7 @@ class SlowMotion:
         self._lock = threading.RLock()
         self._over = threading.Event()  # of the thread that draws while the mode is on
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
-        self._step: tuple[Scene, Anatomy] | None = None
+        self._step: tuple[Scene, StepBreakdown] | None = None
         self.on = self._walking = False
         self.sentence = ""  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
@@ -71,8 +71,8 @@ class SlowMotion:
         with self._lock:
             if not self.on or report.number < self._asked:
                 return
-            if report.anatomy is not None:
-                before, self._step, self._drawn = self._step, (report.scene, report.anatomy), None
+            if report.breakdown is not None:
+                before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
                     self._phase, self._s = 0, 0.0
                 if before is None:
@@ -141,13 +141,13 @@ class SlowMotion:
         self._step = self._drawn = None
         for stage in self._stages.values():
             stage.root.visible = False
-        self._session.dissect(None)
+        self._session.break_down(None)
         self._on_view()
 
     def _take(self, step: bool = True) -> None:
         """Ask for the next step, or for the last one again; that is shown until the answer comes."""
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
-        self._asked = self._session.dissect(particle, step)
+        self._asked = self._session.break_down(particle, step)
 
     def _draw_loop(self, over: threading.Event) -> None:
         while not over.wait(TICK):
@@ -158,7 +158,7 @@ class SlowMotion:
             except Exception:  # one bad picture must not end the mode
                 logging.getLogger(__name__).exception("the step could not be drawn")
 
-    def _go_on(self, scene: Scene, step: Anatomy) -> None:
+    def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
         """Draw what there is to see after another tick."""
         stage = self._stages.get(scene.problem) or VIEWS[scene.problem].slow(self._client)
         self._stages[scene.problem] = stage
@@ -191,7 +191,7 @@ def _sentence(scene: Scene, phase: int) -> str:
     return f"{phase + 1} of {len(PHASES)}: {PHASES[phase].title}. {words[:1].upper()}{words[1:]}."
 
 
-def _table(scene: Scene, a: Anatomy, phase: int) -> str:
+def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
     """All the numbers of a phase: the equation in words, those of the particle, and the nodes' in a table."""
     what = PHASES[phase]
     names, rows = ["node at, m"], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]

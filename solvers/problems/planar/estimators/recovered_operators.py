@@ -93,7 +93,8 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
 @ti.func
 def radial_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
                 apart):
-    """That sum for ``ABREAST`` radii side by side, of which each has its fields ``apart`` behind the one before."""
+    """That sum for ``ABREAST`` radii side by side, of which each has its fields ``neighbour_gap`` behind the one
+    before."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first, begin, end = row_of(body, table, row, row)
     entry = start + first

@@ -59,9 +59,9 @@ def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()
         volume = rest * (F[0] * F[3] - F[1] * F[2])
         stress = rest * ti.Vector([tau[0], tau[3], 0.0, 0.0])  # V sigma = V0 J sigma
         stress[2] = volume
-        push = ti.Vector([0.0, 0.0])
+        force = ti.Vector([0.0, 0.0])
         if ti.static(on.body_force != "none"):
-            push = traits.push(body, p)
+            force = traits.body_force_on(body, p)
         if ti.static(on.method == "cpdi"):
             places, cells, g = body.weights[p], body.corner_nodes[p], cpdi.corner_gradients(body, p, on)
             for c in ti.static(range(4)):
@@ -69,33 +69,34 @@ def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()
                 a, sign = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)
                 for k in ti.static(range(4)):
                     node = cells[c] + (k // 2) * body.row + k % 2
-                    add(body, p, node, 0.25 * N[k], sign * g[a] * N[k], sign * g[a + 1] * N[k], volume, stress, push)
+                    add_contribution(body, p, node, 0.25 * N[k], sign * g[a] * N[k], sign * g[a + 1] * N[k], volume,
+                                     stress, force)
         else:
             S, dS, R, dR = gimp.stencils_of(body, p)
             for j in ti.static(range(3)):
                 for i in ti.static(range(3)):
                     node = body.first_node[p] + j * body.row + i
-                    add(body, p, node, S[i] * R[j], dS[i] * R[j], S[i] * dR[j], volume, stress, push)
+                    add_contribution(body, p, node, S[i] * R[j], dS[i] * R[j], S[i] * dR[j], volume, stress, force)
 
 
 @ti.func
-def add(body: ti.template(), p, node, S, S_x, S_y, volume, stress, push):
+def add_contribution(body: ti.template(), p, node, S, S_x, S_y, volume, stress, force):
     """One particle's part at one node; r = x_p - x_i. The force waits where the error will go."""
     r_x = body.motion[p][0] - (node % body.row - body.origin) * body.spacing
     r_y = body.motion[p][1] - (node // body.row - body.origin) * body.spacing
     body.transport_stress[node] = body.transport_stress[node] + S * stress
     body.transport_moments[node] = body.transport_moments[node] - volume * ti.Vector([S_x, S_y, S_x * r_x, S_y * r_y])
-    body.transport_error[node] = body.transport_error[node] + S * ti.Vector([push[0], push[1], 0.0, 0.0])
+    body.transport_error[node] = body.transport_error[node] + S * ti.Vector([force[0], force[1], 0.0, 0.0])
 
 
 @ti.func
 def fold_pair(body: ti.template(), ghost, image, in_x, in_y):
     """D across the plane and the force are odd."""
-    moments, push = body.transport_moments[ghost], body.transport_error[ghost]
+    moments, force = body.transport_moments[ghost], body.transport_error[ghost]
     body.transport_stress[image] = body.transport_stress[image] + body.transport_stress[ghost]
     body.transport_moments[image] = body.transport_moments[image] \
         + ti.Vector([in_x * moments[0], in_y * moments[1], moments[2], moments[3]])
-    body.transport_error[image] = body.transport_error[image] + ti.Vector([in_x * push[0], in_y * push[1], 0.0, 0.0])
+    body.transport_error[image] = body.transport_error[image] + ti.Vector([in_x * force[0], in_y * force[1], 0.0, 0.0])
 
 
 @ti.func
@@ -107,8 +108,8 @@ def node_errors(body: ti.template(), traits: ti.template()):
             sums, moments, mass = body.transport_stress[node], body.transport_moments[node], body.node_mass[node]
             error = ti.Vector([0.0, 0.0, 0.0, 0.0])
             if mass > 0 and sums[2] > 0:
-                motion, push = body.node_motion[node], body.transport_error[node]
-                a = ti.Vector([motion[2] - push[0] / mass, motion[3] - push[1] / mass])
+                motion, force = body.node_motion[node], body.transport_error[node]
+                a = ti.Vector([motion[2] - force[0] / mass, motion[3] - force[1] / mass])
                 # f over the nodal density: (sum V S sigma / V_i)/(m_i/V_i) = sum V S sigma / m_i.
                 error[0] = moments[0] / sums[2] * sums[0] / mass + (moments[2] / sums[2] - 1) * a[0]  # eq 46
                 error[1] = moments[1] / sums[2] * sums[1] / mass + (moments[3] / sums[2] - 1) * a[1]  # eq 47

@@ -5,7 +5,7 @@ import numpy as np
 from solvers.problems.bar.nodes import MOST_HALF_WIDTH
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import WatchedBar
-from solvers.solver.step_breakdown import Anatomy, Carried, Image, link
+from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, link
 
 
 def carried(a: WatchedBar) -> Carried:
@@ -14,7 +14,7 @@ def carried(a: WatchedBar) -> Carried:
     return Carried(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
 
 
-def anatomy(scene: BarScene, a: WatchedBar, particle: int, step: int, before: Carried) -> Anatomy:
+def breakdown(scene: BarScene, a: WatchedBar, particle: int, step: int, before: Carried) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
     N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
     links = link(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
@@ -40,7 +40,7 @@ def anatomy(scene: BarScene, a: WatchedBar, particle: int, step: int, before: Ca
         return values[:, None].copy()
 
     k = links.members
-    return Anatomy(
+    return StepBreakdown(
         step, time, scene.time_step, h, links, seen, carried(a).seen(links), np.full(len(k), mass),
         place[k] + links.shift, column(width[k])[:, None], column(tension[k])[:, None],
         column((links.nodes - 1) * h + period[particle]), node_mass, column(mass * a.node_sums[g, 1]),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.estimators.alone import Body
+from solvers.estimators.alone import ElasticBody
 from solvers.problems.planar.layout import Layout
-from solvers.problems.planar.outside import PlanarOutside
+from solvers.problems.planar.reference import PlanarReference
 from solvers.problems.reference import Texts
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.exact import force_at_rest, on_axis, turned
@@ -32,7 +32,7 @@ SOURCE = ("Sources: Brannon, Kamojjala and Sadeghirad, Establishing credibility 
           "Computers 31 (2015) 199-213.")
 
 
-class VortexOutside(PlanarOutside):
+class VortexReference(PlanarReference):
     """The generalized vortex."""
 
     EXACT = exact
@@ -93,11 +93,11 @@ class VortexOutside(PlanarOutside):
     def grid_corner(self, scene: VortexScene) -> float:
         return -0.5 * SIDE
 
-    def companion(self, scene: VortexScene, fine: bool) -> Body:
+    def companion(self, scene: VortexScene, fine: bool) -> ElasticBody:
         # here: the page of text and the table of a problem must not wait for Taichi
         from solvers.problems.vortex.estimators.companion_alone import VortexAlone
 
         return VortexAlone(scene, *(FINE if fine else COARSE))
 
 
-OUTSIDE = VortexOutside()
+REFERENCE = VortexReference()

@@ -1,6 +1,6 @@
 """A step in the plane with nothing optional in it: CPDI with the material body force, written out by hand.
 
-See :mod:`solvers.problems.bar.stripped`. The mappings, which have no switches but the force's kind, are the solvers'
+See :mod:`solvers.problems.bar.baseline`. The mappings, which have no switches but the force's kind, are the solvers'
 own.
 """
 
@@ -25,19 +25,19 @@ MEMBERS = ("particles", "row", "active", "radius_count", "spacing", "origin", "c
            "direction", "radius", "edges", "weights", "corner_nodes", "radii", "node_sums", "node_motion", "verdict")
 
 
-class Bare(NamedTuple):
+class NoSwitches(NamedTuple):
     """What the mappings ask of the switches."""
 
     body_force: str = "material"
     frozen: bool = False
 
 
-def stripped(Own: type[PlanarSolver], state: type[WatchedBody], members: tuple[str, ...], TRAITS: Traits,
-             outside: Callable) -> type[PlanarSolver]:
-    """The problem's own solver with the stripped step; its rows of samples hold nothing.
+def baseline(Own: type[PlanarSolver], state: type[WatchedBody], members: tuple[str, ...], TRAITS: Traits,
+             has_escaped: Callable) -> type[PlanarSolver]:
+    """The problem's own solver with the baseline step; its rows of samples hold nothing.
 
     ``state`` is the kind of its arrays, of which its part of the step asks for ``members`` beside :data:`MEMBERS`;
-    ``outside(state, p)`` says that a particle is where none of a sound run can be.
+    ``has_escaped(state, p)`` says that a particle is where none of a sound run can be.
     """
     State = part_types(state, (*MEMBERS, *members))
 
@@ -52,17 +52,17 @@ def stripped(Own: type[PlanarSolver], state: type[WatchedBody], members: tuple[s
                 update_nodes(body, TRAITS)
                 nodes_to_particles(body, on)
                 if (step + 1) % CHECK_EVERY == 0:
-                    check(body, step + 1, outside)
+                    check(body, step + 1, has_escaped)
 
-    class Stripped(Own):
+    class Baseline(Own):
         def __init__(self, scene: Scene):
             super().__init__(scene)
             self._stripped: Any = part_of(self._pack, State)
 
         def _run(self, steps: int) -> None:
-            advance(self.step, steps, self._stripped, Bare())
+            advance(self.step, steps, self._stripped, NoSwitches())
 
-    return Stripped
+    return Baseline
 
 
 @ti.func

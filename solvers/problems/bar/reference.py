@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.estimators.alone import Body
+from solvers.estimators.alone import ElasticBody
 from solvers.estimators.spectral import Elements
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.reference import Outside, Start, Texts
+from solvers.problems.reference import ProblemReference, Start, Texts
 
 SLACK = 1e-6  # m, by which a material point may lie beyond an end: single precision rounds
 FINE, COARSE = 16, 12  # elements of the companion, of order ORDER
@@ -24,7 +24,7 @@ WHERE = ("It belongs to material points: a particle that began at $X$ feels $b(X
          "the force only in space may invert $x = X + u(X,t)$.")
 
 
-class BarOutside(Outside):
+class BarReference(ProblemReference):
     """The vibrating bar."""
 
     def start(self, scene: BarScene) -> Start:
@@ -121,11 +121,11 @@ class BarOutside(Outside):
         turns = np.round(x - X - drift)
         return np.where(np.isfinite(turns) & (turns != 0), x - turns, x)
 
-    def companion(self, scene: BarScene, fine: bool) -> Body:
+    def companion(self, scene: BarScene, fine: bool) -> ElasticBody:
         return BarBody(scene, FINE if fine else COARSE)
 
 
-class BarBody(Body):
+class BarBody(ElasticBody):
     """Elements around the period, as the companion's that runs beside the particles; here of a fixed number.
 
     A bar that begins stretched by F counts X from there: its density is rho/F, and its stress E F (1 + u_X) - E.
@@ -160,4 +160,4 @@ class BarBody(Body):
                 np.einsum("pi,pi->p", slopes, local)[:, None, None])
 
 
-OUTSIDE = BarOutside()
+REFERENCE = BarReference()

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from solvers.problems.planar.anatomy import nodes_of, weights_of
 from solvers.problems.planar.layout import half_edges
+from solvers.problems.planar.step_breakdown import nodes_of, weights_of
 from solvers.problems.vortex.errors import stress
 from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.state import WatchedVortex
-from solvers.solver.step_breakdown import Anatomy, Carried, Image, link
+from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, link
 
 
 def carried(a: WatchedVortex) -> Carried:
@@ -19,7 +19,7 @@ def carried(a: WatchedVortex) -> Carried:
                    sigma)
 
 
-def anatomy(scene: VortexScene, a: WatchedVortex, particle: int, step: int, before: Carried) -> Anatomy:
+def breakdown(scene: VortexScene, a: WatchedVortex, particle: int, step: int, before: Carried) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
     edges = half_edges(scene, before.deformation_gradient, a.edges)
     links = link(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
@@ -35,7 +35,7 @@ def anatomy(scene: VortexScene, a: WatchedVortex, particle: int, step: int, befo
         if scene.frozen:
             force_moment = force_moment @ np.linalg.inv(F).transpose(0, 2, 1)
     ij = np.stack([links.nodes % a.row, links.nodes // a.row], axis=1)
-    return Anatomy(
+    return StepBreakdown(
         step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen, carried(a).seen(links),
         a.mass[k], place[k], edges[k], (a.mass[k] / a.density)[:, None, None] * force_moment,
         (ij - a.origin) * scene.spacing, sums[:, 4].copy(), sums[:, :2].copy(), sums[:, 2:4] - body, body,

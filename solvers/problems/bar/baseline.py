@@ -89,7 +89,7 @@ def advance(start: ti.i32, steps: ti.i32, bar: StrippedBarState):
 
 
 class StrippedBar(BarSolver):
-    """A bar that takes the stripped steps; its rows of samples hold nothing."""
+    """A bar that takes the baseline steps; its rows of samples hold nothing."""
 
     def __init__(self, scene):
         super().__init__(scene)

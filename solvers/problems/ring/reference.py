@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.estimators.alone import Body
+from solvers.estimators.alone import ElasticBody
 from solvers.problems.planar.layout import Layout
-from solvers.problems.planar.outside import SLACK, PlanarOutside
+from solvers.problems.planar.reference import SLACK, PlanarReference
 from solvers.problems.reference import Texts
 from solvers.problems.ring import exact
 from solvers.problems.ring.layout import particle_layout
@@ -23,7 +23,7 @@ WHERE = ("The force belongs to material points: a particle that began at $X$ fee
          "$e_R = X/R$, wherever it is now. A code that has the force only in space may invert $x = X + u(X,t)$.")
 
 
-class RingOutside(PlanarOutside):
+class RingReference(PlanarReference):
     """The expanding ring."""
 
     EXACT = exact
@@ -79,11 +79,11 @@ class RingOutside(PlanarOutside):
     def misplaced(self, scene: RingScene, X: np.ndarray) -> np.ndarray:
         return super().misplaced(scene, X) | (X < -SLACK).any(axis=1)
 
-    def companion(self, scene: RingScene, fine: bool) -> Body:
+    def companion(self, scene: RingScene, fine: bool) -> ElasticBody:
         # here: the page of text and the table of a problem must not wait for Taichi
         from solvers.problems.ring.estimators.companion_alone import RingAlone
 
         return RingAlone(scene, *(FINE if fine else COARSE))
 
 
-OUTSIDE = RingOutside()
+REFERENCE = RingReference()

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.planar.layout import Layout
-from solvers.problems.reference import Outside, Start
+from solvers.problems.reference import ProblemReference, Start
 
 SLACK = 1e-6  # m, by which a material point may lie beyond a rim: single precision rounds
 EDGES = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
 
 
-class PlanarOutside(Outside):
+class PlanarReference(ProblemReference):
     """A ring around the origin. ``EXACT`` is the problem's module of its exact solution, with the radii of the rims."""
 
     EXACT: Any

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from solvers.problems.planar.anatomy import nodes_of, weights_of
 from solvers.problems.planar.layout import half_edges
+from solvers.problems.planar.step_breakdown import nodes_of, weights_of
 from solvers.problems.ring.layout import GHOSTS
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.state import WatchedRing
-from solvers.solver.step_breakdown import Anatomy, Carried, Image, flipped, link
+from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
 
 
 def carried(a: WatchedRing) -> Carried:
@@ -21,7 +21,7 @@ def carried(a: WatchedRing) -> Carried:
     return Carried(a.motion[:, :2].copy(), a.motion[:, 2:].copy(), F.reshape(-1, 2, 2), stress.reshape(-1, 2, 2))
 
 
-def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: Carried) -> Anatomy:
+def breakdown(scene: RingScene, a: WatchedRing, particle: int, step: int, before: Carried) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     links = link(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
@@ -30,8 +30,8 @@ def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: 
     signs = np.where(ij < GHOSTS, -1.0, 1.0)  # a node beyond a plane has what its mirror image has
     home = np.abs(ij - GHOSTS) + GHOSTS
     sums = a.node_sums[home[:, 1] * row + home[:, 0]]
-    push = links.signs * (a.mass * a.radial_force[a.radius])[k, None] * a.direction[k]
-    body = links.weight.T @ push
+    force = links.signs * (a.mass * a.radial_force[a.radius])[k, None] * a.direction[k]
+    body = links.weight.T @ force
     F, place = seen.deformation_gradient, a.material_position if scene.frozen else before.position
     with np.errstate(all="ignore"):
         J = np.linalg.det(F)[:, None, None]
@@ -39,7 +39,7 @@ def anatomy(scene: RingScene, a: WatchedRing, particle: int, step: int, before: 
         if scene.frozen:
             force_moment = force_moment @ np.linalg.inv(F).transpose(0, 2, 1)
     motion = a.node_motion[links.nodes]
-    return Anatomy(
+    return StepBreakdown(
         step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen, carried(a).seen(links),
         a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
         (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - GHOSTS) * scene.spacing, sums[:, 4].copy(),

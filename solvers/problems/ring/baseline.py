@@ -1,0 +1,9 @@
+"""The ring's step with nothing optional in it."""
+
+from solvers.problems.planar.baseline import baseline
+from solvers.problems.ring.phases import TRAITS
+from solvers.problems.ring.solver import RingSolver
+from solvers.problems.ring.state import WatchedRing
+from solvers.problems.ring.step import has_escaped
+
+SOLVER = baseline(RingSolver, WatchedRing, ("material_position", "farthest_move", "radial_force"), TRAITS, has_escaped)

@@ -1,9 +1,0 @@
-"""The ring's step with nothing optional in it."""
-
-from solvers.problems.planar.stripped import stripped
-from solvers.problems.ring.phases import TRAITS
-from solvers.problems.ring.solver import RingSolver
-from solvers.problems.ring.state import WatchedRing
-from solvers.problems.ring.step import outside
-
-SOLVER = stripped(RingSolver, WatchedRing, ("material_position", "farthest_move", "radial_force"), TRAITS, outside)

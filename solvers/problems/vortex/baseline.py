@@ -1,0 +1,9 @@
+"""The vortex's step with nothing optional in it."""
+
+from solvers.problems.planar.baseline import baseline
+from solvers.problems.vortex.phases import TRAITS
+from solvers.problems.vortex.solver import VortexSolver
+from solvers.problems.vortex.state import WatchedVortex
+from solvers.problems.vortex.step import has_escaped
+
+SOLVER = baseline(VortexSolver, WatchedVortex, ("lame_modulus", "volumetric", "polar_force"), TRAITS, has_escaped)
