@@ -61,10 +61,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 #: Files with tests in the browser, shared out to two processes: each starts a server and a browser once.
-BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser").glob("test_*.py"))
+BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser").rglob("test_*.py"))
 #: Few tests that take long. The files with most tests are begun first, and these would be last: one process would still
 #: be at them, half a minute long, when the others have ended.
-DEAR = [f"tests/test_{name}.py" for name in ("extension", "attacks", "lessons", "cluster", "compile_time", "killed")]
+DEAR = [f"tests/{name}.py" for name in (
+    "solvers/estimators/test_extension", "app/serving/test_attacks", "app/lessons/test_lessons",
+    "solvers/study/test_cluster", "solvers/kernels/test_compile_time", "app/serving/test_killed")]
 
 
 class FileByFile(LoadScopeScheduling):
@@ -79,7 +81,7 @@ class FileByFile(LoadScopeScheduling):
 
     def _split_scope(self, nodeid: str) -> str:
         path = Path(nodeid.partition("::")[0])
-        if path.parent.name != "browser":
+        if "browser" not in path.parts:
             return str(path)
         return f"browser {2 * BROWSER_FILES.index(path.name) // len(BROWSER_FILES)}"
 

@@ -1,6 +1,6 @@
 """What can only be seen on a machine with a GPU: ``python -m tests.real_gpu``. Prints what it finds.
 
-The tests of ``tests/test_gpu.py`` on that GPU, then how fast it is, then a ring on 768 cells for a period with the
+The tests of ``tests/solvers/running/test_gpu.py`` on that GPU, then how fast it is, then a ring on 768 cells for a period with the
 companion beside it, on the GPU and on the processor: estimates, index, errors and the seconds of both.
 """
 
@@ -27,7 +27,7 @@ def main() -> int:
         print("no GPU was found")
         return 1
     os.environ["MPM_LAB_TEST_GPU"] = where
-    failed = pytest.main(["-n", "0", "-q", "--slow", "tests/test_gpu.py"])
+    failed = pytest.main(["-n", "0", "-q", "--slow", "tests/solvers/running/test_gpu.py"])
     print(_gpu(gpu.gpu(quick=False)))
     scenes = {"GPU": replace(RING, arch=where), "processor": replace(RING, threads=os.cpu_count() or 1)}
     for name, scene in scenes.items():

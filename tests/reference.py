@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-NUMBERS = json.loads((Path(__file__).parents[1] / "assets/reference/bar.json").read_text())
+from tests.paths import ASSETS
+
+NUMBERS = json.loads((ASSETS / "reference" / "bar.json").read_text())
 
 
 def weight(method: str, r: np.ndarray, h: float, half: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:

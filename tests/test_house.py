@@ -9,19 +9,18 @@ import graphlib
 import re
 import sys
 from itertools import permutations
-from pathlib import Path
 
 import grimp
 import pytest
 
 from solvers.problems import PROBLEMS
+from tests.paths import ROOT
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:  # mypy brings it
     import tomli as tomllib
 
-ROOT = Path(__file__).parents[1]
 SOURCES = sorted(path for room in ("app", "solvers") for path in (ROOT / room).rglob("*.py"))
 KERNEL = re.compile(r"^\s*@ti\.(func|kernel)\b", re.MULTILINE)
 LONGEST_FILE = 320

@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 from contextlib import ExitStack, closing, contextmanager
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import sync_playwright
@@ -17,6 +16,7 @@ from playwright.sync_api import sync_playwright
 from solvers.workers.processes import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
+from tests.paths import ROOT
 from tests.processes import HANG, STARVED, until
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -67,7 +67,7 @@ def serving(environment=None, arguments=(), coded=False, log=None, frames=FEW):
     unasked, and few ``frames`` a second come: the tests need the processors."""
     command = [sys.executable, "-m", "app", "serve", "--port", str(free_port()), "--no-warm-up",
                "--frames", str(frames), *arguments]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2],
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=ROOT,
                                env={**os.environ, **(environment or {})})
     line = process.stderr.readline()
     found = re.search(r"http://\S+", line)

@@ -1,0 +1,180 @@
+"""Exported files: recordings keep a run's numbers as well as they say, the file stays small, bad input is told."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app import state
+from app.cli import main
+from app.export import lattice, plan
+from app.export.answers import rules
+from app.export.page import scene_page
+from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
+from app.export.record import Wanted, recording
+from app.lessons.reading import parse
+from solvers.problems.ring.layout import particle_layout
+from tests.app.lessons.test_lesson_format import TEXT
+
+BAR = "bar cells=10 periods=0.25 estimators=recovered,transport"
+RING = "ring cells=12 periods=0.25 cfl=0.2"
+ALL = ("x", "v", "sigma", "a")
+
+
+def tracks(headers: list[dict], data: bytes) -> dict[str, np.ndarray]:
+    """The player's half: numbers of all tracks by their names."""
+    raw, at, found = zlib.decompress(data), 0, {}
+
+    def take(count: int, kind: str) -> np.ndarray:
+        nonlocal at
+        part = np.frombuffer(raw, kind, count, at)
+        at += part.nbytes
+        return part
+
+    for header in headers:
+        kind, shape = header["kind"], (header["rows"], header["width"])
+        if kind == NUMBER:
+            found[header["name"]] = take(shape[0] * shape[1], "<f4").reshape(shape)
+            continue
+        scales = take(1 if kind == PLACE else shape[0], "<f4").reshape(-1, 1)
+        steps = take(shape[0] * shape[1], "u1").reshape(shape).astype(int)
+        if kind == PLACE:
+            steps = steps + 256 * take(shape[0] * shape[1], "u1").reshape(shape).astype(int)
+        codes = np.cumsum(steps, axis=0) % (65536 if kind == PLACE else 256)
+        codes = codes if kind == SIZE else codes.astype(np.int16 if kind == PLACE else np.int8)
+        found[header["name"]] = np.where(codes == NONE[kind], np.nan, codes * (scales.astype(float) / TOPS[kind]))
+    assert at == len(raw)
+    return found
+
+
+def decoded(recorded: dict) -> dict[str, np.ndarray]:
+    return tracks(recorded["tracks"], base64.b64decode(recorded["data"]))
+
+
+def near(found: np.ndarray, expected: np.ndarray, share: float) -> bool:
+    """Whether numbers are off by no more than a share of the largest."""
+    return np.abs(found - expected).max() <= share * np.abs(expected).max() * (1 + 1e-5)
+
+
+@pytest.mark.parametrize("kind, share", [(SIZE, 1 / 508), (SIGNED, 1 / 254), (PLACE, 1 / 65534)])
+def test_a_track_is_as_exact_as_it_says(kind, share):
+    values = np.random.default_rng(1).normal(size=(7, 50)) * 10.0 ** np.arange(-3, 4)[:, None]
+    values = np.abs(values) if kind == SIZE else values
+    values[3, 5], values[4, 6] = np.nan, np.inf
+    track = Track("it", kind, values)
+    found = tracks([track.header], packed([track]))["it"]
+    known = np.isfinite(values)
+    assert (np.isnan(found) == ~known).all()
+    largest = np.abs(np.where(known, values, 0)).max(axis=None if kind == PLACE else 1, keepdims=True)
+    assert (np.abs(np.where(known, found - values, 0)) <= share * largest * (1 + 1e-5)).all()
+
+
+def test_zeros_and_nothing_stay_what_they_are():
+    for values in (np.zeros((3, 4)), np.empty((0, 1)), np.full((2, 2), np.nan)):
+        track = Track("it", SIZE, values)
+        found = tracks([track.header], packed([track]))["it"]
+        assert np.array_equal(found, values, equal_nan=True)
+
+
+@pytest.mark.parametrize("text", [BAR, RING])
+def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
+    scene = state.read(text).scene
+    result, made = simulate(scene), recording(Wanted(text, 9, 1000, ALL))
+    found, head = decoded(made), made["head"]
+    assert (head["status"], head["steps"], head["shown"]) == ("ok", scene.steps, result.particles)
+    assert len(found["time"]) == 9 and found["time"][-1] == pytest.approx(result.time)
+    assert near(found["position"][-1], result.final.position.T.ravel(), 1 / 65534)
+    for k, key in enumerate(ALL):
+        sizes = found.get(f"error.{key}", np.abs(found[f"deviation.{key}"]))[-1]
+        assert near(sizes, np.abs(result.final.error[:, k]), 1 / 254)
+        assert found["norm.true"][-1, k] == pytest.approx(result.series[f"error_{key}"][-1], rel=1e-6)
+        for name in scene.active_estimators:
+            size = np.abs(result.final.estimate[name][:, k])
+            assert near(found[f"estimate.{name}.{key}"][-1], size, 1 / 508) or not np.isfinite(size).all()
+            index = result.index(name)[key]
+            assert index is None or found[f"index.{name}"][-1, k] == pytest.approx(index, rel=1e-5)
+    crossed = found["crossings.who"].round().astype(int)[:, 0]
+    assert set(crossed) == set(np.flatnonzero(result.final.last_crossing > 0))
+    assert (np.diff(found["crossings.time"][:, 0]) >= 0).all()
+
+
+def test_domains_are_kept_where_they_are_asked_for():
+    one, scene = Wanted("ring cells=12 periods=0.1", 3, 1000, ("x",), domains=True), state.read("ring cells=12").scene
+    found = decoded(recording(one))
+    half = found["edges"][0].reshape(2, 2, -1)
+    area = 4 * np.abs(half[0, 0] * half[1, 1] - half[0, 1] * half[1, 0])
+    assert near(area, particle_layout(scene).volume, 0.03)
+    assert "edges" not in decoded(recording(replace(one, domains=False)))
+
+
+def test_a_run_gone_bad_ends_there_and_says_why():
+    made = recording(Wanted("bar cells=10 cfl=3 periods=2", 40, 1000, ("x",)))
+    assert made["head"]["status"] == "unstable" and "went unstable at t =" in made["head"]["reason"]
+    assert len(decoded(made)["time"]) < 40
+
+
+def test_of_many_particles_some_are_kept():
+    assert recording(Wanted("bar cells=40 periods=0.02", 2, 100, ("x",)))["head"]["shown"] == 80
+    assert recording(Wanted("ring cells=24 periods=0.02", 2, 100, ("x",)))["head"]["shown"] == 100
+
+
+@pytest.mark.parametrize("problem", ["bar", "ring"])
+def test_a_lattice_has_sixty_runs_and_stays_within_the_budget(problem):
+    shown = state.read(f"{problem} estimators=recovered,transport")
+    axes = lattice.around(shown.scene, lattice.FULL)
+    one = plan.planned(shown, axes, ("x", "v", "sigma"))
+    assert [len(axis.values) for axis in axes] == [5, 4, 3] and len(one.runs) == 60
+    assert all(axis.values[axis.start] == getattr(shown.scene, axis.field) for axis in axes)
+    most = next(iter(plan.wanted([one]).values())).particles
+    assert sum(plan._bytes(one, min(state.read(text).scene.particles, most)) for text in one.runs) <= plan.BUDGET
+
+
+def test_what_a_lesson_names_is_on_the_sliders():
+    text = "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.\n- Set **CFL number** to `0.025`.\nRead **norm**."
+    axes = {axis.field: axis.values for axis in lattice.named(state.read("bar cells=20 cfl=0.4").scene, text)}
+    assert axes == {"cells": (20, 80), "method": ("ugimp", "bspline"), "cfl": (0.025, 0.4)}
+
+
+def test_what_cannot_be_says_why():
+    axes = [lattice.Axis("method", ("cpgimp", "ugimp"), 0)]
+    texts = list(lattice.scenes(state.read("bar method=cpgimp velocity=corners").scene, axes))
+    assert texts[0].startswith("bar;") and texts[1].startswith("!moves the corners")
+
+
+def test_a_file_is_small_and_asks_nobody_for_anything():
+    page = scene_page(f"{BAR};error-of=a", 1, lambda part, what: None, {"cells": 2})
+    assert len(page.encode()) < 1_000_000
+    assert "default-src 'none'" in page
+    assert not re.findall(r"(?:src|href|url\()\s*=?\s*[\"']?(?:https?:)?//", page)
+    data = json.loads(re.search(r"id=\"data\">(.*?)</script>", page, re.DOTALL)[1])
+    assert len(data["runs"]) == 2 and data["stages"][0]["quantities"] == ["x", "v", "sigma", "a"]
+
+
+def test_what_is_right_is_known_for_every_variant():
+    found = rules(parse(TEXT, "99-test"), 1, lambda part, what: None)
+    assert [rule["options"] for rule in found["what-happens"]] == [[2], [2]]
+    first, second = (rule["value"] for rule in found["and"])
+    assert 0 < first < second
+
+
+@pytest.mark.parametrize("arguments, sentence", [
+    (["bar cells=2", "--out", "a.html"], "cells=2: give a whole number from 4"),
+    (["bar cels=40", "--out", "a.html"], "did you mean cells?"),
+    (["bar cells=10000 periods=100", "--out", "a.html"], "too long to record"),
+    (["no-such-lesson", "--out", "a.html"], "there is no lesson 'no-such-lesson'"),
+    (["bar", "--out", "a.htm"], "give a file that ends in .html"),
+    (["bar", "--out", "no/such/place/a.html"], "cannot be written"),
+    (["bar", "--out", "a.html", "--processes", "0"], "processes 0: give a whole number"),
+])
+def test_bad_input_is_told_in_one_sentence(arguments, sentence, capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", *arguments]) == 2
+    said = capsys.readouterr().err.strip()
+    assert sentence in said and "\n" not in said
+    assert not list(tmp_path.iterdir())

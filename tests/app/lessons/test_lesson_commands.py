@@ -1,0 +1,180 @@
+"""Lessons at the command line, answers and marks: everything that a teacher does without a page."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import pytest
+
+from app.cli import main
+from app.lessons import grading, shelf
+from app.lessons.marks import mark, shown, trouble
+from app.lessons.outcomes import Outcomes
+from app.lessons.progress import NotAnswers, Progress, begun, read
+from app.lessons.reading import parse
+from tests.app.lessons.test_lesson_format import TEXT
+
+SAVED = TEXT + """
+## Predict: Drag
+
+```question
+kind = "drag"
+control = "cells"
+expected = "20"
+tolerance = 0.2
+```
+
+## Predict: Bet
+
+```question
+kind = "interval"
+expected = "first(grids.error.x.final)"
+```
+
+## Observe: Say
+
+```question
+kind = "text"
+```
+"""
+EMPTY = {"schema": "mpm-lab/answers/1", "lesson": "99", "fingerprint": "", "name": "", "step": 0, "answers": {}}
+
+
+@pytest.fixture
+def shelf_of_one(tmp_path, monkeypatch):
+    """A folder with one lesson, in the place of ours."""
+    (tmp_path / "01-test.md").write_text(SAVED, encoding="utf-8")
+    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons):
+        monkeypatch.setattr(function, "__defaults__", (tmp_path,))
+    return tmp_path / "01-test.md"
+
+
+@pytest.fixture(scope="module")
+def outcomes():
+    found = Outcomes()
+    yield found
+    found.close()
+
+
+def answers(lesson, name="Ada", **given) -> Progress:
+    progress = begun(lesson)
+    progress.name = name
+    for key, value in given.items():
+        progress.answer(key.replace("_", "-"), value, 1.5)
+    return progress
+
+
+def test_check_passes_and_fails_with_lesson_step_and_claim(shelf_of_one, capfd):
+    assert main(["lesson", "check", "--quiet"]) == 0
+    assert "1 lesson, " in capfd.readouterr().out
+    shelf_of_one.write_text(shelf_of_one.read_text().replace("in 1..3", "in 4..5"))
+    assert main(["lesson", "check", "1", "--quiet", "--variants", "1"]) == 1
+    said = capfd.readouterr().err
+    assert "01-test, line 30, step \"Look\": order(grids.error.x.max) in 4..5: does not hold, found 2." in said
+
+
+def test_a_file_with_a_mistake_fails_and_is_told(shelf_of_one, capfd):
+    shelf_of_one.write_text(shelf_of_one.read_text().replace("minutes = 10", "minutes = 0"))
+    assert main(["lesson", "list"]) == 1
+    assert main(["lesson", "check", "--quiet"]) == 1
+    assert "mpm-lab: 01-test.md, line 3: minutes = 0: give a whole number" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("arguments, said", [
+    (["lesson", "check", "99"], "there is no lesson '99'"), (["lesson", "check", "--processes", "0"], "from 1 to 64"),
+    (["lesson", "guide", "1", "--out", "x.doc"], "ends in .md or .html"), (["lesson", "grade"], "give the files"),
+    (["lesson", "guide"], "there is no lesson"), (["serve", "--lesson", "99"], "there is no lesson '99'")])
+def test_bad_input_is_one_sentence(arguments, said, capfd):
+    assert main(arguments) == 2
+    told = capfd.readouterr().err
+    assert said in told and told.count("\n") == 1
+
+
+def test_the_guide_has_notes_and_right_answers(shelf_of_one, tmp_path, capfd):
+    assert main(["lesson", "guide", "1", "--quiet"]) == 0
+    text = capfd.readouterr().out
+    assert "Ask them." in text and "**Answer:** something" in text
+    assert main(["lesson", "guide", "1", "--quiet", "--out", str(tmp_path / "guide.html")]) == 0
+    page = (tmp_path / "guide.html").read_text()
+    assert page.startswith("<!doctype html>") and "<math" in page
+    assert "http" not in page.replace("http://www.w3.org", "")  # nothing is loaded from elsewhere
+
+
+def test_marks_are_derived_from_the_runs(outcomes):
+    lesson = parse(SAVED, "01-test")
+    steps, numbers = lesson.questions, lesson.variants[1]
+    coarse = outcomes.result("bar cells=8 amplitude=0.03 periods=0.1")["error"]["x"]["final"]
+
+    def right(key, answer):
+        return mark(lesson, steps[key], answer, numbers, outcomes).right
+
+    assert right("what-happens", 2) and not right("what-happens", 1)
+    assert right("and", 1.05 * coarse) and not right("and", 1.2 * coarse)
+    assert right("drag", 23) and not right("drag", 25)
+    assert right("say", "anything") is None
+
+
+def test_grade_makes_one_table(shelf_of_one, tmp_path, capfd):
+    lesson = shelf.lesson("01-test")
+    one = answers(lesson, "Ada", what_happens=2, drag=20.0, bet=[0.0, 1.0], say="=1+1 <img src=x onerror=alert(1)>")
+    two = answers(lesson, "Émile", what_happens=1, bet=[5.0, 6.0])
+    for k, progress in enumerate((one, two)):
+        (tmp_path / f"{k}.json").write_text(progress.text(), encoding="utf-8")
+    assert main(["lesson", "grade", str(tmp_path / "0.json"), str(tmp_path / "1.json")]) == 0
+    said = capfd.readouterr()
+    first, second = csv.DictReader(io.StringIO(said.out))
+    assert (first["name"], first["right"], first["of"], first["same lesson"]) == ("Ada", "3", "4", "yes")
+    assert first["what-happens: right"] == "yes" and second["what-happens: right"] == "no"
+    assert first["say"].startswith("'=1+1 <img") and second["drag"] == ""
+    assert "01-test, bet: 1 of 2 intervals hold what came out (50%)" in said.err
+
+
+@pytest.mark.parametrize("text, said", [
+    ("", "is no JSON"), ("[" * 5000, "is no JSON"), ("{}", "it has no schema"), ("[]", "it is no object"),
+    (json.dumps({**EMPTY, "schema": "x"}), "another version"), (json.dumps(EMPTY), "a lesson that is not here"),
+    (json.dumps({**EMPTY, "lesson": 3}), "lesson is of the wrong kind")])
+def test_a_file_of_something_else_is_told(text, said, tmp_path, capfd):
+    with pytest.raises(NotAnswers, match=said):
+        read(text, {}.get)
+    (tmp_path / "file.json").write_text(text)
+    assert main(["lesson", "grade", str(tmp_path / "file.json"), str(tmp_path / "none.json")]) == 1
+    told = capfd.readouterr().err
+    assert f"{said}" in told and "mpm-lab: file.json: " in told and "none.json: no such file" in told
+
+
+def test_answers_that_no_question_can_have_are_left_out():
+    lesson = parse(SAVED, "01-test")
+    progress = answers(lesson, what_happens=9, drag="20", bet=[1.0], say="x" * 501)
+    progress.answers["no-such-step"] = progress.answers["drag"]
+    assert read(progress.text(), {"01-test": lesson}.get).answers == {}
+    progress = answers(lesson, drag=20.0)
+    progress.answer("drag", 30.0, 2.0)
+    kept = read(progress.text(), {"01-test": lesson}.get).answers["drag"]
+    assert (kept.first, kept.last, kept.attempts, kept.seconds) == (20.0, 30.0, 2, 3.5)
+
+
+@pytest.mark.parametrize("key, answer, said", [
+    ("what-happens", None, "choose one"), ("what-happens", True, "choose one"), ("and", None, "give a number"),
+    ("and", float("nan"), "give a number"), ("bet", [2.0, 1.0], "must not be above"),
+    ("bet", [None, 1.0], "two numbers"),
+    ("say", " ", "write one to 500")])
+def test_what_is_no_answer_is_told(key, answer, said):
+    lesson = parse(SAVED, "01-test")
+    assert said in trouble(lesson.questions[key].question, answer)
+
+
+def test_answers_in_words():
+    lesson = parse(SAVED, "01-test")
+    assert shown(lesson.questions["what-happens"].question, 2) == "something"
+    assert shown(lesson.questions["bet"].question, [0.5, 2.0]) == "0.5 to 2"
+    assert shown(lesson.questions["and"].question, 1.5) == "1.5 m"
+
+
+def test_a_prediction_counts_as_it_was_first_made(outcomes):
+    lesson = parse(SAVED, "01-test")
+    progress = answers(lesson, what_happens=1)
+    progress.answer("what-happens", 2, 1.0)
+    row = grading.graded("file", progress, lesson, outcomes)
+    assert row.answers["what-happens"][0] == "nothing" and row.right == 0

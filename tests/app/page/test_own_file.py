@@ -1,0 +1,371 @@
+"""A visitor's own file: read and judged in a process of its own, and taken in at the doors part by part."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import time
+import zipfile
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed
+
+from app.cli import main
+from app.page.features.cost.jobs import Slots
+from app.page.features.own.judging import BUSY, Judging, shown
+from app.page.features.own.panel import OwnCode
+from app.page.features.own.run import OwnRun
+from app.page.viewer import server, upload
+from app.page.visit.limits import MOST_WATCHED
+from solvers.judging import writing
+from solvers.judging.handout import exact
+from solvers.judging.measure import sizes
+from solvers.judging.show import MOST_ROWS, MOST_TIMES, Question, Shown
+from solvers.problems import PROBLEMS
+from solvers.study.grid import task_of
+from solvers.workers.processes import WorkerProcess
+from tests.app.serving.test_messages import page_of
+from tests.doors import lab
+from tests.processes import until
+from tests.raw import Raw, unknown
+
+QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "--periods", "0.5"],
+         "vortex": ["--cells", "24", "--periods", "0.25"]}
+
+
+@pytest.fixture(scope="module")
+def process():
+    """The process that reads files: one for all that is asked here."""
+    worker = WorkerProcess("solvers.judging.show:show")
+    yield worker
+    worker.close()
+
+
+def shown_of(process, file, scene, folder, name="mine"):
+    """What the process says of a file, as one dictionary, and where its table is."""
+    table = Path(folder) / "table"
+    question = Question(str(file), name, task_of(scene).to_dict(), str(table), MOST_WATCHED)
+    answers = {}
+    for answer in process.ask(asdict(question)):
+        answers |= answer
+    return answers, table
+
+
+@pytest.mark.parametrize("problem", ["bar", "ring", pytest.param("vortex", marks=pytest.mark.slow)])
+def test_a_run_of_ours_is_shown_with_its_own_errors(problem, process, tmp_path):
+    """Norms to rounding, as those of the judge; what is drawn in single precision."""
+    file, report = tmp_path / "run.npz", tmp_path / "run.json"
+    assert main(["run", problem, *QUICK[problem], "--particles", str(file), "--json", str(report), "--quiet"]) == 0
+    error = json.loads(report.read_text())["error"]
+    scene = PROBLEMS[problem].scene()
+    answers, table = shown_of(process, file, scene, tmp_path, "run.npz")
+    run = OwnRun("run.npz", Shown(**answers["frames"]), table)
+    assert run.scene.cells == int(QUICK[problem][1]) != scene.cells  # the file says it
+    run.estimated(answers["estimate"])
+    for q in ("x", "v", "sigma"):
+        assert run.true[q][1:].max() == pytest.approx(error[q]["max"], rel=1e-12)
+        assert run.true[q][-1] == pytest.approx(error[q]["final"], rel=1e-12)
+        _, arrays = run.frame(len(run) - 1, q, False)
+        drawn = run.view(arrays, q, False).right.sizes
+        assert np.sqrt(np.mean(drawn.astype(float) ** 2)) == pytest.approx(error[q]["final"], rel=1e-6)
+        assert run.series[f"companion/index_{q}"][-1] == pytest.approx(1, abs=1e-3)
+        # What the field plot shows: a component, and what of it is missing to the exact curve.
+        assert np.isfinite(arrays.plotted).all()
+        assert (np.abs(arrays.plotted[:, 1]) <= drawn * (1 + 1e-5) + 1e-6 * np.abs(arrays.plotted[:, 0]).max()).all() \
+            or problem == "vortex"  # whose component is along another direction at another place
+    assert answers["verdict"]["apart"] is None and answers["verdict"]["files"] == ["run.npz"]
+
+
+@pytest.mark.parametrize("problem", QUICK)
+def test_the_field_of_exact_particles_is_on_the_exact_curve(problem, process, tmp_path):
+    """That of the stage's own plot, in single precision."""
+    from app.problems.views import VIEWS
+    scene, t = PROBLEMS[problem].scene(cells=12), 0.3 * PROBLEMS[problem].scene(cells=12).period
+    frame = exact(scene, t)
+    file = tmp_path / "exact.csv"
+    file.write_bytes(writing.csv(writing.table([frame])))
+    answers, table = shown_of(process, file, scene, tmp_path)
+    run = OwnRun("exact.csv", Shown(**answers["frames"]), table)
+    at = np.linalg.norm(frame.material_position, axis=1)
+    for q in ("x", "v", "sigma"):
+        _, arrays = run.frame(0, q, False)
+        curve = VIEWS[problem].plot.exact(scene, q, at, t)
+        assert arrays.plotted[:, 0] == pytest.approx(curve, abs=1e-6 * np.abs(curve).max())
+        assert np.abs(arrays.plotted[:, 1]).max() < 1e-9 * np.abs(curve).max()
+
+
+def test_where_no_solution_is_known_the_companion_alone_is_shown(process, tmp_path):
+    scene = PROBLEMS["bar"].scene(cells=12, body_force="two-tone")
+    frame = exact(replace(scene, body_force="material"), 0.1)
+    file = tmp_path / "mine.csv"
+    file.write_bytes(writing.csv(writing.table([replace(frame, stress=None, deformation_gradient=None)])))
+    answers, table = shown_of(process, file, scene, tmp_path)
+    run = OwnRun("mine.csv", Shown(**answers["frames"]), table)
+    assert run.true is None and run.missing == ["sigma"]
+    run.estimated(answers["estimate"])
+    _, arrays = run.frame(0, "x", False)
+    view = run.view(arrays, "x", False)
+    assert view.right.sizes is None and "no exact solution" in view.right.silence
+    assert np.isfinite(view.left.sizes).all() and run.estimate["x"][0] > 0
+    assert run.view(arrays, "sigma", False).left.silence == "the file has no stress"
+
+
+def test_particles_that_are_not_ours_and_not_always_the_same(process, tmp_path):
+    """Known by material positions: other numbers at other times."""
+    scene = PROBLEMS["ring"].scene(cells=12)
+    frames = [exact(scene, t) for t in (0.0, 0.002)]
+    few = np.arange(0, len(frames[1].number), 3)
+    frames[1] = replace(frames[1], number=few, **{name: getattr(frames[1], name)[few] for name in (
+        "material_position", "position", "velocity", "deformation_gradient", "stress")})
+    moved = frames[1].position + np.array([1e-3, 0.0])
+    frames[1] = replace(frames[1], position=moved)
+    columns = writing.table(frames)
+    del columns["id"]
+    file = tmp_path / "mine.csv"
+    file.write_bytes(writing.csv(columns))
+    answers, table = shown_of(process, file, scene, tmp_path)
+    run = OwnRun("mine.csv", Shown(**answers["frames"]), table)
+    assert [run.particles(0), run.particles(1)] == [len(frames[0].number), len(few)]
+    _, arrays = run.frame(1, "x", False)
+    assert arrays.position == pytest.approx(moved, abs=1e-6)
+    assert arrays.error[:, 0] == pytest.approx(np.full(len(few), 1e-3), rel=1e-4)
+    assert sizes(arrays.position - arrays.displacement - frames[1].material_position).max() < 1e-6
+
+
+def npz(**arrays):
+    out = io.BytesIO()
+    np.savez_compressed(out, **arrays)
+    return out.getvalue()
+
+
+def bomb():
+    """Half a kilobyte for every megabyte that it unpacks to."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as packed, packed.open("x.npy", "w") as member:
+        header = io.BytesIO()
+        np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (10**8,)})
+        member.write(header.getvalue())
+        for _ in range(100):
+            member.write(bytes(8_000_000))
+    return out.getvalue()
+
+
+MANY = np.zeros((MOST_TIMES + 1, 1, 1))
+BAD = [("notes.txt", b"x,id\n0,0\n", "is of no kind that is known; give a file that ends in .csv, .npz"),
+       ("empty.csv", b"", "is empty"), ("text.csv", b"\xff\xfe\x00", "is no text"),
+       ("noise.npz", b"PK\x03\x04 noise", "is no .npz of plain numbers"),
+       ("noise.vtu", b"<VTKFile", "cannot be read as .vtu"), ("noise.vtk", b"# vtk", "cannot be read as .vtk"),
+       ("objects.npz", npz(x=np.array([{"a": 1}], object)), "is no .npz of plain numbers"),
+       ("columns.csv", b"a,b\n1,2\n", "holds no particles that are known by name"),
+       ("ids.csv", b"# t = 0\nid,x\n99999,0.5\n", "has ids from 99999"),
+       ("time.csv", b"id,x\n0,0.5\n", "says no time"),
+       ("cells.csv", b"# cells = 50000\nid,x,t\n0,0.5,0\n", "too many to watch"),
+       ("cells.csv", b"# cells = -3\nid,x,t\n0,0.5,0\n", "belongs to a grid of -3 cells, which cannot be"),
+       ("times.npz", npz(t=np.arange(MOST_TIMES + 1.0), id=np.arange(1), x=MANY),
+        "has 2,001 times; give at most 2,000"),
+       ("rows.npz", npz(t=np.array(0.0), x=np.zeros(MOST_ROWS + 1)), "2,000,001 particles of all times together"),
+       ("bomb.npz", bomb, "unpacks to 0.8 GB; give at most 0.4 GB")]
+
+
+@pytest.mark.parametrize(("name", "content", "said"), BAD, ids=[f"{k} {name}" for k, (name, _, _) in enumerate(BAD)])
+def test_a_bad_file_is_refused_in_one_sentence(name, content, said, process, tmp_path):
+    """By the name that its owner knows, and the process goes on."""
+    file = tmp_path / f"particles{Path(name).suffix}"
+    file.write_bytes(content() if callable(content) else content)
+    before = process.process_id
+    answers, _ = shown_of(process, file, PROBLEMS["bar"].scene(), tmp_path, name)
+    assert list(answers) == ["refused"]
+    assert said in answers["refused"] and answers["refused"].startswith(f"The file {name} ")
+    assert str(tmp_path) not in answers["refused"] and "\n" not in answers["refused"]
+    assert before in (None, process.process_id)
+
+
+def test_memory_of_the_process_is_limited(process, tmp_path):
+    """A page of XML that unpacks to whatever it likes ends in a sentence."""
+    if not os.path.exists("/proc/self/limits"):
+        pytest.skip("memory is limited on Linux only")
+    shown_of(process, tmp_path / "none.csv", PROBLEMS["bar"].scene(), tmp_path)
+    [line] = [line for line in Path(f"/proc/{process.process_id}/limits").read_text().splitlines()
+              if line.startswith("Max address space")]
+    assert line.split()[3] == "3000000000"
+
+
+def test_a_file_that_takes_too_long_or_is_not_wanted_any_more_ends_its_process(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.page.features.own.judging.PATIENCE", 0.05)
+    heard = []
+    file = tmp_path / "coming"
+    file.write_bytes(b"x")
+    judging = Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
+    until(lambda: heard, "a sentence")
+    assert heard[0]["refused"].startswith("The file a.csv takes more than")
+    file.write_bytes(b"x")
+    cancelled = Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
+    cancelled.cancel()
+    until(lambda: judging.process_id is None and cancelled.process_id is None, "both processes have ended")
+    assert len(heard) == 1
+
+
+def test_a_server_that_judges_enough_says_so(tmp_path):
+    """And a place that was taken is given back."""
+    heard, slots = [], Slots(1)
+    assert slots.take()
+    file = tmp_path / "coming"
+    file.write_bytes(b"id,x\n")
+    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
+    until(lambda: heard == [{"refused": BUSY}], "a sentence")
+    slots.give_back()
+    file.write_bytes(b"id,x\n")
+    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
+    until(lambda: "holds no particles" in heard[-1]["refused"] and slots.taken == 0, "another, and a free place")
+
+
+@pytest.mark.parametrize(("name", "said"), [
+    ("/etc/passwd", "passwd"), ("..\\..\\x.csv", "x.csv"), ("a\nb\u202ec.csv", "abc.csv"), ("", "the file"),
+    ("x" * 500 + ".csv", "x" * 30 + "…" + "x" * 26 + ".csv")])
+def test_names_of_files_are_shown_plainly(name, said):
+    assert shown(name) == said
+
+
+@pytest.fixture(scope="module")
+def here():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(server, "HANDSHAKES", 1e9)
+        with lab() as one:
+            yield one
+
+
+@pytest.fixture
+def arrived(monkeypatch):
+    """What comes through the doors: name and content of each file; and what is refused in words."""
+    files, refused = [], []
+    monkeypatch.setattr(OwnCode, "_arrived", lambda _, name, file: files.append((name, file.read_bytes())))
+    monkeypatch.setattr(OwnCode, "_refuse", lambda _, sentence: refused.append(sentence))
+    return files, refused
+
+
+class Sender:
+    """A visitor without a browser who sends files, as the viewer's page does or otherwise."""
+
+    def __init__(self, visitor):
+        self.visitor, self.box = visitor, visitor.find("file of particles")
+
+    def start(self, size, name="mine.csv", transfer="t1", **other):
+        self.visitor.say({"type": upload.START, "source_component_uuid": self.box, "transfer_uuid": transfer,
+                          "filename": name, "mime_type": "", "part_count": -(-size // upload.PART_BYTES),
+                          "size_bytes": size} | other)
+
+    def part(self, index, content, transfer="t1", **other):
+        self.visitor.say({"type": upload.PART, "source_component_uuid": self.box, "transfer_uuid": transfer,
+                          "part_index": index, "content": content} | other)
+
+
+def settle(one, visitor):
+    """Return when the server has done all that was said by one of its visitors."""
+    widget, text = visitor.find("Tolerance / A"), str(time.perf_counter())
+    visitor.set(widget, text)
+    until(lambda: any(text == handles[widget].value for handles in (
+        client.gui._gui_input_handle_from_uuid for client in list(one._connected_clients.values()))
+        if widget in handles), "the server has heard")
+
+
+@pytest.fixture
+def sender(here, arrived, monkeypatch):
+    monkeypatch.setattr(server, "MESSAGES", 1e9)  # whatever many a second
+    with Raw(here[1]) as one:
+        one.find("Download CSV")  # the last of its controls
+        yield Sender(one)
+
+
+def test_a_file_comes_part_by_part(here, sender, arrived):
+    """In the middle of other messages; and another after it, and an empty one."""
+    content = os.urandom(2 * upload.PART_BYTES + 77)
+    sender.start(len(content))
+    for k in range(3):
+        sender.part(k, content[k * upload.PART_BYTES:(k + 1) * upload.PART_BYTES])
+        settle(here[0], sender.visitor)
+    until(lambda: len(arrived[0]) == 1, "the file")
+    sender.start(3, "other.npz", "t2")
+    sender.part(0, b"abc", "t2")
+    sender.start(0, "none.csv", "t3")
+    until(lambda: len(arrived[0]) == 3, "the others")
+    assert arrived == ([("mine.csv", content), ("other.npz", b"abc"), ("none.csv", b"")], [])
+    until(lambda: sender.visitor.kinds["FileTransferPartAck"] >= 3, "the browser is told of each")
+    assert sender.visitor.closed is None
+
+
+def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
+    """Too large, too many, out of order, of other lengths, for other widgets, and in other words than a browser's: what
+    was on its way comes all the same, the viewer holds nothing, and another visitor notices nothing."""
+    one, raw = here[0], sender.visitor
+    first, last = os.urandom(upload.PART_BYTES), b"end"
+    whole = len(first) + len(last)
+    with Raw(here[1]) as neighbour:
+        neighbour.find("Download CSV")
+        sender.part(0, b"of nothing")
+        sender.start(upload.LARGEST + 1)
+        sender.start(2**53)
+        for count in (0, 1, 3, 2**40):
+            sender.start(whole, part_count=count)
+        sender.start(-1)
+        sender.start(10.5)
+        sender.start(whole, filename="x" * 1001)
+        sender.start(whole, filename=None)
+        sender.start(whole, source_component_uuid=unknown())
+        sender.start(whole, source_component_uuid=raw.find("Choose a file"))
+        sender.start(whole, more=1)
+        settle(one, raw)
+        sender.start(whole)
+        sender.start(whole, transfer="t2")  # while one is on its way
+        sender.part(1, last)
+        sender.part(-1, last)
+        sender.part(0, first[:-1])
+        sender.part(0, first, transfer="t2")
+        sender.part(0, first, source_component_uuid=raw.find("Choose a file"))
+        sender.part(0, "text")
+        settle(one, raw)
+        sender.part(0, first)
+        sender.part(0, first)
+        sender.part(2, last)
+        turned = {"part_index": 1, "type": upload.PART, "source_component_uuid": sender.box, "transfer_uuid": "t1",
+                  "content": last}
+        raw.say(turned)  # fields in another order
+        raw.say(msgspec.msgpack.encode({"type": upload.PART})[:-1] + b"\x91" * 400_000)
+        settle(one, raw)
+        assert arrived[0] == []
+        sender.part(1, last)
+        until(lambda: arrived[0], "the file")
+        assert arrived[0] == [("mine.csv", first + last)] and arrived[1] == [upload.TOO_LARGE] * 2
+        assert neighbour.closed is None
+        for client in one._connected_clients.values():
+            assert client.gui._current_file_upload_states == {}
+            boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if upload.of(h)]
+            assert [box.value.content for box in boxes] == [b""]
+
+
+def test_who_floods_with_parts_is_sent_away(here, arrived):
+    with Raw(here[1], source_address=("127.0.7.7", 0)) as raw:  # who must wait afterwards
+        raw.find("Download CSV")
+        sender = Sender(raw)
+        noise = bytes(upload.PART_BYTES)
+        with pytest.raises(ConnectionClosed):
+            for _ in range(3000):
+                sender.part(0, noise)
+        until(lambda: raw.closed is not None, "sent away")
+
+
+def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
+    with Raw(here[1]) as raw:
+        raw.find("Download CSV")
+        sender = Sender(raw)
+        page_of(here[0])
+        [box] = [h for h in page_of(here[0]).values() if upload.of(h)]
+        folder = upload.of(box).folder
+        sender.start(2 * upload.PART_BYTES)
+        sender.part(0, bytes(upload.PART_BYTES))
+        until(lambda: (folder / "coming").exists(), "the beginning of a file")
+    until(lambda: not folder.exists(), "its folder has gone")

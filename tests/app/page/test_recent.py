@@ -1,0 +1,168 @@
+"""Looking back: the last frames, how many there are, and the numbers that go with an earlier one. No web server."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.page.panels.readout import readout
+from app.page.stage.worst import WorstRegions
+from app.page.summary import summary
+from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS, DownsampledSeries, until
+from app.page.visit.history import History
+from app.page.visit.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
+from app.page.visit.view import NOT_COMPARED, look
+from solvers.engine.frames import block_bytes, read, write
+from solvers.problems.bar.scene import BarScene
+from solvers.running.run import build
+from solvers.solver.samples import column_count
+from tests.app.frame.test_view import BAR, SIGNED, TRUE, arrays_of, report_of
+
+
+def frame(step, playing=True, fresh=False, particles=20, scene=BAR):
+    """A frame after so many steps; its first particle stands at the step's number."""
+    arrays = arrays_of(np.zeros(20), np.zeros(20))
+    arrays = replace(arrays, **{name: np.resize(getattr(arrays, name), (particles, *getattr(arrays, name).shape[1:]))
+                                for name in ("position", "displacement", "deformation_gradient", "error")})
+    arrays.position[0] = step
+    return replace(report_of(scene), step=step, time=step * scene.time_step, fresh=fresh, playing=playing,
+                   rows=np.ones((3, 30))), arrays
+
+
+def recent_of(steps, **last):
+    """Frames of so many steps, the last of which stands still."""
+    recent = Recent()
+    for step in range(steps):
+        recent.add(*frame(step, fresh=step == 0))
+    recent.add(*frame(steps, playing=False, **last))
+    return recent
+
+
+def shown(recent):
+    report, arrays = recent.shown
+    assert arrays.position[0, 0] == report.step
+    return report.step
+
+
+def test_the_last_frames_are_kept():
+    recent = recent_of(MOST_FRAMES + 50)
+    assert len(recent.frames) == MOST_FRAMES
+    most, periods = recent.reach
+    assert most == MOST_FRAMES - 1 and periods == pytest.approx(most * BAR.time_step / BAR.period)
+    recent.go_back(10**6)
+    assert shown(recent) == 51
+
+
+def test_many_samples_are_not_kept():
+    """The history has them."""
+    report, arrays = frame(0)
+    recent = Recent()
+    for rows, kept in ((16, 16), (17, 0)):
+        recent.add(replace(report, fresh=True, rows=np.ones((rows, FEW_BYTES // 128))), arrays)
+        assert len(recent.frames[0][0].rows) == kept
+
+
+def test_memory_is_bounded_and_large_frames_are_fewer():
+    """And what is counted is all that a frame of the engine brings."""
+    recent, particles = Recent(), 200_000
+    held = size(frame(0, particles=particles)[1])
+    for step in range(20):
+        recent.add(*frame(step, particles=particles, fresh=step == 0))
+    assert len(recent.frames) == MOST_BYTES // held < 20
+    scene = BarScene(cells=8, ppc=2, estimators=("transport",))
+    assert size(engine_frame(build(scene))) == 4 * scene.particles * (1 + 1 + 1 + 1 + 4 + 4 + 2)
+
+
+def engine_frame(solver):
+    """A frame's arrays as an engine hands them over."""
+    block = SimpleNamespace(buf=bytearray(block_bytes(solver.scene)))
+    write(block, solver.scene, solver.snapshot(plotted="x"))
+    return read(block, solver.scene, len(solver.snapshot().position), plotted=True)
+
+
+def test_a_fresh_frame_empties():
+    recent = recent_of(30)
+    recent.go_back(20)
+    recent.add(*frame(0, fresh=True, playing=False))
+    assert len(recent.frames) == 1 and recent.back == 0 and shown(recent) == 0
+
+
+def test_looking_back_needs_a_pause_and_ends_when_the_run_moves():
+    """A frame that only holds something else, of the same step, changes nothing but itself."""
+    recent = Recent()
+    assert recent.shown is None and recent.reach == (0, 0.0)
+    for step in range(10):
+        recent.add(*frame(step, fresh=step == 0))
+    recent.go_back(3)
+    assert shown(recent) == 9 and recent.ago == 0
+    recent.add(*frame(9, playing=False))
+    recent.go_back(3)
+    assert shown(recent) == 6 and not recent.shown[0].playing
+    assert recent.ago == pytest.approx(3 * BAR.time_step / BAR.period)
+    recent.add(*frame(9, playing=False))
+    assert shown(recent) == 6 and len(recent.frames) == 10
+    recent.add(*frame(10, playing=False))  # a single step
+    assert shown(recent) == 10
+    recent.go_back(5)
+    recent.add(*frame(10))  # on it goes
+    assert shown(recent) == 10 and recent.back == 0
+
+
+def test_numbers_are_those_of_the_frame():
+    """The readout of an earlier frame is that of the live run when it was there, but for how the page goes."""
+    scene = BarScene(cells=10, ppc=2, periods=1, estimators=("transport",))
+    solver, history, seen = build(scene), History(scene, 20), []
+    session = SimpleNamespace(pinned=None, history=history, speed=1.0, ended=False)
+    for step in range(12):
+        history.add(solver.measure() if step == 0 else solver.advance(40))
+        report = replace(report_of(scene), step=solver.step, time=solver.time, playing=False)
+        seen.append((report, readout(session, session.history, report, "x", "transport", None, WorstRegions())))
+    report, then = seen[5]
+    now = readout(session, session.history, report, "x", "transport", None, WorstRegions(), ago=0.314)
+    assert "<td>shown</td><td><b>0.31 periods back</b>, paused</td>" in now and "<td>speed</td>" not in now
+    assert then != seen[-1][1]
+    cut = then.index("<td>energy</td>")
+    assert then[cut:] == now[now.index("<td>energy</td>"):]
+    arrays = engine_frame(solver)
+    view = look(report, arrays, "x", "transport", False)
+    said = [summary(report, arrays, view, WorstRegions(), series, "x", "transport", ago)
+            for series, ago in ((until(history.series, report.time), 0.0), (history.series, 0.314))]
+    assert said[1].startswith("0.31 periods back: the estimate by transport is ")
+    assert said[0].partition(": ")[2] == said[1].partition(": ")[2]
+
+
+def test_a_frame_from_before_the_comparison_says_so():
+    view = look(report_of(BAR), arrays_of(SIGNED, TRUE, differences=False), "x", "transport", True)
+    assert view.left.sizes is None and view.left.silence == NOT_COMPARED
+
+
+def test_a_course_is_thinned_evenly_and_bounded():
+    course, count = DownsampledSeries(), 10 * MOST_ROWS + 7
+    for k in range(0, count, 3):
+        course.add({"time": np.arange(k, k + 3.0), "double": 2 * np.arange(k, k + 3.0)})
+    time = course.series["time"]
+    assert MOST_ROWS // 2 < len(time) <= MOST_ROWS and time[0] == 0 and len(set(np.diff(time))) == 1
+    np.testing.assert_array_equal(course.series["double"], 2 * time)
+
+
+def test_the_latest_periods_stay_fine_however_long_the_run():
+    """Each sample of two periods in a run whose whole course has become eight times as coarse."""
+    scene, each = BAR, 100  # samples in a period
+    history, columns = History(scene, 20), column_count(scene.active_estimators)
+    steps = np.arange(8 * MOST_ROWS) * scene.period / scene.time_step / each
+    for few in np.split(steps, len(steps) // 8):
+        history.add(np.pad(few[:, None], ((0, 0), (0, columns - 1))))
+    assert np.diff(history.series["time"]).min() > 7.9 * scene.period / each
+    time = history.latest["time"]
+    assert len(time) == pytest.approx(LAST_PERIODS * each, abs=1)
+    assert time[-1] - time[0] <= LAST_PERIODS * scene.period * (1 + 1e-12)
+
+
+def test_until_cuts_at_a_time():
+    series = {"time": np.array([0.0, 1.0, 2.0]), "value": np.array([5.0, 6.0, 7.0])}
+    assert until(series, 2.0) is series and until({}, 1.0) == {}
+    np.testing.assert_array_equal(until(series, 1.0)["value"], [5, 6])
+    np.testing.assert_array_equal(until(series, -1.0)["value"], [5])

@@ -1,0 +1,189 @@
+"""The traced particle: its numbers are the frames', and a click finds it. No web server, no engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.page.stage.mark import RADIUS, Mark
+from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS
+from app.page.visit.recent import Recent
+from app.page.visit.trace import Trace
+from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
+from app.problems.ring.stage import MIRRORS, RingStage
+from app.scale import ColourScale
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.running.run import build
+from solvers.solver.samples import QUANTITIES
+from tests.app.frame.test_view import report_of
+from tests.app.page.test_recent import engine_frame
+from tests.drawn import Scene
+
+BAR = BarScene(cells=10, ppc=2, periods=1, amplitude=0.1, estimators=("transport",))
+RING = RingScene(cells=12, periods=1)
+FRAMES, STEPS = 40, 10  # and between two frames
+
+
+@pytest.fixture(scope="module", params=[BAR, RING], ids=["bar", "ring"])
+def run(request):
+    """Frames of a run as a page gets them."""
+    solver, frames = build(request.param), []
+    solver.measure()
+    for k in range(FRAMES):
+        report = replace(report_of(solver.scene), fresh=k == 0, step=solver.step, time=solver.time,
+                         particles=len(solver.snapshot().position))
+        frames.append((report, engine_frame(solver)))
+        solver.advance(STEPS)
+    return frames
+
+
+def traced_after(frames, particle, chosen_after=FRAMES // 2):
+    """What is traced when the particle is chosen in the middle of a run."""
+    recent = Recent()
+    trace = Trace(recent)
+    for k, frame in enumerate(frames):
+        recent.add(*frame)
+        trace.follow(*frame)
+        if k == chosen_after:
+            trace.choose(particle)
+    return trace
+
+
+def test_series_are_the_frames_numbers(run):
+    """From the first frame that is remembered, past and future of the choice alike."""
+    traced = traced_after(run, 7).traced
+    series = traced.series
+    np.testing.assert_array_equal(series["time"], [report.time for report, _ in run])
+    for q, name in enumerate(QUANTITIES):
+        np.testing.assert_array_equal(series[f"error_{name}"], [abs(arrays.error[7, q]) for _, arrays in run])
+        np.testing.assert_array_equal(series[f"transport/estimate_{name}"],
+                                      [abs(arrays.estimate["transport"][7, q]) for _, arrays in run])
+    assert series["error_x"].max() > 0 and traced.latest["time"][-1] == run[-1][0].time
+    assert traced.title.startswith("particle 7, X = ")
+
+
+def test_crossings_are_marked_where_they_are_first_seen(run):
+    """On the first frame after the step of the crossing; of a particle that has not crossed there are none."""
+    marked = 0
+    for particle in range(0, run[0][0].particles, 3):
+        traced = traced_after(run, particle).traced
+        since = np.array([arrays.steps_since_crossing[particle] for _, arrays in run])
+        fresh = (since >= 0) & (since < STEPS) & (np.arange(FRAMES) > 0)
+        np.testing.assert_array_equal(traced.crossed(traced.series["time"])[1:], fresh[1:])
+        marked += fresh.sum()
+    assert marked > 3
+
+
+def test_a_long_trace_is_bounded():
+    """And what shows the last periods ends there, whatever the whole has been thinned to."""
+    report, arrays = replace(report_of(BAR), fresh=True), replace(
+        engine_frame(build(BAR)), steps_since_crossing=np.zeros(20, np.float32))
+    trace = traced_after([(report, arrays)], 3, chosen_after=0)
+    steps = range(5, 4 * MOST_ROWS * 5, 5)
+    for step in steps:
+        trace.follow(replace(report, fresh=False, step=step, time=step * BAR.time_step), arrays)
+    for series in (trace.traced.series, trace.traced.latest):
+        assert MOST_ROWS // 10 < len(series["time"]) <= MOST_ROWS
+        assert series["time"][-1] == pytest.approx(steps[-1] * BAR.time_step, rel=1e-2)
+    latest = trace.traced.latest["time"]
+    assert latest[-1] - latest[0] == pytest.approx(LAST_PERIODS * BAR.period, rel=0.05)
+    assert trace.traced.series["time"][0] == 0 and len(trace.traced._crossings) == MOST_ROWS
+
+
+def test_another_run_goes_on_with_the_same_place():
+    """With finer particles the nearest one; another problem has no such place."""
+    trace = traced_after([frame_of(BAR)], 7, chosen_after=0)
+    finer = replace(BAR, ppc=6)
+    trace.follow(*frame_of(finer))
+    traced = trace.traced
+    assert traced.scene == finer and traced.at_rest[0] == pytest.approx(7.5 / 20, abs=0.5 / 60 + 1e-6)
+    assert traced.particle in (22, 23) and len(traced.series["time"]) == 1
+    trace.follow(*frame_of(RING))
+    assert trace.traced is None
+
+
+def frame_of(scene):
+    return replace(report_of(scene), fresh=True, particles=scene.particles), engine_frame(build(scene))
+
+
+def test_only_what_is_there_is_traced(run):
+    trace = traced_after(run, run[0][0].particles)
+    assert trace.traced is None
+    trace.choose(0)
+    assert trace.traced.particle == 0
+    trace.choose(None)
+    assert trace.traced is None
+
+
+@pytest.fixture
+def stage(run):
+    stages = {"bar": BarStage, "ring": RingStage}
+    report, arrays = run[-1]
+    stage = stages[report.scene.problem](SimpleNamespace(scene=Scene()), ColourScale())
+    stage.plotted = "x"
+    stage.draw(report.scene, arrays, None, arrays.error[:, 0], report.time, 1.0)
+    return stage
+
+
+def test_every_image_is_found_by_a_click(run, stage):
+    """The bar's in both lanes, the ring's mirror images, and the dots of the bar's field plot; beside them nothing."""
+    arrays = run[-1][1]
+    images = stage.images(arrays, slice(None))
+    halves = 2 if isinstance(stage, BarStage) else len(MIRRORS)
+    assert images.shape == (halves + 1, len(arrays.position), 3)
+    assert (np.ptp(images[:halves, :, :2], axis=0) > 0).any()
+    for image in images[:halves + isinstance(stage, BarStage)]:
+        for particle in range(0, len(arrays.position), 5):
+            x, y, _ = image[particle]
+            assert stage.nearest((x, y), arrays) == particle
+    assert stage.nearest((0.5, 0.44 if halves > 2 else 1.0), arrays) is None  # the ring's hole, above the bar
+
+
+def test_height_in_the_lanes_does_not_count():
+    """As wide as a particle is the column in which it is meant, between the lanes as well."""
+    report, arrays = frame_of(BAR)
+    stage = BarStage(SimpleNamespace(scene=Scene()), ColourScale())
+    stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
+    for y in (ESTIMATE_LANE + 0.04, (ESTIMATE_LANE + TRUTH_LANE) / 2, TRUTH_LANE - 0.04):
+        assert [stage.nearest((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
+    assert stage.nearest((1.2, TRUTH_LANE), arrays) is None
+
+
+def test_a_click_marks_and_another_ends_it(run, stage):
+    """Rings stand around every image of the particle; they go with a click into the empty place or on it again."""
+    report, arrays = run[-1]
+    recent = Recent()
+    recent.add(report, arrays)
+    clicks, drawn = [], []
+
+    class Rings:
+        def add_line_segments(self, *args, **kwargs):
+            drawn.append(SimpleNamespace(points=None, visible=True))
+            return drawn[-1]
+
+        def on_click(self):
+            return clicks.append
+
+    trace = Trace(recent)
+    mark = Mark(SimpleNamespace(scene=Rings()), trace)
+    mark.look(stage, arrays)
+    assert not any(rings.visible for rings in drawn)
+    images = stage.images(arrays, slice(5, 6))[:, 0, :2]
+
+    def click(x, y):
+        eye = np.array([0.4, 0.6, 20.0])
+        clicks[0](SimpleNamespace(ray_origin=eye, ray_direction=(np.array([x, y, 0.0]) - eye) / 20))
+
+    for place in (tuple(images[0]), (0.5, -5.0)):
+        click(*images[0])
+        assert trace.traced.particle == 5
+        for rings in drawn:
+            assert rings.visible
+            apart = np.linalg.norm(rings.points.reshape(len(images), -1, 3)[:, :, :2] - images[:, None], axis=2)
+            np.testing.assert_allclose(apart, RADIUS, rtol=1e-4)  # single precision near 1
+        click(*place)
+        assert trace.traced is None and not any(rings.visible for rings in drawn)

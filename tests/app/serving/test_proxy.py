@@ -1,0 +1,177 @@
+"""The lab behind nginx with TLS, set up as ``assets/nginx.conf.example`` says: page, code and websocket come through.
+"""
+
+from __future__ import annotations
+
+import http.client
+import os
+import re
+import selectors
+import shutil
+import socket
+import ssl
+import subprocess
+import threading
+
+import pytest
+from websockets.exceptions import InvalidStatus
+
+from solvers.workers.processes import free_port
+from tests.doors import lab
+from tests.paths import ASSETS
+from tests.processes import HANG, until
+from tests.raw import Raw
+
+EXAMPLE = ASSETS / "nginx.conf.example"
+NAME, CODE = "lab.school.example", "wave-4711"
+FROM = "127.0.0.9"  # where the visitor comes from: another address than nginx's own
+HOW = "no {} found: install it (Debian: apt-get install nginx-light openssl) to run the tests of the proxy"
+MAIN = """daemon off; pid {0}/pid; error_log {0}/errors; worker_processes 1;
+events {{}}
+http {{ access_log off; client_body_temp_path {0}/body; proxy_temp_path {0}/proxy; fastcgi_temp_path {0}/fastcgi;
+uwsgi_temp_path {0}/uwsgi; scgi_temp_path {0}/scgi; include {0}/lab.conf; }}
+"""
+
+
+def found(program):
+    path = shutil.which(program) or shutil.which(program, path="/usr/sbin")
+    if path is None:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(HOW.format(program))
+    return path
+
+
+@pytest.fixture(scope="module")
+def proxied(tmp_path_factory):
+    """Ports of nginx, for http and https, and a context that trusts its certificate."""
+    nginx, openssl, room = found("nginx"), found("openssl"), tmp_path_factory.mktemp("nginx")
+    subprocess.run([openssl, "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", f"/CN={NAME}",
+                    "-addext", f"subjectAltName=DNS:{NAME}", "-keyout", room / "key", "-out", room / "certificate"],
+                   check=True, capture_output=True, timeout=HANG)
+    plain, secure = free_port(), free_port()
+    with lab(names=(NAME,), code=CODE) as (_, address):
+        text = EXAMPLE.read_text(encoding="utf-8")
+        keys = f"/etc/letsencrypt/live/{NAME}"
+        for old, new in [("listen 80;", f"listen 127.0.0.1:{plain};"), ("http://127.0.0.1:8080", address),
+                         ("listen 443 ssl;", f"listen 127.0.0.1:{secure} ssl;"),
+                         (f"{keys}/fullchain.pem", str(room / "certificate")),
+                         (f"{keys}/privkey.pem", str(room / "key"))]:
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        (room / "lab.conf").write_text(text, encoding="utf-8")
+        (room / "nginx.conf").write_text(MAIN.format(room), encoding="utf-8")
+        process = subprocess.Popen([nginx, "-c", room / "nginx.conf", "-p", room, "-e", room / "errors"])
+        try:
+            until(lambda: process.poll() is not None or listens(secure), "nginx listens")
+            assert process.poll() is None, (room / "errors").read_text()
+            yield plain, secure, ssl.create_default_context(cafile=room / "certificate")
+        finally:
+            process.terminate()
+            process.wait(HANG)
+
+
+def listens(port):
+    with socket.socket() as trial:
+        return trial.connect_ex(("127.0.0.1", port)) == 0
+
+
+class Line(http.client.HTTPSConnection):
+    """To nginx on this machine, by the lab's public name."""
+
+    def connect(self):
+        line = socket.create_connection(("127.0.0.1", self.port), source_address=(FROM, 0))
+        self.sock = self._context.wrap_socket(line, server_hostname=NAME)
+
+
+def ask(proxied, path="/", **headers):
+    _, secure, context = proxied
+    line = Line(NAME, secure, context=context, timeout=20)
+    line.request("GET", path, headers={name.replace("_", "-"): value for name, value in headers.items()})
+    answer = line.getresponse()
+    body = answer.read()
+    line.close()
+    return answer, body
+
+
+def visit(proxied, **headers):
+    """A visitor who comes through nginx, from a page of ours unless ``headers`` say otherwise."""
+    _, secure, context = proxied
+    line = context.wrap_socket(socket.create_connection(("127.0.0.1", secure), HANG), server_hostname=NAME)
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        ours, (theirs, _) = socket.create_connection(door.getsockname()), door.accept()
+    threading.Thread(target=carry, args=(line, theirs), daemon=True).start()
+    return Raw(f"http://{NAME}:{secure}", {"Origin": f"https://{NAME}:{secure}"} | headers, sock=ours)
+
+
+def carry(line, inner):
+    """Carry bytes between a TLS line and a plain one until either ends, on one thread: in Python 3.11 a TLS line that
+    one thread reads while another writes can seem to have ended (once in 1,500 handshakes; OpenSSL has no lock)."""
+    with line, inner, selectors.DefaultSelector() as waiting:
+        for end in (line, inner):
+            waiting.register(end, selectors.EVENT_READ)
+        try:
+            while True:
+                ready = {key.fileobj for key, _ in waiting.select()}
+                if inner in ready:
+                    if not (data := inner.recv(65536)):
+                        return
+                    line.sendall(data)
+                if line in ready:
+                    inner.sendall(heard(line))
+        except (EOFError, OSError):
+            return  # either side has gone; the other sees its line closed
+
+
+def heard(line):
+    """What has come on a TLS line, maybe nothing (a record of TLS's own). Raises EOFError at its end."""
+    data = b""
+    line.settimeout(0)
+    try:
+        while more := line.recv(65536):
+            data += more
+        if not data:
+            raise EOFError
+    except ssl.SSLWantReadError:
+        pass
+    finally:
+        line.settimeout(HANG)
+    return data
+
+
+def test_page_and_websocket_come_through(proxied):
+    """The door first; with the code a cookie that goes over TLS only, and with that the page and its controls."""
+    assert b"class code" in ask(proxied)[1]
+    with pytest.raises(InvalidStatus):
+        visit(proxied)
+    assert ask(proxied, "/enter", X_Class_Code="wrong-one")[0].status == 403
+    answer, _ = ask(proxied, "/enter", X_Class_Code=CODE)
+    cookie = answer.headers["Set-Cookie"]
+    assert answer.status == 200 and {"Secure", "HttpOnly", "SameSite=Strict"} <= set(re.split("; ?", cookie))
+    cookie = cookie.partition(";")[0]
+    answer, body = ask(proxied, Cookie=cookie)
+    assert answer.status == 200 and b"lab-ground" in body
+    with visit(proxied, Cookie=cookie) as visitor:
+        visitor.set(visitor.find("Problem"), "expanding ring")
+        visitor.find("Cells, h = 1.2/24")
+
+
+def test_foreign_page_is_refused_behind_the_proxy_too(proxied):
+    cookie = ask(proxied, "/enter", X_Class_Code=CODE)[0].headers["Set-Cookie"].partition(";")[0]
+    with pytest.raises(InvalidStatus) as refused:
+        visit(proxied, Cookie=cookie, Origin="https://evil.example")
+    assert refused.value.response.status_code == 403
+    assert ask(proxied, Host="evil.example", Cookie=cookie)[0].status == 403
+
+
+def test_wrong_codes_are_counted_by_the_visitors_address(proxied, caplog):
+    """Which nginx tells; what a visitor says of it is overwritten."""
+    for k in range(3):
+        ask(proxied, "/enter", X_Class_Code="wrong-one", X_Real_IP=f"10.0.0.{k}")
+    assert f"from {FROM}:" in caplog.text and "10.0.0" not in caplog.text
+
+
+def test_http_leads_to_https(proxied):
+    line = http.client.HTTPConnection("127.0.0.1", proxied[0], timeout=20)
+    line.request("GET", "/", headers={"Host": NAME})
+    answer = line.getresponse()
+    assert answer.status == 301 and answer.headers["Location"] == f"https://{NAME}/"
+    line.close()

@@ -1,0 +1,307 @@
+"""The recovered estimator: what it reproduces, how near it comes to the truth, where it does not hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+
+from solvers.estimators.lattice_lines import Line
+from solvers.estimators.memory import memory_parts
+from solvers.estimators.recovery import TAU
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring.solver import RingSolver
+from tests.reference import NUMBERS
+from tests.solvers.estimators.test_companion import radial_solution
+
+BAR = BarScene(linearity_preserving=True, dt=2.5e-5, t_end=1.0, estimators=("recovered",))
+RING = RingScene(cells=24, dt=2e-5, estimators=("recovered",))
+TABLE = NUMBERS["table1"]
+
+
+# ---- operators of a line ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("points", [4, 7, 16])
+def test_a_fit_reproduces_cubics_up_to_free_ends(points):
+    line = Line(points, max(1, points // 2), 0.2, "free")
+    x = line.particles() / line.per_point
+    fitted = line.fit(9, 3)(1 - 2 * x + 30 * x**3)[:, 0]
+    assert np.allclose(fitted, np.stack([1 - 2 * x + 30 * x**3, -2 + 90 * x**2], axis=1), atol=1e-9)
+
+
+def test_a_fit_follows_a_wave_around_a_period_and_through_mirrors():
+    """Fourth order: 12 particles to a radian leave 1e-4 and less. x is odd across the far plane, y across the near."""
+    for ends, waves in (("periodic", (np.sin,)), ("mirror", (np.cos, np.sin))):
+        line = Line(80 if ends == "periodic" else 20, 10, 2 * np.pi if ends == "periodic" else np.pi / 2, ends)
+        x = line.particles() / line.per_point
+        for component, wave in enumerate(waves):
+            fitted = line.fit(9, 3)(wave(x))[:, component]
+            assert np.allclose(fitted, np.stack([wave(x), wave(x + np.pi / 2)], axis=1), atol=1e-3)
+
+
+@pytest.mark.parametrize(("ends", "points", "elements"), [("periodic", 80, 20), ("free", 16, 8), ("free", 7, 4)])
+def test_nothing_pulls_on_the_error_grid_in_a_constant_stress(ends, points, elements):
+    """The integral of N' vanishes over a period, and is what the ends leave on a free line: N at the ends."""
+    line = Line(points, elements, 0.2, ends)
+    gathered = line.gather(4, 2)(np.ones(points))[:, 0] * line.mass()[:, None]
+    ends_of = np.zeros(line.nodes)
+    if ends == "free":
+        ends_of[:2], ends_of[-2:] = -0.5, 0.5
+    assert np.allclose(gathered[:, 1], ends_of, atol=1e-10) and np.allclose(gathered[:, 0], line.mass())
+
+
+def test_a_pattern_repeats_on_a_longer_line():
+    few, many = Line(48, 12, 0.12, "periodic"), Line(100, 25, 0.25, "periodic")
+    values = np.random.default_rng(1).random(100)
+    assert np.allclose(few.gather(4, 2).repeated(25, 1, 4)(values), many.gather(4, 2)(values))
+    assert np.allclose(few.fit(17, 3).repeated(25, 4, 4)(values), many.fit(17, 3)(values))
+
+
+# ---- estimates ----------------------------------------------------------------------------------------------------
+
+
+def test_rest_is_without_error():
+    """Undisturbed, nothing moves and no error is estimated, to the bit of a residual."""
+    for kind, scene in ((BarSolver, replace(BAR, body_force="none")), (RingSolver, replace(RING, body_force="none"))):
+        solver = kind(scene)
+        a = solver._arrays
+        (a.velocity if scene.problem == "bar" else a.motion[:, 2:])[:] = 0
+        memory_parts(solver.HOOKS, a.memory)["recovered_nodes"][:] = 0
+        solver.advance(100)
+        solver.snapshot()
+        assert np.abs(a.estimate).max() < 1e-12
+
+
+@pytest.mark.parametrize("force", ["material", "node"])
+@pytest.mark.parametrize("cells", [20, 80])
+@pytest.mark.parametrize("case", ["small", "large"])
+def test_the_bars_error_is_met(case, cells, force, simulate):
+    """Table 1's rows within [0.8, 1.25], and in place."""
+    settings = {name: TABLE[case][name] for name in ("modulus", "amplitude")}
+    result = simulate(replace(BAR, cells=cells, body_force=force, **settings))
+    index, distance = result.index("recovered"), result.distance("recovered")
+    assert all(0.8 < index[q] < 1.25 for q in ("x", "v", "sigma", "a"))
+    assert max(distance["x"], distance["v"], distance["sigma"]) < 0.2 and distance["a"] < 0.5
+
+
+@pytest.mark.parametrize("cells", [12, 24, 48])
+@pytest.mark.parametrize("method", ["ugimp", pytest.param("cpgimp", marks=pytest.mark.slow), "cpdi"])
+def test_the_rings_error_is_met(method, cells, simulate):
+    result = simulate(replace(RING, method=method, cells=cells))
+    index, distance = result.index("recovered"), result.distance("recovered")
+    assert all(0.8 < index[q] < 1.25 for q in ("x", "v", "sigma"))
+    assert distance["x"] < 0.2 and distance["v"] < 0.3 and distance["sigma"] < 0.5
+
+
+HOLDOUT = [  # chosen before the estimator was run on them
+    replace(BAR, cells=30, modulus=50.0, amplitude=0.01, ppc=2, dt=None, t_end=None, periods=3),
+    replace(BAR, cells=64, modulus=7.0, amplitude=0.04, ppc=1, dt=None, t_end=None, periods=2),
+    replace(BAR, cells=50, method="mpm", linearity_preserving=False, amplitude=0.02, dt=None, t_end=None, periods=2),
+    replace(BAR, cells=50, method="bspline", linearity_preserving=False, amplitude=0.05, dt=None, t_end=None),
+    replace(BAR, cells=36, method="cpgimp", linearity_preserving=False, velocity="corners", amplitude=0.1, dt=None,
+            t_end=None, periods=4),
+    replace(BAR, cells=40, body_force="none", amplitude=0.02, dt=None, t_end=None, periods=4),
+    replace(RING, cells=36, amplitude=0.02, ppc=3, dt=None, cfl=0.1),
+    replace(RING, cells=30, method="ugimp", amplitude=0.15, modulus=1e6, dt=None, cfl=0.1),
+    replace(RING, cells=48, amplitude=0.18, modulus=4e7, dt=None, cfl=0.1),
+    pytest.param(replace(RING, cells=24, method="mpm", amplitude=0.03, ppc=3, dt=None, cfl=0.1),
+                 marks=pytest.mark.slow),  # compiles longer than it runs
+    replace(RING, cells=40, dt=None, cfl=0.25, periods=2.5),
+]
+
+
+@pytest.mark.parametrize("scene", HOLDOUT, ids=lambda s: f"{s.problem} {s.method} {s.cells} {s.amplitude:g}")
+def test_what_it_was_not_tuned_on(scene, simulate):
+    """x and v within [0.7, 1.3]."""
+    index = simulate(scene).index("recovered")
+    assert 0.7 < index["x"] < 1.3 and 0.7 < index["v"] < 1.3
+
+
+def test_a_solution_that_the_program_does_not_know():
+    """Two tones. The bar is linear in the material frame, so that the second, q sin 4 pi X, is found by hand:
+    q'' + 16 w^2 q = 1.5 w^2 A sin 1.7 wt from rest.
+    """
+    scene = replace(BAR, cells=40, modulus=1000.0, amplitude=0.025, body_force="two-tone", t_end=0.25)
+    assert not scene.solution_known
+    solver, w, A = BarSolver(scene), scene.angular_frequency, scene.amplitude
+    B = 1.5 * A / (16 - 1.7**2)
+    sizes = []
+    for _ in range(20):
+        solver.advance(scene.steps // 20)
+        seen, t = solver.snapshot(), solver.time
+        X, q = seen.material_position, B * (np.sin(1.7 * w * t) - 1.7 / 4 * np.sin(4 * w * t))
+        u = A * np.sin(2 * np.pi * X) * np.sin(w * t) + q * np.sin(4 * np.pi * X)
+        estimate, truth = seen.estimate["recovered"][:, 0], seen.position - X - u
+        sizes.append([np.linalg.norm(f) for f in (estimate, truth, estimate - truth)])
+    estimated, true, apart = np.sum(sizes, axis=0)
+    assert 0.8 < estimated / true < 1.25 and apart / true < 0.3
+
+
+@pytest.mark.parametrize("force", [pytest.param("none", marks=pytest.mark.slow), "two-tone"])
+def test_a_ring_that_the_program_has_not_solved(force):
+    """Against an independent radial solve; in size within the band, in place to a fifth (measured: 1.02 and 0.1)."""
+    scene = replace(RING, body_force=force, amplitude=0.05, effects=("estimate",))
+    solver = RingSolver(scene)
+    solver.advance(600)
+    solver.snapshot()
+    a = solver._arrays
+    R = np.linalg.norm(a.material_position, axis=1)
+    motion = radial_solution(scene, 3000, solver.time)
+    u, v = (legendre.legval(10 * (R - 0.5), c)[:, None] * a.direction for c in motion)
+    for estimate, truth in ((a.estimate[:, :2], a.motion[:, :2] - a.material_position - u),
+                            (a.estimate[:, 2:], a.motion[:, 2:] - v)):
+        assert 0.8 < np.linalg.norm(estimate) / np.linalg.norm(truth) < 1.25
+        assert np.linalg.norm(estimate - truth) < 0.2 * np.linalg.norm(truth)
+
+
+@pytest.mark.parametrize("scene", [replace(BAR, cells=40, amplitude=2.5e-3), replace(RING, cells=48, periods=1.0)],
+                         ids=["bar", "ring"])
+def test_it_sees_a_kick(scene):
+    """The velocities grow by 5 % on the way, which no equation of the run can tell; then x and v within [0.8, 1.25]."""
+    kind = BarSolver if scene.problem == "bar" else RingSolver
+    solver, calm, sizes = kind(scene), kind(scene), []
+    for k in range(20):
+        for one in (solver, calm):
+            one.advance(scene.steps // 20)
+        if k == 7:
+            a = solver._arrays
+            (a.velocity if scene.problem == "bar" else a.motion[:, 2:])[:] *= 1.05
+        if k > 7:
+            seen = solver.snapshot()
+            sizes.append([np.linalg.norm(f[:, q]) for f in (seen.estimate["recovered"], seen.error) for q in (0, 1)])
+    x, v, true_x, true_v = np.sum(sizes, axis=0)
+    assert 0.8 < x / true_x < 1.25 and 0.8 < v / true_v < 1.25
+    assert true_x / len(sizes) > 3 * np.linalg.norm(calm.snapshot().error[:, 0])  # the kick is the larger part
+
+
+def test_long_runs_stay_in_place(simulate):
+    """The large bar to T = 10 s (158 periods), and CPDI for 20: within [0.5, 2]."""
+    large = {name: TABLE["large"][name] for name in ("modulus", "amplitude")}
+    for scene in (replace(BAR, cells=20, t_end=10.0, **large), replace(RING, periods=20.0)):
+        index = simulate(scene).index("recovered")
+        assert all(0.5 < index[q] < 2 for q in ("x", "v", "sigma"))
+
+
+def test_one_particle_per_cell_on_the_ring(simulate):
+    """An error grid as narrow as the particles' spacing made x 8 to 44 times too large. Now measured: 1.00 to 1.05 for
+    x and v; sigma and a, which the fit's own noise would fill, are not said."""
+    result = simulate(replace(RING, cells=36, ppc=1, dt=None, cfl=0.2, periods=2.0))
+    index = result.index("recovered")
+    assert 0.9 < index["x"] < 1.1 and 0.9 < index["v"] < 1.1 and not result.not_valid
+    assert index["sigma"] is None and index["a"] is None and "sigma" in result.scene.warnings()[0]
+
+
+@pytest.mark.parametrize(("ppc", "velocity"), [(1, "grid"), (5, "grid"), (7, "grid"), (5, "particle")])
+def test_any_number_of_particles_per_cell(ppc, velocity, simulate):
+    """A fit over four cells, or six where particles stand unevenly, however many that takes; measured .99-1.05."""
+    scene = replace(BAR, cells=40, ppc=ppc, velocity=velocity, amplitude=2.5e-3, dt=None, t_end=None, periods=2)
+    index = simulate(scene).index("recovered")
+    assert all(0.9 < index[q] < 1.1 for q in ("x", "v", "sigma"))
+
+
+@pytest.mark.parametrize("cells", [20, 80])
+def test_a_force_that_starts_at_full_size(cells):
+    """The undeformed bar about a quarter swing f of its force: q'' + 4 w^2 q = 3 w^2 A sin(wt + f), q' = A w at first,
+    so that u = q sin 2 pi X with q = A (sin(wt + f) - sin f cos 2 wt + (1 - cos f) sin 2 wt/2). Begun without b(0)
+    the estimate was off by .4 to 1.5 of the error, and by more on finer grids."""
+    scene = replace(BAR, cells=cells, amplitude=2.5e-3, dt=None, t_end=None)
+    solver, w = BarSolver(scene), scene.angular_frequency
+    every = solver.estimate_intervals[0]
+    solver.step = begun = round(0.5 * np.pi / (w * scene.time_step) / every) * every
+    f = begun * w * scene.time_step
+    sizes = []
+    for _ in range(20):
+        solver.advance(scene.steps // 100)
+        seen, t = solver.snapshot(), solver.time - begun * scene.time_step
+        q = np.sin(w * t + f) - np.sin(f) * np.cos(2 * w * t) + 0.5 * (1 - np.cos(f)) * np.sin(2 * w * t)
+        u = scene.amplitude * q * np.sin(2 * np.pi * seen.material_position)
+        estimate, truth = seen.estimate["recovered"][:, 0], seen.position - seen.material_position - u
+        sizes.append([np.linalg.norm(f) for f in (estimate, truth, estimate - truth)])
+    estimated, true, apart = np.sum(sizes, axis=0)
+    assert 0.9 < estimated / true < 1.1 and apart < 0.2 * true
+
+
+def test_a_force_that_starts_at_full_size_on_the_ring():
+    """Against a ring of three times as many cells, whose error is a ninth: within a fifth."""
+    motions = []
+    for cells, shorter in ((24, 1), (72, 6)):  # steps a sixth: a force at first makes their error of first order
+        solver = RingSolver(replace(RING, cells=cells, amplitude=0.05, dt=None, cfl=0.05 * cells / 24 / shorter))
+        solver.step = 208 * shorter  # about a quarter of a period
+        assert shorter > 1 or solver.step % solver.estimate_intervals[0] == 0
+        solver.advance(160 * shorter)
+        a, seen = solver._arrays, solver.snapshot()
+        R = np.linalg.norm(a.material_position, axis=1)
+        u = np.sum((a.motion[:, :2] - a.material_position) * a.direction, axis=1)
+        motions.append((R, u, seen.estimate["recovered"][:, 0]))
+    (R, u, estimate), (R_fine, u_fine, _) = motions
+    truth = u - np.polyval(np.polyfit(R_fine - 0.5, u_fine, 7), R - 0.5)
+    assert np.linalg.norm(estimate) == pytest.approx(np.linalg.norm(truth), rel=0.2)
+
+
+REMEDIED = [
+    replace(BAR, cells=40, amplitude=0.025, linearity_preserving=False, dt=None, t_end=None, periods=2, remedies=r)
+    for r in (("frozen-weights",), ("null-space-filter", "coupled-deformation"))]
+
+
+@pytest.mark.parametrize("scene", REMEDIED, ids=lambda s: s.remedies[0])
+def test_remedies_change_nothing_for_it(scene, simulate):
+    """It looks at where particles are, and at no weights but the step's own. Measured: x .98-1.02, v .96-1.06 on 20
+    bars of all methods."""
+    result = simulate(scene)
+    assert all(0.9 < result.index("recovered")[q] < 1.1 for q in ("x", "v", "sigma")) and not result.not_valid
+
+
+# ---- reports ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", [replace(BAR, cells=40, modulus=1000.0), RING], ids=["bar", "ring"])
+def test_a_report_between_two_of_its_steps_fits_in(scene):
+    """Reports at consecutive steps: no jump where the reference steps, and looking changes nothing."""
+    solver, unseen = ({"bar": BarSolver, "ring": RingSolver}[scene.problem](scene) for _ in range(2))
+    solver.advance(60), unseen.advance(60)
+    sizes = []
+    for _ in range(24):
+        solver.advance(1)
+        sizes.append(np.sqrt(np.mean(solver.snapshot().estimate["recovered"] ** 2, axis=0)))
+    unseen.advance(24)
+    steps = np.abs(np.diff(sizes, axis=0)) / np.mean(sizes, axis=0)
+    assert steps[:, :3].max() < 0.2
+    same = [s.snapshot().estimate["recovered"] for s in (solver, unseen)]
+    assert np.array_equal(*same)
+
+
+def test_it_runs_beside_slabs():
+    """The parallel plan calls it between its parallel loops, and gets the same numbers."""
+    one, other = (RingSolver(replace(RING, method="ugimp", plan="parallel", threads=1, estimators=names))
+                  for names in (("recovered",), ("transport", "recovered")))
+    serial = RingSolver(replace(RING, method="ugimp"))
+    for solver in (one, other, serial):
+        solver.advance(50)
+    alone, beside, expected = (s.snapshot().estimate["recovered"] for s in (one, other, serial))
+    assert np.allclose(alone, expected, rtol=1e-6) and np.allclose(beside, expected, rtol=1e-6)
+
+
+def test_it_tells_where_it_does_not_hold():
+    staircase, thin = replace(RING, layout="cartesian"), replace(RING, cells=12, ppc=1)
+    for scene in (staircase, thin, replace(RING, amplitude=0.25)):
+        assert scene.not_valid["recovered"].startswith("not valid here: ") and scene.active_estimators == ()
+    solver = RingSolver(RING)
+    assert solver.not_valid() == {}
+    memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_nodes"][0] = np.nan
+    assert solver.not_valid()["recovered"].startswith("not valid here: ")
+
+
+def test_a_rough_reference_is_told(simulate):
+    """Where fits do not resolve the solution, and where the reference goes unstable: with fifty times its damping."""
+    coarse = simulate(replace(BAR, cells=12, ppc=1, amplitude=1e-4, dt=None, t_end=None, periods=1))
+    assert coarse.not_valid["recovered"].startswith("not valid here: ")
+    for kind, scene in ((BarSolver, BAR), (RingSolver, RING)):
+        solver = kind(replace(scene, dt=None, cfl=0.2, t_end=None))
+        memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_numbers"][TAU] *= 50
+        solver.advance(400)  # it grows until its numbers end, or is seen before
+        assert solver.not_valid()["recovered"].startswith("not valid here: ")

@@ -1,0 +1,88 @@
+"""Rows on a real Dask cluster: a scheduler and two workers on this machine, one of them killed half way."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from app.cli import main
+from solvers.study import places
+from solvers.study.grid import plan
+from solvers.workers.processes import free_port
+from tests.paths import ROOT
+from tests.processes import until
+from tests.rows import without_timings
+
+pytestmark = pytest.mark.skipif(not importlib.util.find_spec("distributed"), reason="Dask's distributed is not there")
+
+AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16], "periods": [1.0]}
+
+
+def start(module: str, *arguments: str) -> subprocess.Popen:
+    return subprocess.Popen([sys.executable, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard"],
+                            cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.fixture
+def workers(tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
+    """The scheduler's address, and two workers that nobody restarts."""
+    port = free_port()
+    address = f"tcp://127.0.0.1:{port}"
+    scheduler = start("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
+    flags = (address, "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path))
+    processes = [start("dask_worker", *flags) for _ in range(2)]
+    try:
+        yield address, processes
+    finally:
+        for process in (*processes, scheduler):
+            process.kill()
+            process.wait()
+
+
+def wait_for_workers(place: places.Cluster, count: int) -> None:
+    until(lambda: place.workers == count, f"{count} workers")
+
+
+def test_a_killed_worker_costs_no_row(workers, monkeypatch):
+    monkeypatch.setattr(places, "ANSWER_SECONDS", 60.0)  # the scheduler may only just be starting
+    address, processes = workers
+    place, rows = places.Cluster(address), []
+    wait_for_workers(place, 2)
+
+    def keep(found: dict) -> None:
+        rows.append(found)
+        if len(rows) == 1:
+            os.kill(processes[0].pid, signal.SIGKILL)
+
+    tasks = plan("bar", AXES, repeats=1)
+    try:
+        places.execute(tasks, place, keep)
+        wait_for_workers(place, 1)
+    finally:
+        place.close()
+    here, same = places.Here(), []
+    places.execute(tasks, here, same.append)
+    here.close()
+    both = [{found["key"]: without_timings(found) for found in measured} for measured in (rows, same)]
+    assert len(rows) == len(tasks) and both[0] == both[1]
+
+
+def test_no_scheduler_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(places, "ANSWER_SECONDS", 0.5)
+    assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "--scheduler tcp://127.0.0.1:1: no Dask scheduler answers" in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_missing_distributed_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "mpm-lab[cluster]" in said
