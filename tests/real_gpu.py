@@ -1,7 +1,7 @@
 """What can only be seen on a machine with a GPU: ``python -m tests.real_gpu``. Prints what it finds.
 
-The tests of ``tests/solvers/running/test_gpu.py`` on that GPU, then how fast it is, then a ring on 768 cells for a period with the
-companion beside it, on the GPU and on the processor: estimates, index, errors and the seconds of both.
+The tests of ``tests/solvers/running/test_gpu.py`` on that GPU, then how fast it is, then a ring on 768 cells for a
+period with the companion beside it, on the GPU and on the processor: estimates, index, errors and the seconds of both.
 """
 
 import os

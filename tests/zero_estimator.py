@@ -1,4 +1,5 @@
-"""An estimator from outside: "zero", which says of every bar that it has no error. See ``tests/solvers/estimators/test_extension.py``.
+"""An estimator from outside: "zero", which says of every bar that it has no error. See
+``tests/solvers/estimators/test_extension.py``.
 
 It keeps an array and a number of its own, counts in them, and doubts itself if they do not hold what it put there.
 """

@@ -21,8 +21,8 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.study.grid import task_of
 from solvers.study.jobs import SearchJob
+from tests.app.page.test_cost import SCENE
 from tests.processes import has_library, until
-from tests.test_cost import SCENE
 
 
 def wait(condition):

@@ -85,7 +85,7 @@ def test_turns_are_shorter_where_many_share_an_engine():
             assert session._slice == pytest.approx(steps, abs=1)
 
 
-@pytest.mark.parametrize("neighbour_gap", [FRAME_SECONDS, 0.1])
+@pytest.mark.parametrize("apart", [FRAME_SECONDS, 0.1])
 def test_frames_keep_their_beat(clock, apart):
     """Looked after only every 7 ms, and 10 ms late for a turn, frames still come 30 a second, and evenly, or as many as
     are wished.

@@ -1,7 +1,8 @@
 """A fifth estimator, added from outside by one object and one registration (``tests/zero_estimator.py``).
 
 Everything that knows estimators must take it as one of its own: command line, rows, tables, pictures; the page is in
-``tests/browser/problems/test_extension_page.py``. Processes of their own, because this one has compiled its solvers without it.
+``tests/browser/problems/test_extension_page.py``. Processes of their own, because this one has compiled its solvers
+without it.
 """
 
 from __future__ import annotations
