@@ -1,14 +1,14 @@
 """The bar's step with nothing optional in it: uGIMP with the material body force, written out by hand.
 
-What :mod:`solvers.problems.bar.phases` does with every effect off, without the switches, without the hooks and the
-memory of estimators, without samples; the look for a run gone bad stays, for that is no effect. The bench measures the
-solver against it, and a test that both give the same numbers.
+What :mod:`solvers.problems.bar.method.phases` does with every effect off, without the switches, without the hooks and
+the memory of estimators, without samples; the look for a run gone bad stays, for that is no effect. The bench measures
+the solver against it, and a test that both give the same numbers.
 """
 
 import taichi as ti
 
 from solvers.kernels.shapes import gimp, stencil
-from solvers.problems.bar.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import WatchedBar
 from solvers.problems.bar.step import check

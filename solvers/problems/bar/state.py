@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import taichi as ti
 
 from solvers.estimators.memory import packing
-from solvers.problems.bar.body import BarBody, body
+from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.scene import BarScene
 from solvers.scene import registry
 from solvers.scene.switches import switches

@@ -4,9 +4,9 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.kernels.hoist import hoist_scalars
-from solvers.problems.bar import margin, remedies
-from solvers.problems.bar.phases import find_weights, nodes_to_particles, update_grid
-from solvers.problems.bar.samples import sample
+from solvers.problems.bar.method import margin, remedies
+from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
+from solvers.problems.bar.method.samples import sample
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
 from solvers.solver.loop import Phases, run_loop

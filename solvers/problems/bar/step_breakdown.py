@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solvers.problems.bar.nodes import MOST_HALF_WIDTH
+from solvers.problems.bar.method.nodes import MOST_HALF_WIDTH
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import WatchedBar
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, link

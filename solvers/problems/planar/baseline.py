@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import taichi as ti
 
-from solvers.problems.planar import cpdi
-from solvers.problems.planar.check import check
-from solvers.problems.planar.phases import EMPTY, fold_sums
+from solvers.problems.planar.method import cpdi
+from solvers.problems.planar.method.check import check
+from solvers.problems.planar.method.phases import EMPTY, fold_sums
+from solvers.problems.planar.method.traits import Traits
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.planar.state import WatchedBody
-from solvers.problems.planar.traits import Traits
 from solvers.scene.scene import Scene
 from solvers.solver.arrays import part_of, part_types
 from solvers.solver.base import SOUND

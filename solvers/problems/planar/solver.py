@@ -10,10 +10,10 @@ import numpy as np
 from solvers.estimators.beside import Beside
 from solvers.kernels import runtime
 from solvers.problems.planar.errors import Fields, difference, estimated_fields, sizes
-from solvers.problems.planar.on_device import OnDevice
-from solvers.problems.planar.on_processor import OnProcessor
+from solvers.problems.planar.plans.on_device import OnDevice
+from solvers.problems.planar.plans.on_processor import OnProcessor
+from solvers.problems.planar.plans.step import Kernels
 from solvers.problems.planar.state import WatchedBody
-from solvers.problems.planar.step import Kernels
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from solvers.kernels.kinds import Pairs, Quads
-from solvers.problems.planar.body import PlanarBody
+from solvers.problems.planar.method.body import PlanarBody
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches

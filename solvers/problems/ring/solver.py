@@ -4,9 +4,9 @@ import numpy as np
 
 from solvers.problems.planar.errors import Fields
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.ring.body import FARTHEST_MOVE, farthest
 from solvers.problems.ring.errors import true_fields
 from solvers.problems.ring.field import field
+from solvers.problems.ring.method.body import FARTHEST_MOVE, farthest
 from solvers.problems.ring.scene import RESONANCE, RingScene
 from solvers.problems.ring.state import HOOKS, RingState, WatchedRing, allocate
 from solvers.problems.ring.step import KERNELS

@@ -6,7 +6,7 @@ import taichi as ti
 
 from solvers.estimators.memory import packing
 from solvers.problems.planar.state import WatchedBody, watched
-from solvers.problems.ring.body import RingBody, body, farthest
+from solvers.problems.ring.method.body import RingBody, body, farthest
 from solvers.problems.ring.scene import RingScene
 from solvers.scene import registry
 from solvers.scene.switches import switches

@@ -2,9 +2,9 @@
 
 import taichi as ti
 
-from solvers.problems.planar.step import kernels
-from solvers.problems.ring.phases import TRAITS
-from solvers.problems.ring.samples import MEASURES
+from solvers.problems.planar.plans.step import kernels
+from solvers.problems.ring.method.phases import TRAITS
+from solvers.problems.ring.method.samples import MEASURES
 from solvers.problems.ring.state import HOOKS, RingState
 
 

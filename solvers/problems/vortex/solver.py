@@ -4,9 +4,9 @@ import numpy as np
 
 from solvers.problems.planar.errors import Fields
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.vortex.body import farthest
 from solvers.problems.vortex.errors import true_fields
 from solvers.problems.vortex.field import field
+from solvers.problems.vortex.method.body import farthest
 from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.state import HOOKS, VortexState, WatchedVortex, allocate
 from solvers.problems.vortex.step import KERNELS

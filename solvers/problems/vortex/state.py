@@ -6,7 +6,7 @@ import taichi as ti
 
 from solvers.estimators.memory import packing
 from solvers.problems.planar.state import WatchedBody, watched
-from solvers.problems.vortex.body import VortexBody, body, farthest
+from solvers.problems.vortex.method.body import VortexBody, body, farthest
 from solvers.problems.vortex.scene import VortexScene
 from solvers.scene import registry
 from solvers.scene.switches import switches

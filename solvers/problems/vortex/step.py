@@ -2,9 +2,9 @@
 
 import taichi as ti
 
-from solvers.problems.planar.step import kernels
-from solvers.problems.vortex.phases import TRAITS
-from solvers.problems.vortex.samples import MEASURES
+from solvers.problems.planar.plans.step import kernels
+from solvers.problems.vortex.method.phases import TRAITS
+from solvers.problems.vortex.method.samples import MEASURES
 from solvers.problems.vortex.state import HOOKS, VortexState
 
 

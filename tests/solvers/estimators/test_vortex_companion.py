@@ -14,7 +14,7 @@ from solvers.estimators.spectral import Elements
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.estimators import companion as companion_vortex
 from solvers.problems.vortex.estimators import companion_mesh
-from solvers.problems.vortex.material import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.problems.vortex.method.material import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.state import HOOKS
 from solvers.running.run import build

@@ -7,11 +7,11 @@ import pytest
 import taichi as ti
 
 from solvers.kernels.kinds import quads
-from solvers.problems.planar import phases
+from solvers.problems.planar.method import phases
 from solvers.problems.ring import exact
 from solvers.problems.ring.layout import GHOSTS
-from solvers.problems.ring.material import radial_forces
-from solvers.problems.ring.phases import TRAITS
+from solvers.problems.ring.method.material import radial_forces
+from solvers.problems.ring.method.phases import TRAITS
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
 from solvers.problems.ring.state import RingState

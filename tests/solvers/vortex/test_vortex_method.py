@@ -8,11 +8,11 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.kernels.kinds import quads, reals
-from solvers.problems.planar import phases
 from solvers.problems.planar.layout import box_stretch, half_edges
+from solvers.problems.planar.method import phases
 from solvers.problems.vortex import exact
-from solvers.problems.vortex.material import FAR, forces, logarithms
-from solvers.problems.vortex.phases import TRAITS
+from solvers.problems.vortex.method.material import FAR, forces, logarithms
+from solvers.problems.vortex.method.phases import TRAITS
 from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.solver import VortexSolver
 from solvers.problems.vortex.state import VortexState

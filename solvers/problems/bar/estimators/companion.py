@@ -19,7 +19,7 @@ from solvers.estimators import companion as shared
 from solvers.estimators.spectral import Elements
 from solvers.kernels.kinds import integers, pairs, quads, reals, rows
 from solvers.problems.bar import exact
-from solvers.problems.bar.forces import force_at, tones
+from solvers.problems.bar.method.forces import force_at, tones
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 POLYNOMIALS = 4  # order p

@@ -40,8 +40,8 @@ from solvers.kernels.packing import part
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
-from solvers.problems.bar.forces import tones
-from solvers.problems.bar.nodes import stencil_of
+from solvers.problems.bar.method.forces import tones
+from solvers.problems.bar.method.nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2

@@ -12,7 +12,7 @@ import taichi as ti
 
 from solvers.estimators.transport import doubt
 from solvers.kernels.kinds import octets, quads, real, reals
-from solvers.problems.bar import nodes
+from solvers.problems.bar.method import nodes
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 WAVE_CFL = 0.7  # H c/h where the bar is most stretched; the method itself is stable to 0.8 and more

@@ -14,8 +14,8 @@ import taichi as ti
 from solvers.estimators import lattice, two_grid
 from solvers.kernels.kinds import pairs, quads, real, reals
 from solvers.kernels.packing import part
-from solvers.problems.bar.body import BarBody, body
-from solvers.problems.bar.phases import nodes_to_particles, update_grid
+from solvers.problems.bar.method.body import BarBody, body
+from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
 from solvers.problems.bar.validity import noisy
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.switches import switches

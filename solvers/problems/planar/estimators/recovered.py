@@ -30,7 +30,7 @@ from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, TAU, TURNS, H
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
-from solvers.problems.planar.phases import gather
+from solvers.problems.planar.method.phases import gather
 
 SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
 WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed

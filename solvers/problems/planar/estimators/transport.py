@@ -24,7 +24,7 @@ import taichi as ti
 
 from solvers.estimators.transport import doubt
 from solvers.kernels.kinds import quads, real
-from solvers.problems.planar import cpdi, gimp
+from solvers.problems.planar.method import cpdi, gimp
 
 MOST_INTERVAL = 20  # steps of the run between two of the estimator's
 

@@ -25,7 +25,7 @@ from solvers.problems.ring.estimators.companion_mesh import (
     read_particles,
     unit_frequency,
 )
-from solvers.problems.ring.material import kirchhoff_stress, radial_force_at
+from solvers.problems.ring.method.material import kirchhoff_stress, radial_force_at
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 

@@ -7,7 +7,7 @@ import taichi as ti
 from solvers.estimators import recovery
 from solvers.problems.planar.estimators import recovered
 from solvers.problems.ring import exact, validity
-from solvers.problems.ring.material import kirchhoff_stress, radial_force_at
+from solvers.problems.ring.method.material import kirchhoff_stress, radial_force_at
 from solvers.problems.ring.scene import polar_counts
 from solvers.scene.estimator_hooks import EstimatorHooks
 

@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.problems.planar.estimators import transport
-from solvers.problems.ring.phases import TRAITS
+from solvers.problems.ring.method.phases import TRAITS
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 

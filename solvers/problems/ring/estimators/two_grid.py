@@ -17,10 +17,10 @@ import taichi as ti
 from solvers.estimators import lattice, two_grid
 from solvers.kernels.kinds import octets, pairs, quads, real, reals
 from solvers.kernels.packing import part
-from solvers.problems.planar.phases import nodes_to_particles, update_grid
-from solvers.problems.ring.body import RingBody, body
-from solvers.problems.ring.material import kirchhoff_stress
-from solvers.problems.ring.phases import TRAITS
+from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
+from solvers.problems.ring.method.body import RingBody, body
+from solvers.problems.ring.method.material import kirchhoff_stress
+from solvers.problems.ring.method.phases import TRAITS
 from solvers.problems.ring.scene import RingScene, polar_counts
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.switches import switches

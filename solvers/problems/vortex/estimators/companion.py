@@ -33,7 +33,7 @@ from solvers.problems.vortex import exact
 from solvers.problems.vortex.estimators.companion_alone import VortexAlone
 from solvers.problems.vortex.estimators.companion_mesh import masses, mesh, read_radii, unit_frequency
 from solvers.problems.vortex.layout import particle_layout
-from solvers.problems.vortex.material import cauchy_stress, force_at
+from solvers.problems.vortex.method.material import cauchy_stress, force_at
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 

@@ -12,7 +12,7 @@ import taichi as ti
 from solvers.estimators import recovery
 from solvers.problems.planar.estimators import recovered
 from solvers.problems.vortex import exact, validity
-from solvers.problems.vortex.material import cauchy_stress, force_at
+from solvers.problems.vortex.method.material import cauchy_stress, force_at
 from solvers.problems.vortex.scene import polar_counts
 from solvers.scene.estimator_hooks import EstimatorHooks
 

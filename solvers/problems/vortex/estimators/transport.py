@@ -4,7 +4,7 @@
 import taichi as ti
 
 from solvers.problems.planar.estimators import transport
-from solvers.problems.vortex.phases import TRAITS
+from solvers.problems.vortex.method.phases import TRAITS
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 

@@ -1,7 +1,7 @@
 """Steps of a plane body by plans that run the same phases, and the other kernels of a run.
 
 ``advance`` puts any number of steps into one kernel on one thread, ``step_in_slabs`` does one step on several;
-``solvers.problems.planar.at_once`` has those of a GPU.
+``solvers.problems.planar.plans.at_once`` has those of a GPU.
 """
 
 from collections.abc import Callable
@@ -11,11 +11,11 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.kernels.hoist import hoist_scalars
-from solvers.problems.planar import margin, phases, remedies
-from solvers.problems.planar.at_once import KernelsAtOnce, kernels_at_once
-from solvers.problems.planar.check import check
-from solvers.problems.planar.samples import Measures, sample
-from solvers.problems.planar.traits import Traits
+from solvers.problems.planar.method import margin, phases, remedies
+from solvers.problems.planar.method.check import check
+from solvers.problems.planar.method.samples import Measures, sample
+from solvers.problems.planar.method.traits import Traits
+from solvers.problems.planar.plans.at_once import KernelsAtOnce, kernels_at_once
 from solvers.solver.base import MEASURE, REPORT, SOUND
 from solvers.solver.loop import Phases, run_loop
 

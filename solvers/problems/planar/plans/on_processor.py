@@ -3,8 +3,8 @@
 from typing import Any
 
 from solvers.kernels.launch import Launch
+from solvers.problems.planar.plans.step import Kernels
 from solvers.problems.planar.state import WatchedBody
-from solvers.problems.planar.step import Kernels
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
 from solvers.solver.base import REPORT, SOUND, STEP

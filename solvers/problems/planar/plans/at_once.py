@@ -2,7 +2,8 @@
 
 They call the phases that the plans of a processor call, from the kernel itself: there, Taichi makes every loop a launch
 of as many threads as it has turns, in functions too. So nothing here may call them under an ``if``, which would leave
-a single thread to do it all; what is to be done is decided by who launches (``solvers.problems.planar.on_device``).
+a single thread to do it all; what is to be done is decided by who launches
+(``solvers.problems.planar.plans.on_device``).
 """
 
 from collections.abc import Callable
@@ -11,10 +12,10 @@ from typing import Any, NamedTuple
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.problems.planar import margin, phases, remedies
-from solvers.problems.planar.check import check_at_once
-from solvers.problems.planar.samples import Measures, sample_sums
-from solvers.problems.planar.traits import Traits
+from solvers.problems.planar.method import margin, phases, remedies
+from solvers.problems.planar.method.check import check_at_once
+from solvers.problems.planar.method.samples import Measures, sample_sums
+from solvers.problems.planar.method.traits import Traits
 
 
 class KernelsAtOnce(NamedTuple):
@@ -35,7 +36,7 @@ class KernelsAtOnce(NamedTuple):
 
 def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures,
                     has_escaped: Callable) -> KernelsAtOnce:
-    """The kernels of a problem, of which the arguments are those of ``solvers.problems.planar.step.kernels``."""
+    """The kernels of a problem, of which the arguments are those of ``solvers.problems.planar.plans.step.kernels``."""
 
     @ti.kernel
     def to_nodes(step: ti.i32, body: State, on: ti.template()):

@@ -6,8 +6,8 @@ errors, whatever the true motion is.
 
 import taichi as ti
 
-from solvers.problems.planar.records import scatter_add
-from solvers.problems.planar.soundness import look_at_neighbours
+from solvers.problems.planar.method.records import scatter_add
+from solvers.problems.planar.method.soundness import look_at_neighbours
 from solvers.solver.samples import column
 
 

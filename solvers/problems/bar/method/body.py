@@ -6,7 +6,7 @@ import numpy as np
 
 from solvers.kernels.kinds import Integer, Integers, Pairs, Quads, Real, Reals
 from solvers.problems.bar import exact
-from solvers.problems.bar.nodes import GHOSTS
+from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.remedies import remedy_rates
 from solvers.scene.switches import Switches

@@ -8,7 +8,7 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 import taichi as ti
 
 from solvers.problems.planar.layout import CORNERS
-from solvers.problems.planar.records import force_moment, force_record, scatter_add
+from solvers.problems.planar.method.records import force_moment, force_record, scatter_add
 
 
 @ti.func

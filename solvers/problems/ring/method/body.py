@@ -7,7 +7,7 @@ ghosts lie beyond each.
 from dataclasses import dataclass
 
 from solvers.kernels.kinds import Real, Reals
-from solvers.problems.planar.body import PlanarBody, common
+from solvers.problems.planar.method.body import PlanarBody, common
 from solvers.problems.ring import exact
 from solvers.problems.ring.layout import GHOSTS, particle_layout
 from solvers.problems.ring.scene import RingScene

@@ -7,9 +7,9 @@ import numpy as np
 from solvers.estimators.beside import Beside
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
-from solvers.problems.planar import remedies
-from solvers.problems.planar.at_once import KernelsAtOnce
-from solvers.problems.planar.device_arrays import DeviceArrays
+from solvers.problems.planar.method import remedies
+from solvers.problems.planar.plans.at_once import KernelsAtOnce
+from solvers.problems.planar.plans.device_arrays import DeviceArrays
 from solvers.problems.planar.state import WatchedBody
 from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.scene import Scene

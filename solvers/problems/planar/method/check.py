@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.phases import moving
+from solvers.problems.planar.method.phases import moving
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
 
 FLATTEST = 1e-3  # det F below which a particle counts as crushed

@@ -7,7 +7,7 @@ that no two threads ever write to one place and no atomic operation is needed. A
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.problems.planar import cpdi, gimp
+from solvers.problems.planar.method import cpdi, gimp
 from solvers.solver.base import SOUND
 
 EMPTY = 1e-12  # share of a particle's mass below which a node carries nothing

@@ -2,9 +2,9 @@
 
 import taichi as ti
 
-from solvers.problems.planar.traits import Traits
+from solvers.problems.planar.method.traits import Traits
 from solvers.problems.ring.layout import GHOSTS
-from solvers.problems.ring.material import body_force_on, radial_forces, stress_of, tangent
+from solvers.problems.ring.method.material import body_force_on, radial_forces, stress_of, tangent
 
 
 @ti.func

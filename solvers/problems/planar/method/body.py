@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.kernels.kinds import Integer, IntegerQuads, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.problems.planar.layout import Layout
-from solvers.problems.planar.phases import TOTALS
+from solvers.problems.planar.method.phases import TOTALS
 from solvers.scene.remedies import remedy_rates
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
@@ -59,7 +59,7 @@ class PlanarBody(Members):
     particle_scratch: Quads  # of the remedies: a velocity and a displacement (P,)
     node_scratch: Quads  # of the remedies, as the particles' (N,)
     node_remedy: Quads  # of the remedies: unseen velocity and sum of displacements (N,)
-    totals: Reals  # so far, a slab at a time (3 T,): see ``solvers.problems.planar.phases.TOTALS``
+    totals: Reals  # so far, a slab at a time (3 T,): see ``solvers.problems.planar.method.phases.TOTALS``
 
 
 def common(scene: Scene, on: Switches, layout: Layout, slabs: int, origin: float, active: int, shear_modulus: float,

@@ -7,8 +7,8 @@ A record of a particle, or of a node, is (v_x, v_y, u_x, u_y): both are mapped a
 
 import taichi as ti
 
-from solvers.problems.planar import cpdi, gimp
-from solvers.problems.planar.phases import gather, moving
+from solvers.problems.planar.method import cpdi, gimp
+from solvers.problems.planar.method.phases import gather, moving
 
 PASSES = 4  # of the coupling: u_i = sum over l < 4 of (I - S^+ S)^l S^+ (x - X)
 LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse says nothing

@@ -8,7 +8,7 @@ periods F is no longer that of x. Both remedies act with the weights of the step
 
 import taichi as ti
 
-from solvers.problems.bar.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
 
 PASSES = 8  # of the coupling: u_i = sum over l < 8 of (I - S^+ S)^l S^+ (x - X)
 MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) says nothing

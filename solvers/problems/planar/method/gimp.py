@@ -4,7 +4,7 @@ import taichi as ti
 
 from solvers.kernels.shapes import outer_weights, stencil
 from solvers.problems.planar.layout import MOST_HALF_WIDTH
-from solvers.problems.planar.records import force_moment, force_record, scatter_add
+from solvers.problems.planar.method.records import force_moment, force_record, scatter_add
 
 
 @ti.func

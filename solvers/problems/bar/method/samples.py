@@ -6,7 +6,7 @@ compared at that step's time, one step before the others'.
 
 import taichi as ti
 
-from solvers.problems.bar import soundness
+from solvers.problems.bar.method import soundness
 from solvers.solver.samples import BASE, EACH, column
 
 

@@ -7,8 +7,8 @@ to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
 import taichi as ti
 
 from solvers.kernels.shapes import weights_1d
-from solvers.problems.bar.forces import force_on_particle, tones
-from solvers.problems.bar.nodes import (
+from solvers.problems.bar.method.forces import force_on_particle, tones
+from solvers.problems.bar.method.nodes import (
     EMPTY,
     GHOSTS,
     MOST_HALF_WIDTH,

@@ -3,7 +3,7 @@ last step."""
 
 import taichi as ti
 
-from solvers.problems.bar.nodes import EMPTY, fold, stencil_of
+from solvers.problems.bar.method.nodes import EMPTY, fold, stencil_of
 
 
 @ti.func

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar import cpdi, gimp
+from solvers.problems.planar.method import cpdi, gimp
 
 
 @ti.func

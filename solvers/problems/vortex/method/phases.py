@@ -2,8 +2,8 @@
 
 import taichi as ti
 
-from solvers.problems.planar.traits import Traits
-from solvers.problems.vortex.material import body_force_on, forces, prepare, stress, tangent
+from solvers.problems.planar.method.traits import Traits
+from solvers.problems.vortex.method.material import body_force_on, forces, prepare, stress, tangent
 
 
 @ti.func

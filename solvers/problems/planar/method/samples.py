@@ -11,7 +11,7 @@ from typing import NamedTuple
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.problems.planar.phases import TOTALS
+from solvers.problems.planar.method.phases import TOTALS
 from solvers.solver.samples import BASE, EACH, column
 
 

@@ -6,7 +6,7 @@ Nodes lie at (-1.5, -1.5) m + (i, j) h. Nothing is fixed: both rims are free.
 from dataclasses import dataclass
 
 from solvers.kernels.kinds import Octets, Pairs, Real, Reals
-from solvers.problems.planar.body import PlanarBody, common
+from solvers.problems.planar.method.body import PlanarBody, common
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.layout import particle_layout
 from solvers.problems.vortex.scene import SIDE, VortexScene
@@ -21,7 +21,7 @@ class VortexBody(PlanarBody):
     lame_modulus: Real  # lambda
     volumetric: Reals  # lambda ln J of each particle in this step (P,)
     polar_force: Pairs  # body force per mass in this step along e_R and e_Theta of the particle at rest (K, 2)
-    turns: Octets  # of the exact solution at a sample, see ``solvers.problems.vortex.samples`` (K,), with the truth
+    turns: Octets  # of the exact solution at a sample, with the truth: see the problem's ``samples`` (K,)
 
 
 def farthest(scene: VortexScene) -> float:

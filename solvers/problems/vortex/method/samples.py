@@ -8,11 +8,11 @@ step before, whose acceleration was used. See ``solvers.problems.vortex.exact``.
 import taichi as ti
 
 from solvers.kernels.elementary import cos, log, sin
-from solvers.problems.planar.phases import TOTALS
-from solvers.problems.planar.samples import Measures
+from solvers.problems.planar.method.phases import TOTALS
+from solvers.problems.planar.method.samples import Measures
 from solvers.problems.vortex.exact import BEND, INNER, MIDDLE, OUTER, RISE
-from solvers.problems.vortex.material import cauchy_stress, determinant
-from solvers.problems.vortex.soundness import look
+from solvers.problems.vortex.method.material import cauchy_stress, determinant
+from solvers.problems.vortex.method.soundness import look
 from solvers.solver.samples import column
 
 

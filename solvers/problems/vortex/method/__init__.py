@@ -1,0 +1,1 @@
+"""What the vortex adds to the method in the plane: arrays, material and force, exact solution."""
