@@ -12,6 +12,9 @@ from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
 
 NOTHING = "–"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
+PLAIN_RATIOS = (0.095, 1000.0)  # between them a ratio has two decimals
+PLAIN_POWERS = (-1, 2)  # of ten, that are not taken out of numbers
+SUPERSCRIPTS = dict(zip("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))
 
 
 @dataclass(frozen=True)
@@ -178,21 +181,26 @@ def number(value: float) -> str:
 
 def ratio(value: float) -> str:
     """An estimate over what it is an estimate of: 0.36, 1.02, 6 × 10⁴."""
-    if 0.095 < value < 1000:
+    if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1]:
         return f"{value:.2f}"
     digits, _, power = f"{value:.1g}".partition("e")
     return f"{digits} × {power_text(int(power)).strip()}" if power else digits
 
 
+def times(value: float) -> str:
+    """A ratio as it goes before what it is of: "0.36 of", "1.02 times"."""
+    return f"{ratio(value)} {'times' if value >= 1 else 'of'}"
+
+
 def power_of_ten(largest: float) -> int:
     """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
-    power = math.floor(math.log10(largest)) if largest > 0 else 0
-    return power if power < -1 or power > 2 else 0
+    power = math.floor(math.log10(largest)) if 0 < largest < math.inf else 0
+    return 0 if PLAIN_POWERS[0] <= power <= PLAIN_POWERS[1] else power
 
 
 def power_text(power: int) -> str:
     """ "10⁻⁴ " for -4, nothing for 0."""
-    return "" if power == 0 else "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) + " "
+    return "" if power == 0 else "10" + "".join(SUPERSCRIPTS[sign] for sign in str(power)) + " "
 
 
 def with_unit(value: float, unit: str, digits: int = 3) -> str:

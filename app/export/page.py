@@ -1,6 +1,5 @@
 """The file: one html page with style, script, data and recordings in it, which asks no network for anything."""
 
-import base64
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -9,13 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from app import __version__, state
-from app.colours import PINNED, TRUTH, colour_table
 from app.export import lattice, plan
 from app.export.plan import Plan, described, planned
 from app.export.recorders import recordings
-from app.problems.views import VIEWS
-from app.words import QUANTITIES
-from solvers.scene.registry import ESTIMATORS
+from app.export.vocabulary import vocabulary
 
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
@@ -56,7 +52,7 @@ def assembled(title: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, st
     places = {id(run): number for number, run in enumerate(runs)}
     stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs})
               for k, one in enumerate(plans)]
-    data = {**_constants(), "stages": stages, "lesson": lesson,
+    data = {**vocabulary(), "stages": stages, "lesson": lesson,
             "runs": [{"head": run["head"], "tracks": run["tracks"]} for run in runs]}
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
                        for k, run in enumerate(runs))
@@ -74,14 +70,3 @@ def _file(name: str) -> str:
 def _json(values: Mapping[str, Any]) -> str:
     """JSON that no html in it can end."""
     return json.dumps(values, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def _constants() -> dict[str, Any]:
-    """Colours, words and places that the player shares with the live page."""
-    plots = {name: view.plot for name, view in VIEWS.items()}
-    return {"colours": base64.b64encode(colour_table().tobytes()).decode(), "truth": TRUTH, "pinned": PINNED,
-            "quantities": {key: vars(quantity) for key, quantity in QUANTITIES.items()},
-            "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
-            "problems": {name: {"plot": {"start": plot.start, "end": plot.end, "ends": plot.ends,
-                                         "component": plot.component}, "mirrors": VIEWS[name].mirrors}
-                         for name, plot in plots.items()}}

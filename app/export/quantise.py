@@ -20,6 +20,8 @@ SIZE, SIGNED, PLACE, NUMBER = "size", "signed", "place", "number"
 MOST = 1e30  # of a size: floats of 32 bits hold it
 TOPS = {SIZE: 254, SIGNED: 127, PLACE: 32767}
 NONE = {SIZE: 255, SIGNED: -128, PLACE: -32768}
+BYTES = {SIZE: 1, SIGNED: 1, PLACE: 2}
+CODES = {kind: {"top": top, "none": NONE[kind], "bytes": BYTES[kind]} for kind, top in TOPS.items()}  # for the player
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ def _bytes(track: Track) -> bytes:
         scales = (sizes.max(initial=0.0) if track.kind == PLACE else sizes.max(axis=1, initial=0.0)).astype("<f4")
         over = np.where(scales > 0, scales, 1.0).reshape(-1, 1)
         codes = np.where(np.isfinite(values), np.rint(TOPS[track.kind] * values / over), NONE[track.kind])
-    return scales.tobytes() + _differences(codes.astype(np.int32), 16 if track.kind == PLACE else 8)
+    return scales.tobytes() + _differences(codes.astype(np.int32), 8 * BYTES[track.kind])
 
 
 def _differences(codes: np.ndarray, bits: int) -> bytes:

@@ -118,6 +118,11 @@ class ProblemView:
         """Signs of x and y in each image of the body on the stage; of a problem in one dimension none."""
         return getattr(self._module("stage").STAGE, "MIRRORS", ())
 
+    @property
+    def mark_seconds(self) -> float:
+        """How long a crossing stays marked on the stage."""
+        return self._module("stage").STAGE.MARK_SECONDS
+
     def outermost(self, scene: Any) -> float | None:
         """How far from the middle a particle should come, in metres; of a problem in one dimension None."""
         return self._module("stage").outermost(scene) if self.mirrors else None

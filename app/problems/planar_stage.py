@@ -14,7 +14,6 @@ from solvers.problems.planar.layout import Layout, half_edges
 
 MIDDLE = (0.5, 0.44)
 RADIUS = 0.44  # of the outermost the body should come, on the stage
-BRIEF = 0.04  # seconds on the screen that a crossing is marked: there are many at once
 FARTHEST = 2.0  # metres from the middle, out of view: where particles of a run gone bad are drawn at most
 PAIR_MIDDLES, SMALLER = ((0.185, 0.52), (0.765, 0.52)), 0.58  # of two bodies, each so much smaller than one alone
 RAISED = 0.24  # is the field plot below two bodies
@@ -33,6 +32,7 @@ class PlanarStage(Stage[AnyScene]):
     RECTANGLE = (*drawing.RECTANGLE[:2], LOW, drawing.RECTANGLE[3])
     PAIR_RECTANGLE = (*drawing.RECTANGLE[:2], LOW + RAISED, drawing.RECTANGLE[3])
     PLOT_DOT = 0.005
+    MARK_SECONDS = 0.04  # less than elsewhere: there are many at once
     MOST_MARKED, MARKED = 320, "magenta: crossing a cell boundary"
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, beside: Stage | None = None):
@@ -71,7 +71,7 @@ class PlanarStage(Stage[AnyScene]):
         x = in_view(arrays.position)
         self._draw_halves(x, estimated, true)
         steps = arrays.steps_since_crossing
-        just_crossed = (steps >= 0) & (steps < BRIEF * speed / scene.time_step) & self._marked
+        just_crossed = (steps >= 0) & (steps < self.MARK_SECONDS * speed / scene.time_step) & self._marked
         drawing.put_few(self._flashes, self._images(x[just_crossed], self.MIRRORS, 0.02))
         self._draw_domains(scene, arrays, x)
         if self.plotted:

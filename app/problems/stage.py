@@ -46,6 +46,7 @@ class Stage(ABC, Generic[AnyScene]):
     PLOT: ClassVar[Place]  # of the field
     PLOT_DOT: ClassVar[float]  # size of a particle in it
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
+    MARK_SECONDS: ClassVar[float] = drawing.FLASH_SECONDS  # on the screen that a crossing is marked
     MARKED: ClassVar[str]  # what is said of the marks
 
     _titles: list[viser.LabelHandle]

@@ -28,7 +28,7 @@ function drawBar(pen, run, pinned, view, scene) {
 
 function drawCells(pen, run, x, high, low) {
   const count = Math.round(1 / run.spacing);
-  pen.strokeStyle = GRID;
+  pen.strokeStyle = CELL;
   pen.lineWidth = Math.min(1, 120 / count);
   for (let k = 0; k <= count; k++) stroke(pen, [[x(k / count), high], [x(k / count), low]]);
 }
@@ -52,5 +52,5 @@ function drawLane(pen, run, places, sizes, scale, x, across, y, height, silence)
 
 // From magenta to the white of the ground.
 function faded(ago) {
-  return `rgb(${FLASH.map((part) => Math.round(part + (255 - part) * Math.min(ago / FLASH_SECONDS, 1)))})`;
+  return `rgb(${FLASH.map((part) => Math.round(part + (255 - part) * Math.min(ago / DATA.flash_seconds, 1)))})`;
 }

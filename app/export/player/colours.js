@@ -1,10 +1,9 @@
 // The colour scale that estimate and truth share. Its top follows the largest error of the last period, in round numbers,
 // as in app/scale.py.
 
-const STEPS = {1: 4, 1.2: 4, 1.5: 3, 2: 4, 2.5: 5, 3: 3, 4: 4, 5: 5, 6: 3, 8: 4};  // tops, and parts between ticks
-const DECADES = 3, BEYOND = 10;
-const UNKNOWN = "rgb(225,225,225)", FLASH = [204, 0, 120], FLASH_SECONDS = 0.25;
-const TABLE = Uint8Array.from(atob(DATA.colours), (letter) => letter.charCodeAt(0));
+const {tops: TOPS, decades: DECADES, beyond: BEYOND, memory: MEMORY, smallest: SMALLEST} = DATA.scale;
+const {truth: TRUTH, pinned: PINNED, flash: FLASH, dot: DOT, faint: FAINT, cell: CELL, unknown: UNKNOWN} = DATA.colours;
+const TABLE = Uint8Array.from(atob(DATA.colours.map), (letter) => letter.charCodeAt(0));
 const SHADES = Array.from({length: 256}, (_, k) => `rgb(${TABLE[3 * k]},${TABLE[3 * k + 1]},${TABLE[3 * k + 2]})`);
 
 // The tops of all pictures of a run as it is looked at, and whether something is beyond them.
@@ -16,11 +15,11 @@ function topsOf(run, view) {
     const truth = largest(trueSizes(run, view.quantity, k));
     const estimate = largest(estimatedSizes(run, view.quantity, view.estimator, view.difference, k));
     peaks.push(truth > 0 ? Math.max(truth, Math.min(estimate, BEYOND * truth)) : estimate);
-    const since = times[k] - run.period;
+    const since = times[k] - MEMORY * run.period;
     let peak = least;
     for (let j = k; j >= 0 && times[j] >= since; j--) peak = Math.max(peak, peaks[j]);
-    const [top, step] = peak > 1e-30 ? roundUp(peak, Object.keys(STEPS).map(Number).sort((a, b) => a - b)) : [1, 1];
-    tops.push({top, parts: STEPS[step], exceeded: Math.max(truth, estimate) > top});
+    const [top, step] = peak > SMALLEST ? roundUp(peak, TOPS.map(([step]) => step)) : [1, 1];
+    tops.push({top, parts: TOPS.find(([other]) => other === step)[1], exceeded: Math.max(truth, estimate) > top});
   }
   return run[key] = tops;
 }

@@ -1,6 +1,6 @@
 // Sliders over the lattice of recorded runs, and choices of what is looked at; play, pause and the time.
 
-const FACTORS = [1, 10, 100, 1000], SPEEDS = [0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1, 2, 5];
+const SPEEDS = [0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1, 2, 5];
 
 function buildControls() {
   const {plan, view} = stage, box = document.getElementById("sliders");
@@ -8,7 +8,7 @@ function buildControls() {
   const quantities = plan.quantities.map((key) => [key, `${DATA.quantities[key].noun} ${DATA.quantities[key].symbol}`]);
   const looks = [select("Error of", quantities, "quantity")];
   if (plan.estimators.length > 1) looks.push(select("On the stage", plan.estimators.map((name) => [name, name]), "estimator"));
-  looks.push(select("Magnify error", FACTORS.map((factor) => [factor, `× ${factor}`]), "magnified"),
+  looks.push(select("Magnify error", DATA.magnifications.map((factor) => [factor, `× ${factor}`]), "magnified"),
     select("Colours", [[false, "linear"], [true, "logarithmic"]], "logarithmic"));
   if (plan.compares) looks.push(select("Compare", [[false, "estimate | truth"], [true, "estimate − truth | truth"]], "difference"));
   if (plan.outlines) looks.push(select("Domains", [[true, "outlined"], [false, "not outlined"]], "domains"));

@@ -1,8 +1,7 @@
 // The field plot: the quantity whose error is shown, of the particles and exact, against where they were at rest.
 
-const AXIS_STEPS = [1, 1.5, 2, 3, 4, 5, 6, 8], ROOM = 1.1;
+const {steps: AXIS_STEPS, room: ROOM} = DATA.axis;
 const NARROW = 540;  // pixels: less has no room for all words of a line
-const TRUTH = DATA.truth, DOT = "rgb(24,28,34)", FAINT = "rgb(190,197,206)", GRID = "rgb(168,176,187)";
 
 // The exact field at a share of the way from the plot's start to its end.
 function exactAt(curve, share) {
@@ -37,7 +36,7 @@ function axisTop(run, view) {
     let most = Math.max(reach, (run.least[view.quantity] || [0, 0])[1]);
     for (let k = 0; k < run.tracks.time.rows; k++) most = Math.max(most, largest(fieldValues(run, view, k).map(Math.abs)));
     most = reach && view.magnified === 1 ? Math.min(most, 4 * reach) : most;
-    run[key] = most > 1e-30 ? roundUp(most / ROOM, AXIS_STEPS)[0] : 1;
+    run[key] = most > SMALLEST ? roundUp(most / ROOM, AXIS_STEPS)[0] : 1;
   }
   return run[key];
 }

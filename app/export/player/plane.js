@@ -1,8 +1,6 @@
 // A plane problem: a ring, or a quarter of one and its mirror images, estimate on the left half, truth on the right, and
 // the field plot below.
 
-const BRIEF = 0.08;  // seconds that a crossing is marked
-
 function drawPlane(pen, run, pinned, view, scene) {
   const {width, height, at, sizes, scale} = scene, {plot: {end: outer}, mirrors} = DATA.problems[run.problem];
   const room = width - 88, narrow = room < NARROW || height < 640, plot = Math.max(80, 0.15 * height);
@@ -20,8 +18,7 @@ function drawPlane(pen, run, pinned, view, scene) {
   const outlined = mirrors.length > 1 ? [[1, 1], [-1, 1]] : mirrors;
   if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
   pen.fillStyle = `rgb(${FLASH})`;
-  for (const [p, ago] of scene.flashed) {
-    if (ago > BRIEF) continue;
+  for (const [p] of scene.flashed) {
     for (const [sx, sy] of mirrors) {
       pen.beginPath();
       pen.arc(middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], Math.max(1.3, 0.45 * dot), 0, 7);
@@ -34,14 +31,14 @@ function drawPlane(pen, run, pinned, view, scene) {
   words(pen, `outer radius ${outer} m at rest, h = ${number(run.spacing)} m`, left, low, "left", "top");
   words(pen, scene.note, right, low + (narrow ? 15 : 0), "right", "top", 0, "#8a0052");
   drawField(pen, run, pinned, view, at, {x: left, y: start, width: right - left, height: plot},
-    scene.flashed.filter(([, ago]) => ago <= BRIEF).map(([p]) => p));
+    scene.flashed.map(([p]) => p));
 }
 
 function drawSquares(pen, run, middle, metre, reach) {
   const count = Math.floor(reach / run.spacing);
   for (let k = -count; k <= count; k++) {
     const at = k * run.spacing * metre, end = reach * metre;
-    pen.strokeStyle = k ? "rgb(225,229,234)" : GRID;
+    pen.strokeStyle = k ? "rgb(225,229,234)" : CELL;
     pen.lineWidth = k ? 1 : 1.5;
     stroke(pen, [[middle[0] + at, middle[1] - end], [middle[0] + at, middle[1] + end]]);
     stroke(pen, [[middle[0] - end, middle[1] + at], [middle[0] + end, middle[1] + at]]);

@@ -1,8 +1,7 @@
 // Numbers of the run that is shown: time, norms, index and distance of each estimator, its status, and norms over time.
 
+const COLUMN = Object.fromEntries(Object.keys(DATA.quantities).map((key, k) => [key, k]));
 const chart = document.getElementById("chart");
-const COLUMN = {x: 0, v: 1, sigma: 2, a: 3};
-
 function cell(run, track, at, quantity) {
   const found = run.tracks[track];
   return found ? found.values[Math.floor(at) * found.width + COLUMN[quantity]] : NaN;
@@ -12,7 +11,7 @@ function readout() {
   const {run, view} = stage;
   if (!run) return;
   const at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity], time = stage.time;
-  const told = [["time", `${number(time, 4)} s = ${(time / run.period).toFixed(2)} periods`],
+  const told = [["time", `${number(time, 4)} s = ${fixed(time / run.period, 2)} periods`],
     ["steps", `${Math.round(time / run.step).toLocaleString("en")} of ${withUnit(run.step, "s")}`],
     ["step", marginText(run.tracks.margin.values[Math.floor(at)])],
     ["crossings", Number.isFinite(run.tracks.crossed.values[Math.floor(at)])
@@ -22,17 +21,17 @@ function readout() {
   document.getElementById("facts").replaceChildren(...told.map(([name, text]) => tableRow(name, text)));
   const rows = [tableRow(`error of ${quantity.symbol}`, "norm", "index", "distance")];
   rows[0].className = "head";
-  const norm = (track) => withUnit(cell(run, track, at, view.quantity), quantity.unit);
+  const norm = (track, of = run, when = at) => known(cell(of, track, when, view.quantity), withUnit, quantity.unit);
   rows.push(marked(tableRow("true", run.known ? norm("norm.true") : "unknown", "", ""), TRUTH, []));
   for (const name of run.estimators) {
-    const known = !(name in run.not_valid);
-    const last = known ? ["index", "distance"].map((kind) => short(cell(run, `${kind}.${name}`, at, view.quantity))) : ["", ""];
-    rows.push(marked(tableRow(name, known ? norm(`norm.${name}`) : "not valid", ...last), ...lookOf(name)));
+    const valid = !(name in run.not_valid);
+    const last = valid ? ["index", "distance"].map((kind) => short(cell(run, `${kind}.${name}`, at, view.quantity))) : ["", ""];
+    rows.push(marked(tableRow(name, valid ? norm(`norm.${name}`) : "not valid", ...last), ...lookOf(name)));
   }
   if (stage.pinned) {
     const other = pictureAt(stage.pinned, time);
-    rows.push(marked(tableRow("pinned", withUnit(cell(stage.pinned, "norm.true", other, view.quantity), quantity.unit), "", ""),
-      DATA.pinned, []));
+    rows.push(marked(tableRow("pinned", norm("norm.true", stage.pinned, other), "", ""),
+      PINNED, []));
   }
   document.getElementById("norms").replaceChildren(...rows);
   status(run);
@@ -40,10 +39,10 @@ function readout() {
 }
 
 // The step over the bound of what the present configuration bears; beyond 1 it will not hold.
-const marginText = (margin) => Number.isFinite(margin) ? `${margin < 100 ? margin.toFixed(2) : number(margin, 2)} of its bound` : "–";
+const marginText = (margin) => Number.isFinite(margin) ? `${ratio(margin)} of its bound` : NOTHING;
 
-// A ratio where there is little room.
-const short = (value) => value < 0.095 && value >= 0.0095 ? value.toFixed(2) : ratio(value);
+// A ratio in a column: else it would seem to go on from the number before.
+const short = (value) => known(value, ratio).replace(" × ", "×");
 
 const lookOf = (name) => [DATA.estimators[name].colour, DATA.estimators[name].dashes];
 
@@ -107,7 +106,7 @@ function drawChart(run, view) {
   Object.assign(pen, {font: "11px system-ui, sans-serif", lineJoin: "round"});
   const lines = [["norm.true", TRUTH, [], 4, run], ...run.estimators.filter((name) => !(name in run.not_valid))
     .map((name) => [`norm.${name}`, ...lookOf(name), 2, run])];
-  if (stage.pinned) lines.unshift(["norm.true", DATA.pinned, [], 2, stage.pinned]);
+  if (stage.pinned) lines.unshift(["norm.true", PINNED, [], 2, stage.pinned]);
   const norms = ([track, , , , of]) => Array.from(of.tracks.time.values, (_, k) => of.tracks[track].values[4 * k + column]);
   const truth = largest(norms(lines.find(([track, , , , of]) => track === "norm.true" && of === run)));
   const most = Math.max(...lines.map((line) => largest(norms(line)))), shown = truth > 0 ? Math.min(most, 10 * truth) : most;

@@ -92,7 +92,7 @@ function silencesOf(run, view) {
 // Particles that have just crossed a cell boundary, with seconds of the screen since.
 function flashedAt(run, view, time) {
   const who = run.tracks["crossings.who"].values, when = run.tracks["crossings.time"].values, found = [];
-  const since = FLASH_SECONDS * view.speed * run.period;
+  const since = DATA.problems[run.problem].mark_seconds * view.speed * run.period;
   for (let k = 0; k < when.length; k++) {
     const ago = time - when[k];
     if (ago >= 0 && ago < since) found.push([Math.round(who[k]), ago / (view.speed * run.period)]);

@@ -1,7 +1,5 @@
 // Recordings: from the text in the page to tracks of numbers. app/export/quantise.py says how they are written.
 
-const TOPS = {size: 254, signed: 127, place: 32767};
-const WIDTHS = {size: 1, signed: 1, place: 2, number: 4};
 const KEPT = 12;  // recordings that stay unpacked
 const unpacked = new Map();
 
@@ -22,8 +20,8 @@ function tracksOf(view, headers) {
     } else {
       const scales = new Float32Array(kind === "place" ? 1 : rows);
       for (let k = 0; k < scales.length; k++, at += 4) scales[k] = view.getFloat32(at, true);
-      readCodes(view, at, kind, rows, width, scales, values);
-      at += WIDTHS[kind] * values.length;
+      readCodes(view, at, DATA.codes[kind], rows, width, scales, values);
+      at += DATA.codes[kind].bytes * values.length;
     }
     tracks[name] = {rows, width, values};
   }
@@ -31,17 +29,15 @@ function tracksOf(view, headers) {
 }
 
 // Codes are kept as differences from the row before, modulo 256 or 65536; the code that no number has is the missing one.
-function readCodes(view, at, kind, rows, width, scales, values) {
-  const wide = kind === "place", all = rows * width, before = new Uint16Array(width);
-  const missing = {size: 255, signed: -128, place: -32768}[kind];
+function readCodes(view, at, {top, none, bytes}, rows, width, scales, values) {
+  const wide = bytes === 2, all = rows * width, before = new Uint16Array(width);
   for (let row = 0, k = 0; row < rows; row++) {
-    const scale = scales[wide ? 0 : row] / TOPS[kind];
+    const scale = scales[wide ? 0 : row] / top;
     for (let p = 0; p < width; p++, k++) {
       let code = before[p] + view.getUint8(at + k) + (wide ? 256 * view.getUint8(at + all + k) : 0);
       code = before[p] = code & (wide ? 65535 : 255);
-      if (kind === "signed" && code > 127) code -= 256;
-      if (wide && code > 32767) code -= 65536;
-      values[k] = code === missing ? NaN : code * scale;
+      if (none < 0 && code > top) code -= wide ? 65536 : 256;
+      values[k] = code === none ? NaN : code * scale;
     }
   }
 }

@@ -1,13 +1,24 @@
-// Numbers as they go into a sentence; the same forms as app/words.py.
+// Numbers as they go into a sentence: to the letter the forms of app/words.py, with the limits that it gives.
 
-const PREFIXES = {"-4": "p", "-3": "n", "-2": "µ", "-1": "m", 0: "", 1: "k", 2: "M", 3: "G"};
-const SUPERSCRIPTS = {"-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹"};
+const {prefixes: PREFIXES, superscripts: SUPERSCRIPTS, ratios: PLAIN_RATIOS, powers: PLAIN_POWERS, nothing: NOTHING} = DATA.formats;
+
+// What toFixed or toExponential writes, but what lies midway between two goes to the even one, as in Python.
+function rounded(value, form, places) {
+  const [exact, power] = value[form](40).split("e"), point = exact.indexOf("."), cut = exact.slice(0, point + (places && places + 1));
+  const midway = /^50*$/.test(exact.slice(point + 1 + places)) && "02468".includes(cut.slice(-1));
+  return !midway ? value[form](places) : power ? `${cut}e${power}` : cut;
+}
+
+// So many decimals: Python's "f", below 1e21.
+function fixed(value, places) {
+  return Number.isFinite(value) ? (Object.is(value, -0) ? "-" : "") + rounded(value, "toFixed", places) : number(value);
+}
 
 // So many digits, an exponent only for what is very large or small: Python's "g".
 function number(value, digits = 3) {
-  if (!Number.isFinite(value)) return Number.isNaN(value) ? "–" : String(value);
-  if (value === 0) return "0";
-  const [mantissa, power] = value.toExponential(digits - 1).split("e");
+  if (!Number.isFinite(value)) return {NaN: "nan", Infinity: "inf", "-Infinity": "-inf"}[value];
+  if (value === 0) return Object.is(value, -0) ? "-0" : "0";
+  const [mantissa, power] = rounded(value, "toExponential", digits - 1).split("e");
   const plain = (text) => text.includes(".") ? text.replace(/\.?0+$/, "") : text;
   if (+power >= -4 && +power < digits) return plain(Number(`${mantissa}e${power}`).toFixed(Math.max(0, digits - 1 - power)));
   return `${plain(mantissa)}e${power[0]}${power.slice(1).padStart(2, "0")}`;
@@ -15,21 +26,25 @@ function number(value, digits = 3) {
 
 // A size with its unit and a prefix that keeps it short: 2.1 mm, 340 kPa.
 function withUnit(value, unit, digits = 3) {
-  if (!Number.isFinite(value)) return "–";
-  if (value === 0) return `0 ${unit}`;
-  const third = Math.floor(Math.log10(Math.abs(Number(value.toPrecision(digits)))) / 3);
-  if (!(third in PREFIXES)) return `${value.toExponential(digits - 1)} ${unit}`;
-  return `${number(Number((value / 1000 ** third).toPrecision(digits)), 6)} ${PREFIXES[third]}${unit}`;
+  if (!Number.isFinite(value) || value === 0) return `${number(value)} ${unit}`;
+  const short = rounded(value, "toExponential", digits - 1);
+  const third = Math.floor(Math.floor(Math.log10(Math.abs(Number(short)))) / 3);
+  if (!(third in PREFIXES)) return `${short} ${unit}`;
+  return `${number(Number(number(value / 1000 ** third, digits)), 6)} ${PREFIXES[third]}${unit}`;
 }
 
 // An estimate over what it is an estimate of: 0.36, 1.02, 6 × 10⁴.
 function ratio(value) {
-  if (!Number.isFinite(value)) return "–";
-  if (value > 0.095 && value < 1000) return value.toFixed(2);
-  if (value === 0) return "0";
-  const [digits, power] = value.toExponential(0).split("e");
-  return `${digits} × ${powerText(+power).trim()}`;
+  if (PLAIN_RATIOS[0] < value && value < PLAIN_RATIOS[1]) return fixed(value, 2);
+  const [digits, power] = number(value, 1).split("e");
+  return power ? `${digits} × ${powerText(+power).trim()}` : digits;
 }
+
+// A ratio as it goes before what it is of.
+const times = (value) => `${ratio(value)} ${value >= 1 ? "times" : "of"}`;
+
+// A number in one of these forms, where there is one.
+const known = (value, form, ...more) => Number.isFinite(value) ? form(value, ...more) : NOTHING;
 
 function powerText(power) {
   return power === 0 ? "" : "10" + [...String(power)].map((sign) => SUPERSCRIPTS[sign]).join("") + " ";
@@ -37,8 +52,8 @@ function powerText(power) {
 
 // The power of ten to take out of numbers up to the largest.
 function powerOfTen(largest) {
-  const power = largest > 0 ? Math.floor(Math.log10(largest)) : 0;
-  return power < -1 || power > 3 ? power : 0;
+  const power = largest > 0 && largest < Infinity ? Math.floor(Math.log10(largest)) : 0;
+  return PLAIN_POWERS[0] <= power && power <= PLAIN_POWERS[1] ? 0 : power;
 }
 
 // The next of some steps times a power of ten, and that step.

@@ -76,7 +76,7 @@ class BarStage(Stage[BarScene]):
         shades = [drawing.shades(self._scale, sizes, len(x)) for sizes in (estimated, true)]
         drawing.put(self._cloud, self._lanes.points(x), self._lanes.colours(shades))
         since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
-        shown = (arrays.steps_since_crossing >= 0) & (since < drawing.FLASH_SECONDS) & self._marked
+        shown = (arrays.steps_since_crossing >= 0) & (since < self.MARK_SECONDS) & self._marked
         drawing.put_few(self._flashes, drawing.in_plane(x[shown], CROSSINGS_AT, 0.02),
                         drawing.flash_colours(since[shown]))
         if self.plotted:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import math
 from contextlib import closing, contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import app.export
+from app import words
 from app.export.lesson import lesson_page
 from app.export.page import scene_page
 from app.export.record import recording
+from app.export.vocabulary import formats
 from app.lessons import progress
 from app.lessons.marks import mark
 from app.lessons.outcomes import Outcomes
@@ -142,18 +147,57 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
         assert mark(lesson, lesson.questions[key], found.answers[key].last, numbers, outcomes).right is is_right
 
 
+def script(*files):
+    """Some of the player's scripts as they are in a file, with the forms of numbers that Python gives them."""
+    player = Path(app.export.__file__).parent / "player"
+    data = json.dumps({"formats": formats()}, ensure_ascii=False)
+    return f"const DATA = {data};\n" + "\n".join((player / name).read_text(encoding="utf-8") for name in files)
+
+
 def test_an_answer_is_read_as_on_the_page(chromium):
     """With the unit asked for, another prefix of it, or none: the file's own script, in the browser."""
-    player = Path(app.export.__file__).parent / "player"
-    script = "".join((player / name).read_text(encoding="utf-8") for name in ("words.js", "answers.js"))
+    asked = [(text, unit) for unit in ("", "µm", "mm/s", "m", "m/s", "Pa", "kPa", "s", "%", "m/s²")
+             for text in ("330 nm", "2,5", "-1e-3", "0.33 µm", "2.75 mm/s", "3 m/s", "4 kPa", "4 Pa", "12 %", "5 m",
+                          "5 mm", "1 ms", "7 µm/s²", "nothing", "", "-3 mm", "1 mmm")]
     page = chromium.new_page()
-    for unit in ("", "µm", "mm/s", "m", "m/s", "Pa", "kPa", "s", "%", "m/s²"):
-        for text in ("330 nm", "2,5", "-1e-3", "0.33 µm", "2.75 mm/s", "3 m/s", "4 kPa", "4 Pa", "12 %", "5 m", "5 mm",
-                     "1 ms", "7 µm/s²", "nothing", "", "-3 mm", "1 mmm"):
-            found = page.evaluate(f"([text, unit]) => {{ {script}; return numberIn(text, unit); }}", [text, unit])
-            meant = _number(text, unit)
-            assert found == (meant if meant is None else pytest.approx(meant, rel=1e-11)), (text, unit)
+    read = f"(asked) => {{ {script('words.js', 'answers.js')}; return asked.map((one) => numberIn(...one)); }}"
+    found = page.evaluate(read, asked)
     page.close()
+    for (text, unit), value in zip(asked, found, strict=True):
+        meant = _number(text, unit)
+        assert value == (meant if meant is None else pytest.approx(meant, rel=1e-11)), (text, unit)
+
+
+def numbers():
+    """Of all sizes and signs, round and not, midway between two that can be written, at edges of a form, and none."""
+    edges = [0.0949, 0.095, 0.0951, 0.00949, 0.0095, 0.99, 0.994, 0.995, 0.996, 0.9995, 0.99949, 9.995, 99.95, 999.4,
+             999.5, 999.6, 999.949, 999.95, 999.995, 999.999, 1000.0, 1000.5, 9994.9, 9995.0, 9999.5, 99995.0, 1e5, 0.1,
+             0.125, 0.375, 0.625, 2.125, 2.5, 3.5, 0.5, 1.5, 12.25, 100.5, 1005.0, 1015.0, 1025.0, 0.0625, 0.03125]
+    powers = [10.0**k for k in (*range(-300, 301, 20), *range(-18, 19))]
+    beside = [math.nextafter(power, to) for power in powers[-37:] for to in (0.0, math.inf)]
+    random = np.random.default_rng(7)
+    some = random.choice([-1, 1], 250) * random.uniform(1, 10, 250) * 10.0 ** random.integers(-20, 20, 250)
+    sizes = [*edges, *powers, *beside, *(3.0 * power for power in powers)]
+    return [*sizes, *(-size for size in sizes), *some.tolist(), 0.0, -0.0, math.inf, -math.inf, math.nan]
+
+
+def test_a_number_is_written_as_on_the_page(chromium):
+    """Every form of the player's ``words.js`` beside that of ``app.words``, to the letter."""
+    values = numbers()
+    forms = {"number(x)": words.number, "number(x, 4)": lambda x: f"{x:.4g}", "ratio(x)": words.ratio,
+             "times(x)": words.times, "powerOfTen(x)": words.power_of_ten, "fixed(x, 2)": lambda x: f"{x:.2f}",
+             "withUnit(x, 'm')": lambda x: words.with_unit(x, "m"),
+             "withUnit(x, 'Pa', 2)": lambda x: words.with_unit(x, "Pa", 2)}
+    page = chromium.new_page()
+    write_all = f"(texts) => {{ {script('words.js')}; return texts.map(Number).map((x) => [{', '.join(forms)}]); }}"
+    found = page.evaluate(write_all, [repr(value).replace("inf", "Infinity") for value in values])
+    powers = page.evaluate(f"(all) => {{ {script('words.js')}; return all.map(powerText); }}", list(range(-30, 31)))
+    page.close()
+    assert len(values) > 400 and powers == [words.power_text(k) for k in range(-30, 31)]
+    wrong = [(form, value, said, write(value)) for value, row in zip(values, found, strict=True)
+             for (form, write), said in zip(forms.items(), row, strict=True)
+             if said != write(value) and not (form.startswith("fixed") and abs(value) > 1e20)]
+    assert wrong == []
 
 
 def test_a_name_draws_the_same_numbers_as_on_the_page(chromium, lesson, lesson_file):

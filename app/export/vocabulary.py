@@ -1,0 +1,43 @@
+"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at."""
+
+import base64
+from typing import Any
+
+from app import axis, drawing, scale, words
+from app.colours import PINNED, TRUTH, colour_table
+from app.export import quantise
+from app.problems.views import VIEWS
+from solvers.scene.registry import ESTIMATORS
+
+
+def vocabulary() -> dict[str, Any]:
+    """All of it as a JSON object, the same in every file."""
+    return {"formats": formats(), "codes": quantise.CODES,
+            "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
+                      "memory": scale.MEMORY, "smallest": scale.SMALLEST},
+            "axis": {"steps": axis.STEPS, "room": axis.ROOM},
+            "colours": _colours(), "flash_seconds": drawing.FLASH_SECONDS,
+            "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
+            "magnifications": words.MAGNIFICATIONS,
+            "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
+            "problems": {name: _problem(name) for name in VIEWS}}
+
+
+def formats() -> dict[str, Any]:
+    """What the player's ``words.js`` needs for the forms of numbers."""
+    return {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
+            "powers": words.PLAIN_POWERS, "nothing": words.NOTHING}
+
+
+def _colours() -> dict[str, Any]:
+    """The map as bytes, and the colours that have a meaning."""
+    greys = {"dot": drawing.DOT, "faint": drawing.FAINT, "cell": drawing.CELL, "unknown": (drawing.UNKNOWN,) * 3}
+    return {"map": base64.b64encode(colour_table().tobytes()).decode(), "truth": TRUTH, "pinned": PINNED,
+            "flash": drawing.FLASH, **{name: f"rgb{grey}" for name, grey in greys.items()}}
+
+
+def _problem(name: str) -> dict[str, Any]:
+    """Where a problem's field plot begins and ends, and the images of its body."""
+    view, plot = VIEWS[name], VIEWS[name].plot
+    return {"plot": {"start": plot.start, "end": plot.end, "ends": plot.ends, "component": plot.component},
+            "mirrors": view.mirrors, "mark_seconds": view.mark_seconds}
