@@ -3,14 +3,14 @@
 import textwrap
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Literal
 from weakref import ReferenceType, WeakKeyDictionary, ref
 
 import numpy as np
 import viser
-from viser._messages import SceneNodeUpdateMessage
 
 from app.scale import MOST_TICKS, ColourScale
+from app.viewer.handles import put_props
 from app.words import power_text
 
 RECTANGLE = (-0.105, 1.055, -0.11, 1.09)  # x0, x1, y0, y1 of the stage; every problem is drawn to fit
@@ -87,14 +87,8 @@ def put(handle: viser.PointCloudHandle | viser.LineSegmentsHandle, points: np.nd
     """Move points (n, 3) or line segments (n, 2, 3), and colour points, (n, 3) or all alike (3,), in one message.
 
     For what changes with every frame: in the handle's own precision and 8 bits, and nobody writes to the arrays again.
-    The viewer's setters compare, copy and convert each of them several times, which took half of the time of a frame.
     """
-    props: Any = handle._impl.props
-    updates: dict[str, np.ndarray] = {"points": points}
-    props.points = points
-    if colours is not None:
-        updates["colors"] = props.colors = colours
-    handle._impl.api._queue_scene_message(SceneNodeUpdateMessage(handle.name, updates))
+    put_props(handle, {"points": points} if colours is None else {"points": points, "colors": colours})
 
 
 def put_few(cloud: viser.PointCloudHandle, points: np.ndarray, colours: np.ndarray | None = None) -> None:

@@ -123,7 +123,7 @@ def session(pool):
 @pytest.fixture(scope="module")
 def here():
     """A lab without engines for a file's tests, which takes whatever many messages a second."""
-    from app.page.viewer import server  # here: few files need the viewer
+    from app.viewer import server  # here: few files need the viewer
     from tests.doors import lab
 
     with pytest.MonkeyPatch.context() as patch:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 from contextlib import contextmanager
 
-from app.page.doors.address import Addresses
+from app.doors.address import Addresses
 from app.page.features.lesson.classroom import Classroom
 from app.page.serving import _start_server
 from solvers.workers.processes import free_port

@@ -7,12 +7,12 @@ import uuid
 from collections import Counter
 from time import monotonic
 
-import msgspec
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.commands.bench.visitor import is_frame, unpacked
-from app.page.viewer.wire import PROTOCOL
+from app.commands.bench.visitor import is_frame
+from app.viewer.client import packed, unpacked
+from app.viewer.wire import PROTOCOL
 from tests.processes import HANG, until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,
@@ -36,7 +36,7 @@ class Raw:
 
     def say(self, message):
         """Say something; bytes go as they are."""
-        self.socket.send(message if isinstance(message, bytes | str) else msgspec.msgpack.encode(message))
+        self.socket.send(message if isinstance(message, bytes | str) else packed(message))
 
     def set(self, widget, value, **others):
         self.say({"type": "GuiUpdateMessage", "uuid": widget, "updates": {"value": value, **others}})

@@ -5,6 +5,7 @@ The rooms themselves are contracts of import-linter in ``pyproject.toml``; here 
 
 from __future__ import annotations
 
+import ast
 import graphlib
 import re
 import sys
@@ -23,7 +24,8 @@ else:  # mypy brings it
 
 SOURCES = sorted(path for room in ("app", "solvers") for path in (ROOT / room).rglob("*.py"))
 KERNEL = re.compile(r"^\s*@ti\.(func|kernel)\b", re.MULTILINE)
-LONGEST_FILE = 320
+LONGEST_FILE, APP = 320, ROOT / "app"
+PRIVATE = re.compile(r"(^|\.)_[a-z]|^viser\.infra")
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +65,28 @@ def test_only_kernel_files_are_spared_by_mypy():
               if rules.get(module, any(re.fullmatch(pattern, module) for pattern in patterns))}
     assert [name for name in rules if "*" not in name and name not in modules] == []
     assert [module for module in spared if not KERNEL.search(modules[module].read_text(encoding="utf-8"))] == []
+
+
+def private_parts(text):
+    """What a file has of private modules and attributes of anybody: modules by their names, attributes by theirs."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            names = [node.attr] if isinstance(node, ast.Attribute) else []
+        yield from (name for name in names if PRIVATE.search(name))
+
+
+def test_only_its_own_room_touches_private_parts_of_the_viewer():
+    """Of others' a module that is named so, or ``viser.infra``; an attribute that no file of ours has on itself."""
+    texts = {path.relative_to(ROOT): path.read_text(encoding="utf-8") for path in SOURCES if path.is_relative_to(APP)}
+    ours = {name for text in texts.values() for name in re.findall(r"\bself\.(_\w+)|\bdef (_\w+)|^ *(_\w+):", text)
+            for name in name if name}
+    touched = {str(path): {name for name in private_parts(text) if name not in ours} for path, text in texts.items()
+               if path.parts[:2] != ("app", "viewer")}
+    assert {path: names for path, names in touched.items() if names} == {}
 
 
 def test_no_file_is_too_long():

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
 from app.commands.lesson import lesson_called
-from app.page.doors.address import is_name
-from app.page.doors.code import LONGEST, SHORTEST, plain
+from app.doors.address import is_name
+from app.doors.code import LONGEST, SHORTEST, plain
 from solvers.scene.rules import require_number, require_whole
 
 MOST_FRAMES = 60

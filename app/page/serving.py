@@ -15,9 +15,9 @@ from time import sleep
 from typing import Any
 from urllib.parse import quote
 
+from app.doors.address import Addresses
+from app.doors.code import ClassCode, made_up
 from app.lessons import shelf
-from app.page.doors.address import Addresses
-from app.page.doors.code import ClassCode, made_up
 from app.page.features.lesson.classroom import Classroom
 from app.page.prewarm import usual_scenes
 from app.page.visit.health import Tally
@@ -183,17 +183,17 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
                   classroom: Classroom) -> Any:
     from app.page.page import Page
-    from app.page.panels.head import set_up
-    from app.page.viewer.index import own_index
-    from app.page.viewer.server import Doors, Lab
-    from app.page.viewer.wire import mend
+    from app.page.panels.head import GROUND, set_up
+    from app.viewer.index import Index
+    from app.viewer.server import Doors, Lab
+    from app.viewer.wire import mend
 
     mend()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     doors = Doors(addresses, ClassCode(code, port) if code else None)
-    # The viewer would announce itself in a box of its own. The doors come first: what they let in gets the index.
-    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(), own_index():
+    # The viewer would announce itself in a box of its own.
+    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(GROUND)):
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
     visitors = Visitors(pool, max_sessions, partial(Page, classroom=classroom), _show)

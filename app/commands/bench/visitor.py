@@ -8,31 +8,19 @@ from itertools import pairwise
 from time import monotonic
 from typing import Any
 
-import msgspec
-import websockets.asyncio.client as client
-import zstandard
-
-from app.page.viewer.wire import PROTOCOL
+from app.viewer.client import connected
 
 FRAME = "/field/particles"  # the end of the name of what every frame of every problem sets
 BROKEN = "class='lab-notice lab-unstable'"  # what the page puts around the reason why a run has stopped
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position": (0.5, 0.5, 20.0), "fov": 0.07,
           "near": 1.0, "far": 400.0, "image_height": 640, "image_width": 760, "look_at": (0.5, 0.5, 0.0),
           "up_direction": (0.0, 1.0, 0.0)}
-LARGEST = 50 * 2**20  # bytes of a message
 ON_ITS_WAY = 0.25  # seconds after a choice in which a frame may come that was sent before it
 
 
 def is_frame(message: dict) -> bool:
     """Whether it is a picture of particles: axes, too, are told where their points are, long before the first one."""
     return message.get("name", "").endswith(FRAME) and "points" in message.get("updates", {})
-
-
-def unpacked(raw: bytes) -> list[dict[str, Any]]:
-    """The messages that came together, without their arrays: in front of these is their size, packed and not."""
-    size, packed = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
-    words = zstandard.ZstdDecompressor().decompress(raw[16:16 + packed], max_output_size=size)
-    return msgspec.msgpack.decode(words)["messages"]
 
 
 @dataclass
@@ -62,21 +50,16 @@ class Visitor:
     async def stay(self) -> None:
         """Until the connection is closed, from either side."""
         self.asked = monotonic()
-        async with client.connect(f"ws://{self.address}", max_size=LARGEST, compression=None, open_timeout=60,
-                                  subprotocols=[client.Subprotocol(PROTOCOL)]) as connection:
+        async with connected(self.address) as connection:
             self._connection = connection
-            await self.send(CAMERA)
-            async for raw in connection:
-                assert isinstance(raw, bytes)
-                self._take(raw)
-
-    async def send(self, message: dict[str, Any]) -> None:
-        await self._connection.send(msgspec.msgpack.encode(message))
+            await connection.send(CAMERA)
+            async for messages in connection:
+                self._take(messages)
 
     async def move(self, control: str, value: Any) -> None:
         """Set the control with this number."""
         self.choices.append(monotonic())
-        await self.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
+        await self._connection.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
 
     def find(self, label: str, kind: str = "") -> str | None:
         """The number of the control whose label begins so, of a kind that has this in its name."""
@@ -114,9 +97,9 @@ class Visitor:
         return [(max(earlier, begin), min(later, end)) for k, (earlier, later) in enumerate(pairwise(times))
                 if later > begin and earlier < end and k not in broken]
 
-    def _take(self, raw: bytes) -> None:
+    def _take(self, messages: list[dict[str, Any]]) -> None:
         framed = False
-        for message in unpacked(raw):
+        for message in messages:
             match message["type"]:
                 case "SceneNodeUpdateMessage":
                     framed |= is_frame(message)

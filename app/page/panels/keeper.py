@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from app.page.viewer.widgets import allow
+from app.viewer.widgets import allow
 
 LONGEST = 20_000  # characters that a browser may tell at once
 MARK = "<i class='lab-keeper'></i>"

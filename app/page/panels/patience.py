@@ -3,6 +3,8 @@
 import threading
 from typing import Any
 
+from app.viewer.handles import is_removed
+
 MARK = "\ncompiling …"  # below the label, in small letters (style.css): a row is high enough for both
 
 
@@ -24,7 +26,7 @@ class Patience:
         with self._lock:
             wanted = self._last if compiling else None
             marked, self._marked = self._marked, wanted
-            if marked and marked is not wanted and not marked._impl.removed:
+            if marked and marked is not wanted and not is_removed(marked):
                 marked.label = marked.label.removesuffix(MARK)
-            if wanted and not wanted._impl.removed and not wanted.label.endswith(MARK):
+            if wanted and not is_removed(wanted) and not wanted.label.endswith(MARK):
                 wanted.label += MARK

@@ -20,8 +20,8 @@ from app.page.features.cost.jobs import Slots
 from app.page.features.own.judging import BUSY, Judging, shown
 from app.page.features.own.panel import OwnCode
 from app.page.features.own.run import OwnRun
-from app.page.viewer import server, upload
 from app.page.visit.limits import MOST_WATCHED
+from app.viewer import server, upload
 from solvers.judging import writing
 from solvers.judging.handout import exact
 from solvers.judging.measure import sizes

@@ -12,9 +12,9 @@ import viser
 from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
 
-from app.page.doors import code
-from app.page.doors.bucket import Bucket
-from app.page.doors.code import ALL, LETTERS, ONE, ClassCode, made_up
+from app.doors import code
+from app.doors.bucket import Bucket
+from app.doors.code import ALL, LETTERS, ONE, ClassCode, made_up
 from tests.browser.conftest import serving
 from tests.doors import get, lab
 from tests.processes import until

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from app.page.doors.address import Addresses
-from app.page.doors.refusals import Refusals
-from app.page.viewer.wire import PROTOCOL
+from app.doors.address import Addresses
+from app.doors.refusals import Refusals
+from app.viewer.wire import PROTOCOL
 from tests.doors import get
 from tests.processes import until
 from tests.raw import Raw

@@ -13,10 +13,10 @@ import viser._viser
 from viser import _messages
 
 from app.page.controls import Controls
-from app.page.viewer import messages, server, widgets
 from app.page.visit.limits import FASTEST, MOST_WATCHED, too_many
 from app.page.visit.session import FIRST_SCENE, Session
 from app.problems.views import VIEWS
+from app.viewer import messages, server, widgets
 from solvers.problems import PROBLEMS
 from tests.doors import Pool
 from tests.processes import until
@@ -186,7 +186,7 @@ def test_messages_that_no_page_sends_are_refused(here, visitor):
 
 
 def test_kinds_of_messages_are_those_of_the_viewer():
-    """If this fails, the viewer's messages have changed: put ``FIELDS`` in ``app/page/viewer/messages.py`` right."""
+    """If this fails, the viewer's messages have changed: put ``FIELDS`` in ``app/viewer/messages.py`` right."""
     for kind, fields in messages.FIELDS.items():
         known = set(getattr(_messages, kind).__dataclass_fields__)
         assert known == set(fields), f"{kind} has the fields {known}"
@@ -194,7 +194,7 @@ def test_kinds_of_messages_are_those_of_the_viewer():
 
 def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     """If this fails, the viewer reads its websocket or knows its visitors otherwise than it did in 1.1.1: see
-    ``Doors._listen`` and ``Doors._widget`` in ``app/page/viewer/server.py``."""
+    ``Doors._listen`` and ``Doors._widget`` in ``app/viewer/server.py``."""
     one, _ = here
     heard = []
     check = messages.refusal

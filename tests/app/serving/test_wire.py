@@ -9,7 +9,7 @@ from time import monotonic, sleep
 import pytest
 from viser._messages import ReplayDoneMessage, SceneNodeUpdateMessage, SetCameraFovMessage
 
-from app.page.viewer.wire import Buffer
+from app.viewer.wire import Buffer
 from tests.listening import PATIENCE
 from tests.processes import until
 

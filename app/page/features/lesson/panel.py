@@ -18,7 +18,8 @@ from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.classroom import Classroom
 from app.page.features.lesson.marking import Marker, asked_since
 from app.page.panels.head import BESIDE
-from app.page.viewer.widgets import allow
+from app.viewer.handles import is_removed
+from app.viewer.widgets import allow
 
 NO_LESSON = "choose a lesson"
 
@@ -228,7 +229,7 @@ class Player:
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
         """Put what has been worked out into a text, unless the visitor has gone on meanwhile."""
         with self._lock:
-            if not text._impl.removed:
+            if not is_removed(text):
                 text.content = content()
 
     def _build_end(self, lesson: Lesson) -> None:

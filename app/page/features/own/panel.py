@@ -12,9 +12,9 @@ import viser
 from app.page.features.own.judging import Judging
 from app.page.features.own.run import OwnRun
 from app.page.panels.head import BARE
-from app.page.viewer.upload import LARGEST, TOO_LARGE, Upload
 from app.page.visit.notice import Notice
 from app.page.visit.session import Session
+from app.viewer.upload import LARGEST, TOO_LARGE, Upload
 from app.words import on_page
 from solvers.judging.reading import KINDS
 from solvers.judging.show import Shown

@@ -10,11 +10,7 @@ from __future__ import annotations
 import ipaddress
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
-
-if TYPE_CHECKING:
-    from websockets.datastructures import Headers
-
+from typing import NamedTuple, Protocol
 
 _NAME = r"(\[[0-9a-f:.]+\]|[a-z0-9._-]+)(?::([0-9]{1,5}))?"
 _PORTS = {"http": "80", "https": "443"}  # that a browser leaves out
@@ -23,6 +19,12 @@ NO_HOST = "The request does not say which host it is for."
 FOREIGN_HOST = ("This lab answers on its own machine only, as localhost or 127.0.0.1. "
                 "Whoever runs it can allow another name with --name.")
 FOREIGN_PAGE = "A page of another site may not use this lab."
+
+
+class Headers(Protocol):
+    """Of a request."""
+
+    def get_all(self, key: str) -> list[str]: ...
 
 
 class Address(NamedTuple):

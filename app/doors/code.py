@@ -8,12 +8,10 @@ import ipaddress
 import math
 import secrets
 from collections import OrderedDict
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from app.page.doors.bucket import Bucket
-
-if TYPE_CHECKING:
-    from websockets.datastructures import Headers
+from app.doors.address import Headers
+from app.doors.bucket import Bucket
 
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # none that is taken for another one on a board
 MADE_UP, SHORTEST, LONGEST = 8, 6, 64  # letters; half of 31^8 codes, a guess in two seconds: 27,000 years

@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from app.page.viewer import upload, widgets
+from app.viewer import upload, widgets
 
 MOST_BYTES = 32_000  # of a message that is read at all; honest ones have some hundred
 LONGEST_NAME = 1000  # letters of a file's name

@@ -19,12 +19,13 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
-from app.page.doors.address import Addresses, is_ip, is_loopback
-from app.page.doors.bucket import Bucket
-from app.page.doors.code import ClassCode
-from app.page.doors.refusals import Refusals
-from app.page.viewer import messages, upload
-from app.page.viewer.wire import PROTOCOL, Buffer
+from app.doors.address import Addresses, is_ip, is_loopback
+from app.doors.bucket import Bucket
+from app.doors.code import ClassCode
+from app.doors.refusals import Refusals
+from app.viewer import messages, upload
+from app.viewer.index import PATHS, Index
+from app.viewer.wire import PROTOCOL, Buffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
@@ -41,7 +42,7 @@ TOO_MUCH, NOTHING_SAID = "too many messages", "nothing was said"
 NO_CODE = "The class code is missing. Load the page again and type it."
 
 _LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
-_PAGE = (Path(__file__).parents[1] / "web" / "code.html").read_text(encoding="utf-8")
+_CODE_PAGE = (Path(__file__).parents[1] / "doors" / "code.html").read_text(encoding="utf-8")
 
 
 class Lab(viser.ViserServer):
@@ -85,15 +86,16 @@ class Doors:
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
-        self._house: Host | None = None
+        self._host: Host | None = None
 
     def watch(self, server: viser.ViserServer, host: Host) -> None:
         """This server's widgets are meant in what browsers say, and these visitors."""
-        self._server, self._house = server, host
+        self._server, self._host = server, host
 
     @contextmanager
-    def guarding(self) -> Iterator[None]:
-        """Web servers that start meanwhile have these doors; the viewer has no setting for any of it."""
+    def guarding(self, index: Index) -> Iterator[None]:
+        """Web servers that start meanwhile have these doors, and send this ``index`` to those who come in; the viewer
+        has no setting for any of it."""
         serve = websockets.asyncio.server.serve
 
         def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: Callable[..., Any],
@@ -111,7 +113,8 @@ class Doors:
                     silent.cancel()
 
             def answer(connection: Any, request: Request) -> Response | None:
-                return self._answer(connection, request) or process_request(connection, request)
+                answer = self._answer(connection, request)
+                return answer or index.instead(request, process_request(connection, request))
 
             own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log}
             return serve(handle, *args, process_request=answer, **{**options, **own})
@@ -142,23 +145,22 @@ class Doors:
             self._refusals.note(refusal, who)
             return _said(HTTPStatus.FORBIDDEN, refusal)
         path = request.path.partition("?")[0]
-        if path == "/health" and self._house and not opens_socket:
-            return _said(HTTPStatus.OK, json.dumps(self._house.health()), "application/json")
+        if path == "/health" and self._host and not opens_socket:
+            return _said(HTTPStatus.OK, json.dumps(self._host.health()), "application/json")
         if self._code and not opens_socket and path.endswith("/enter"):
             return self._enter(self._code, request.headers, who)
         if self._code and not self._code.knows(request.headers):
             if opens_socket:
                 self._refusals.note(NO_CODE, who)
                 return _said(HTTPStatus.FORBIDDEN, NO_CODE)
-            front = path in ("/", "/index.html")
-            return _said(HTTPStatus.OK if front else HTTPStatus.FORBIDDEN, _PAGE, "text/html")
+            return _said(HTTPStatus.OK if path in PATHS else HTTPStatus.FORBIDDEN, _CODE_PAGE, "text/html")
         if opens_socket:
             return self._wait(who)
         return self._attend(*looks.groups()) if (looks := _LOOKS.search(path)) else None
 
     def _attend(self, state: str, token: str) -> Response:
         """A browser says that its page is seen, or no longer."""
-        known = self._house is not None and self._house.attend(token, state == "here")
+        known = self._host is not None and self._host.attend(token, state == "here")
         return _said(HTTPStatus.NO_CONTENT if known else HTTPStatus.NOT_FOUND, "")
 
     def _wait(self, who: str) -> Response | None:
