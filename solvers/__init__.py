@@ -1,6 +1,43 @@
-"""The Material Point Method and its error estimates, headless: Scene -> Solver -> Result."""
+"""The Material Point Method and its error estimates, headless: Scene -> Solver -> Result.
 
+What a user needs stands here, and is imported when it is first asked for::
+
+    from solvers import BarScene, run
+
+    print(run(BarScene(cells=80, estimators=("companion",))).errors()["x"]["max"], "m")
+"""
+
+import importlib
 import os
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from solvers.judging.frames import FileError
+    from solvers.judging.verdict import judge
+    from solvers.problems.bar.scene import BarScene
+    from solvers.problems.ring.scene import RingScene
+    from solvers.problems.vortex.scene import VortexScene
+    from solvers.running.run import run
+    from solvers.scene.rules import SceneError
+    from solvers.solver.result import Result
+    from solvers.study.sweep import sweep
+else:
+    _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring.scene",
+              "VortexScene": "problems.vortex.scene", "run": "running.run", "sweep": "study.sweep",
+              "judge": "judging.verdict", "Result": "solver.result", "SceneError": "scene.rules",
+              "FileError": "judging.frames"}
+
+    def __getattr__(name):
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+__all__ = ["BarScene", "RingScene", "VortexScene", "run", "sweep", "judge", "Result", "SceneError", "FileError"]
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
 
 # For Taichi, whoever imports it first: no announcement, and no asking a server for news at every start.
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")

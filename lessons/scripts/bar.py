@@ -8,8 +8,7 @@ Change a number and run it again, from the root of the repository:    uv run pyt
 
 from app.commands.run.text import run_table
 from app.pictures.run import save_png
-from solvers.problems.bar.scene import BarScene
-from solvers.running.run import run
+from solvers import BarScene, run
 
 method = "ugimp"  # shape functions: mpm (hat functions), ugimp, cpgimp or bspline
 cells = 40  # the grid has cells of h = 1 m / cells

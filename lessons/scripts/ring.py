@@ -9,8 +9,7 @@ Change a number and run it again, from the root of the repository:    uv run pyt
 
 from app.commands.run.text import run_table
 from app.pictures.run import save_png
-from solvers.problems.ring.scene import RingScene
-from solvers.running.run import run
+from solvers import RingScene, run
 
 method = "cpdi"  # shape functions: mpm (hat functions), ugimp, cpgimp or cpdi
 cells = 24  # cells along a side of the grid: h = 1.2 m / cells

@@ -4,7 +4,7 @@ import os
 import re
 import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +92,11 @@ def read_npz(path: str, most: int = MOST_BYTES) -> Raw:
     except (zipfile.BadZipFile, ValueError, EOFError, KeyError, NotImplementedError, zlib.error) as error:
         raise FileError(path, f"is no .npz of plain numbers ({type(error).__name__}); write it with "
                               "numpy.savez") from None
+    return from_arrays(path, arrays)
+
+
+def from_arrays(path: str, arrays: Mapping[str, np.ndarray]) -> Raw:
+    """The table of named arrays, as they stand in a .npz; ``path`` is what messages call it."""
     for name, array in arrays.items():
         if meaning(name) and array.dtype.kind not in "iuf":
             raise FileError(path, f"has no numbers in {name}; give numbers, real and not objects or texts")

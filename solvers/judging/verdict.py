@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solvers.judging.frames import Grid, Raw
+from solvers.judging.frames import FileError, Grid, Raw
 from solvers.judging.measure import (
     QUANTITIES,
     Apart,
@@ -28,6 +29,8 @@ from solvers.judging.measure import (
     worst,
 )
 from solvers.judging.placing import SAME, grids
+from solvers.judging.reading import from_arrays, read
+from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
 from solvers.study.fit import slope
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
 SCHEMA = "mpm-lab/judge/1"
 OTHER_LAW = 1e-3  # of the stress: a file whose stress is farther from what its F gives has another material
 Progress = Callable[[float, str], None]
+Particles = str | os.PathLike | Mapping[str, Any] | Raw
 
 
 @dataclass(frozen=True)
@@ -133,13 +137,48 @@ class Judgement:
                 "grids": [g.to_dict() for g in self.grids], "common_times": self.common_times(), "order": self.orders()}
 
 
-def judge(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Sequence[float], compare: bool,
+def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequence[int] = (),
+          times: Sequence[float] = (), compare: bool = False,
           on_progress: Progress = lambda part, what: None) -> Judgement:
-    """Judge files of particles of a scene's problem; :class:`~solvers.judging.frames.FileError` where one cannot be.
+    """Judge the particles of any code that ran a scene's problem: how wrong they are, where, and of which order.
 
-    ``cells`` and ``times`` are those of ``solvers.judging.placing.grids``; with ``compare`` our own methods run beside.
+    Parameters
+    ----------
+    scene
+        What was run: the problem and its numbers. Methods, estimators, effects and remedies do not matter here.
+    files
+        A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one grid or more.
+        Arrays are (P,), (P, D) or (P, D, D) of one time ``t``, or (T, P, ...) of T times (T,), in SI units: ``x`` and
+        ``id`` or ``X``, and ``v``, ``F``, ``sigma`` as there are; ``cells`` may say the grid.
+    cells
+        Cells of the grid, one number for all files or one for each, where files do not say it; left out, the scene's.
+    times
+        The time of each file in s, where files do not say it.
+    compare
+        Whether our own methods run on the same grids, to be held beside.
+    on_progress
+        Called now and then with the part done (0 to 1) and a word on what is being done.
+
+    Returns
+    -------
+    Judgement
+        Its ``to_dict()`` is the object of ``mpm-lab judge``'s report.json.
+
+    Raises
+    ------
+    FileError
+        For files, or arrays, that cannot be judged.
+    SceneError
+        Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
-    found = grids(files, scene, cells, times)
+    sources = [files] if isinstance(files, (str, os.PathLike, Mapping, Raw)) else list(files)
+    if not sources:
+        raise SceneError("files", "none", "give one or several files of particles, or their arrays")
+    for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
+        if given and len(given) not in counts:
+            raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
+                             "one for each")
+    found = grids([_raw(source, k) for k, source in enumerate(sources)], scene, cells or [scene.cells], times)
     every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
     companions = Companions(scene, every)
     judged = []
@@ -166,3 +205,14 @@ def judge(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
         alone = apart(own, grid.frames, true or estimated)
         judged.append(GridJudgement(own, grid, true, estimated, doubt, alone, ours))
     return Judgement(scene, judged)
+
+
+def _raw(source: Particles, k: int) -> Raw:
+    """What number ``k`` of the files holds."""
+    if isinstance(source, Mapping):
+        name = f"arrays {k + 1}"
+        try:
+            return from_arrays(name, {key: np.asarray(array) for key, array in source.items()})
+        except ValueError as error:
+            raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
+    return source if isinstance(source, Raw) else read(os.fspath(source))

@@ -26,12 +26,18 @@ def flat(row: Mapping, before: str = "") -> dict:
     return values
 
 
-def csv_text(rows: Iterable[Mapping]) -> str:
-    """One line a row, a column for whatever any row has; what a row has not is empty."""
+def columns(rows: Iterable[Mapping]) -> list[dict]:
+    """Rows without levels, all with the same keys: whatever any row has, and None where one has it not."""
     lines = [flat({**row, "scene": row["scene"] or row["asked"], "asked": {}}) for row in rows]
     names = list(dict.fromkeys(name for line in sorted(lines, key=len, reverse=True) for name in line))
+    return [{name: line.get(name) for name in names} for line in lines]
+
+
+def csv_text(rows: Iterable[Mapping]) -> str:
+    """One line a row, a column for whatever any row has; what a row has not is empty."""
+    lines = columns(rows)
     text = io.StringIO()
-    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer = csv.DictWriter(text, lines[0] if lines else (), lineterminator="\n")
     writer.writeheader()
     writer.writerows(lines)
     return text.getvalue()

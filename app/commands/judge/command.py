@@ -76,11 +76,9 @@ class Judge(SceneFlags):
         return cells
 
     def _judge(self, scene: Scene, cells: list[int], times: list[float]) -> Any:
-        from solvers.judging.reading import read  # here: bad input must not wait for Taichi
-        raw = [read(file) for file in self.files]
         with working(self.quiet) as show:
-            from solvers.judging.verdict import judge
-            return judge(raw, scene, cells, times, not self.no_compare, show)
+            from solvers import judge  # here: bad input must not wait for it
+            return judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare, on_progress=show)
 
     def _write(self, folder: Folder, judged: Any) -> int:
         """The report in three forms, and its pictures; one that fails costs nothing else."""

@@ -90,7 +90,7 @@ def test_a_patch_test_may_be_wrapped_and_is_as_its_problem_says(tmp_path):
     assert sum(float(line.split(",")[-1]) for line in lines[1:]) == pytest.approx(1 / 1.02, rel=1e-12)
     scene = PROBLEMS["bar"].scene(motion="patch", ppc=2.5, cells=20)
     wrapped = replace(raw, columns=raw.columns | {"x": raw.columns["x"] % 1.0})
-    [grid] = judge([wrapped], scene, [20], [], compare=False).to_dict()["grids"]
+    [grid] = judge(scene, wrapped).to_dict()["grids"]
     assert all(grid["error"][q]["max"] < 1e-14 for q in ("x", "v", "sigma"))
     assert "moved back by a period" in " ".join(grid["notes"])
 
@@ -109,7 +109,7 @@ def test_every_method_and_layout_of_the_vortex_is_judged_as_we_do(method, layout
     from solvers.judging.ours import framed
     file = tmp_path / "run.npz"
     file.write_bytes(writing.npz([framed(shot, scene) for shot in shots], scene))
-    judged = judge([read(str(file))], scene, [12], [], compare=False)
+    judged = judge(scene, file)
     for q in ("x", "v", "sigma"):
         assert judged.grids[0].norms[q][1:] == pytest.approx(result.series[f"error_{q}"][1:], rel=1e-12)
 
@@ -155,7 +155,7 @@ def test_moved_particles_are_found_with_their_place(problem, tmp_path):
     x[moved] += 0.1 * scene.spacing * turn / np.linalg.norm(turn, axis=1)[:, None]
     file = tmp_path / "moved.npz"
     np.savez(file, t=shot.time, x=x, X=X, cells=24)
-    judged = judge([read(str(file))], scene, [24], [], compare=False)
+    judged = judge(scene, file)
     [grid] = judged.to_dict()["grids"]
     found = set(judged.grids[0].apart.which)
     # Of the vortex one stands in a block of the rim with but one other, which tells nothing of it.
@@ -192,7 +192,7 @@ def test_the_exact_particles_have_no_error_in_any_form(problem, tmp_path):
 
 
 def _no_error(scene, file: Path, times=()) -> None:
-    judged = judge([read(str(file))], scene, [scene.cells], list(times), compare=False)
+    judged = judge(scene, file, times=times)
     for q, values in judged.grids[0].norms.items():
         assert values.max() < 1e-12 * scene.size_of(q), (file.name, q)
 
@@ -209,7 +209,7 @@ def test_a_periodic_code_may_wrap_its_positions(tmp_path):
     x = np.mod(frame.position + 0.9, 1.0) - 0.9  # some are a period away
     file = tmp_path / "wrapped.csv"
     file.write_bytes(writing.csv(writing.table([replace(frame, position=x)])))
-    [grid] = judge([read(str(file))], scene, [12], [], compare=False).to_dict()["grids"]
+    [grid] = judge(scene, file).to_dict()["grids"]
     assert grid["error"]["x"]["max"] < 1e-15
     assert ("moved back by a period" in " ".join(grid["notes"])) == bool((x != frame.position).any())
 
@@ -227,7 +227,7 @@ def test_without_a_truth_the_companion_judges(problem, force, tmp_path):
     from solvers.judging.ours import framed
     file = tmp_path / "run.npz"
     file.write_bytes(writing.npz([framed(shot, scene) for shot in shots], scene))
-    [grid] = judge([read(str(file))], scene, [24], [], compare=False).to_dict()["grids"]
+    [grid] = judge(scene, file).to_dict()["grids"]
     assert grid["error"] is None and grid["estimate"]["index"] is None
     for q in ("x", "v", "sigma"):
         own = result.estimates("companion")[q]["max"]
@@ -274,7 +274,7 @@ def test_another_law_of_the_material_is_noticed(tmp_path):
     other = replace(frame, stress=scene.modulus * np.log(frame.deformation_gradient))
     file = tmp_path / "log.csv"
     file.write_bytes(writing.csv(writing.table([other])))
-    [grid] = judge([read(str(file))], scene, [12], [], compare=False).to_dict()["grids"]
+    [grid] = judge(scene, file).to_dict()["grids"]
     assert "another material" in grid["notes"][0] and grid["error"]["x"]["max"] < 1e-15 < grid["error"]["sigma"]["max"]
 
 

@@ -1,0 +1,79 @@
+"""A sweep as a function: every combination of lists of values, a row each."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable
+from typing import Any
+
+from solvers.problems import PROBLEMS
+from solvers.scene.rules import FIELDS, SceneError, field_key, require_choice, require_whole
+from solvers.scene.scene import LISTS
+from solvers.study.grid import MOST_ROWS, plan
+from solvers.study.places import Here, execute
+from solvers.study.summary import columns
+
+
+def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
+          on_progress: Callable[[float, dict], None] = lambda part, row: None, **inputs: Any) -> list[dict]:
+    """Measure a problem for every combination of values: ``sweep("bar", cells=[20, 40], method=["mpm", "bspline"])``.
+
+    Parameters
+    ----------
+    problem : "bar", "ring" or "vortex"
+    repeats
+        Timed runs of each row, of which the shortest counts; 0 times only the run that gives the errors.
+    workers
+        Processes that measure side by side, which disturbs the timings. An estimator that is registered in the caller's
+        process alone is not known there; name its module in the environment variable ``MPM_LAB_EXTENSIONS``.
+    on_progress
+        Called after each row, as they come, with the part done (0 to 1) and the row.
+    inputs
+        Fields of the problem's scene. A list, range or array has the values to go through, anything else is one value,
+        as is a list of names for ``estimators``, ``effects`` or ``remedies``; what is left out is the scene's default.
+
+    Returns
+    -------
+    list of dict
+        A row for each combination, the last input varying fastest, with the columns of ``mpm-lab sweep``'s table.csv
+        in SI units: ``scene.cells``, ``h``, ``error.x.max`` (the largest RMS error over the run), ``index.NAME.x``,
+        ``seconds.min``, ``status`` ("ok", "unstable", "lost", "refused", "failed"), ``reason``, ... Whatever goes
+        wrong in a run is a row; None stands where a row has no such number.
+
+    Raises
+    ------
+    SceneError
+        For a problem, an input or a number of workers that there is not, and where no combination makes a scene.
+    """
+    require_choice("problem", problem, tuple(PROBLEMS))
+    require_whole("repeats", repeats, 0, 1000)
+    require_whole("workers", workers, 1, 1024)
+    axes = {field_key(name): _values(problem, name, given) for name, given in inputs.items()}
+    if (count := math.prod(map(len, axes.values()))) > MOST_ROWS:
+        raise SceneError("combinations", f"{count:,}", f"are too many for one sweep; give at most {MOST_ROWS:,}")
+    tasks = plan(problem, axes, repeats=repeats)
+    refusals = [task.refusal() for task in tasks]
+    if refusals[0] and all(refusals):
+        raise refusals[0]
+    measured: dict[str, dict] = {}
+
+    def keep(row: dict) -> None:
+        measured[row["key"]] = row
+        on_progress(len(measured) / len(tasks), *columns([row]))
+
+    with contextlib.closing(Here(workers)) as place:
+        execute(tasks, place, keep)
+    return columns([measured[task.key] for task in tasks])
+
+
+def _values(problem: str, name: str, given: Any) -> list:
+    """What an input goes through."""
+    names = [field for field in PROBLEMS[problem].scene.__dataclass_fields__ if field != "problem"]
+    if FIELDS.get(name, name) not in names:
+        raise SceneError(name, given, f"is no input of the {problem}; give some of {', '.join(names)}")
+    given = given.tolist() if hasattr(given, "tolist") else list(given) if isinstance(given, range) else given
+    one = not isinstance(given, list) or (FIELDS.get(name, name) in LISTS and all(isinstance(v, str) for v in given))
+    if given == [] and not one:
+        raise SceneError(name, given, "holds no value; give one at least")
+    return [given] if one else given
