@@ -18,7 +18,7 @@ from urllib.parse import unquote
 
 from app.words import MAGNIFICATIONS, QUANTITIES
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import FIELDS, SceneError, field_key
+from solvers.scene.rules import SceneError, key_field
 from solvers.scene.scene import LISTS, Scene
 
 LONGEST = 2000  # characters that anybody needs
@@ -108,7 +108,7 @@ def _scene(problem: str, words: list[str]) -> Scene:
     names = {_key(f.name): f for f in fields(kind) if f.name != "problem"}
     for word in words:
         key, _, value = word.partition("=")
-        key = _key(FIELDS.get(key.replace("-", "_"), key))
+        key = _key(key_field(key.replace("-", "_")))
         if key not in names:
             close = get_close_matches(key, [*names, *VIEW], n=1)
             raise StateError(f"{_quoted(word)} means nothing here" + f" (did you mean {close[0]}?)" * bool(close)
@@ -190,8 +190,8 @@ def _quoted(text: str) -> str:
 
 
 def _key(field: str) -> str:
-    """How a field is called in a text: as its flag, ``linearity-preserving``; several estimators are ``estimators``."""
-    return field.replace("_", "-") if field in LISTS else field_key(field).replace("_", "-")
+    """How a field is called in a text: ``linearity-preserving``."""
+    return field.replace("_", "-")
 
 
 @dataclass(frozen=True)

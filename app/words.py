@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
-from solvers.scene.rules import field_key, field_label
+from solvers.scene.rules import field_flag, field_label
 from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
 
 NOTHING = "–"
@@ -160,7 +160,7 @@ def command_line(scene: Scene) -> str:
     for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force", *OF_SOME):
         idle = field == "body_force" and not scene.swings
         if field in kind.__dataclass_fields__ and not idle and getattr(scene, field) != getattr(kind, field):
-            words.append(f"--{field_key(field).replace('_', '-')} {getattr(scene, field)}")
+            words.append(f"--{field_flag(field)} {getattr(scene, field)}")
     if scene.linearity_preserving:
         words.append("--linearity-preserving")
     if scene.remedies:

@@ -19,7 +19,7 @@ from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput, shown
 from app.commands.output import say
 from solvers.scene.registry import ExtensionError
-from solvers.scene.rules import SceneError, field_key
+from solvers.scene.rules import SceneError, field_flag
 
 PROGRAM = "mpm-lab"
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
@@ -37,7 +37,7 @@ def dispatch(arguments: list[str]) -> int:
         sys.stdout.flush()  # here, where a reader that has gone is still ours to handle
         return status
     except (BadInput, ExtensionError, SceneError) as error:
-        say(BadInput(field_key(error.field).replace("_", "-"), error.value, error.sentence)
+        say(BadInput(field_flag(error.field), error.value, error.sentence)
             if isinstance(error, SceneError) else error)
         return BAD_INPUT
     except BrokenPipeError:

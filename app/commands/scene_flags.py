@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.flags import BadInput, NumberFlag, RealFlag, one_of, several_of
-from solvers.scene.rules import FIELDS, field_key
+from solvers.scene.rules import field_key, key_field
 from solvers.scene.scene import Scene
 
 #: Words that stand for no names, or all.
@@ -27,17 +27,15 @@ class SceneFlags:
 
     def scene_with(self, **instead: Any) -> Scene:
         """The same with some inputs replaced."""
-        return self.SCENE(**{FIELDS.get(key, key): value for key, value in {**self.inputs(), **instead}.items()})
+        return self.SCENE(**{key_field(key): value for key, value in {**self.inputs(), **instead}.items()})
 
     def inputs(self) -> dict[str, Any]:
         """What was given for each input of a scene, by the name of its flag."""
         values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in self.OUTPUT}
         for name, words in SPECIAL.items():
-            if field_key(name) not in values:
-                continue
-            meanings = {"none": (), "all": self.SCENE.choices(name)}
-            key = field_key(name)
-            values[key] = _expand(key, values[key], {word: meanings[word] for word in words})
+            if (key := field_key(name)) in values:
+                meanings = {"none": (), "all": self.SCENE.choices(name)}
+                values[key] = _expand(key, values[key], {word: meanings[word] for word in words})
         return values
 
 

@@ -16,13 +16,12 @@ from solvers.running.run import build
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.norms import distance, error_index
+from solvers.solver.norms import RATIOS, error_index
 from solvers.solver.result import Snapshot
 from solvers.solver.soundness import find, verdict
 
 CURVE_POINTS = 41  # at which the exact field is kept
 FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
-RUNNING = {"index": (error_index, "estimate"), "distance": (distance, "difference")}
 
 
 @dataclass(frozen=True)
@@ -160,8 +159,8 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
 
     for estimator in scene.active_estimators:
         tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
-        for ratio, (compare, norm) in RUNNING.items():
-            table = [[compare(until(f"{estimator}/{norm}_{key}", k), until(f"error_{key}", k))
+        for ratio, norm in RATIOS.items():
+            table = [[error_index(until(f"{estimator}/{norm}_{key}", k), until(f"error_{key}", k))
                       for key in samples.QUANTITIES] for k in range(len(times))]
             tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.array(table, float)))
     return tracks

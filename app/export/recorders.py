@@ -1,12 +1,12 @@
 """Recordings made side by side, each by a process of its own that does nothing else."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import asdict
 from typing import Any
 
 from app.export.record import Wanted
-from solvers.workers.processes import WorkerPool
+from solvers.workers.pool import WorkerPool
 
 WORK = "app.export.record:work"
 
@@ -16,20 +16,9 @@ def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[
 
     Raises :class:`~solvers.workers.processes.ProcessDied` where one cannot be made.
     """
-    pool = WorkerPool(WORK, processes)
-
-    def record(one: Wanted) -> dict[str, Any]:
-        with pool.lent() as process:
-            [answer] = process.ask(asdict(one))
-            return answer
-
-    found = []
-    threads = ThreadPoolExecutor(processes)
-    try:
-        for recording in threads.map(record, wanted):
-            found.append(recording)
+    with closing(WorkerPool(WORK, processes)) as pool:
+        found = []
+        for recording in [pool.submit(asdict(one)) for one in wanted]:
+            found.append(recording.result())
             on_progress(len(found))
         return found
-    finally:
-        threads.shutdown(wait=False, cancel_futures=True)
-        pool.close()

@@ -3,15 +3,15 @@
 import os
 import threading
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from concurrent.futures import Future, as_completed
 from typing import Any
 
 from app import state
 from app.lessons.claims import Outcome, Scope, needed
 from app.lessons.lesson import Lesson, Run, Step
 from app.lessons.variants import Numbers, filled
-from solvers.workers.processes import ProcessDied, WorkerPool
+from solvers.workers.pool import WorkerPool
+from solvers.workers.processes import ProcessDied
 
 WORK = "app.lessons.outcomes:work"
 KEPT = 500  # results
@@ -25,9 +25,9 @@ class Outcomes:
     """Runs scenes in so many ``processes``, which start when they are needed. Safe from any thread."""
 
     def __init__(self, processes: int = 1, politeness: int = 0):
-        self._processes, self._politeness, self._lock = processes, politeness, threading.Lock()
-        self._kept: dict[str, dict[str, Any]] = {}
-        self._pool = WorkerPool(WORK, processes)
+        self._pool, self._politeness = WorkerPool(WORK, processes), politeness
+        self._lock = threading.Lock()
+        self._runs: dict[str, Future[dict[str, Any]]] = {}
 
     def close(self) -> None:
         """End all processes."""
@@ -35,25 +35,21 @@ class Outcomes:
 
     def result(self, text: str) -> dict[str, Any]:
         """The result's JSON object of the scene of a state; waits for it."""
-        scene = state.write(state.State(state.read(text).scene))
-        if found := self._known(scene):
-            return found
-        with self._pool.lent() as process:
-            if found := self._known(scene):  # somebody else has had it run meanwhile
-                return found
-            try:
-                [found] = process.ask({"scene": scene, "politeness": self._politeness})
-            except ProcessDied as error:
-                raise RunFailed(f"{scene} could not be run: the process {error}") from None
-        with self._lock:
-            if len(self._kept) >= KEPT:
-                self._kept.pop(next(iter(self._kept)))
-            self._kept[scene] = found
-        return found
+        try:
+            return self._run(text).result()
+        except ProcessDied as error:
+            raise RunFailed(f"{_scene(text)} could not be run: the process {error}") from None
 
-    def _known(self, scene: str) -> dict[str, Any] | None:
+    def _run(self, text: str) -> Future[dict[str, Any]]:
+        """The run of the scene of a state, one that failed once more."""
+        scene = _scene(text)
         with self._lock:
-            return self._kept.get(scene)
+            run = self._runs.get(scene)
+            if run is None or (run.done() and run.exception()):
+                if len(self._runs) >= KEPT:
+                    self._runs.pop(next(iter(self._runs)))
+                run = self._runs[scene] = self._pool.submit({"scene": scene, "politeness": self._politeness})
+            return run
 
     def outcome(self, run: Run, numbers: Numbers) -> Outcome:
         """What comes of a run with these numbers."""
@@ -67,15 +63,14 @@ class Outcomes:
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""
-        scenes, done = sorted(set(texts)), 0
-        with ThreadPoolExecutor(self._processes) as threads:
-            for _ in threads.map(self._try, scenes):
-                done += 1
-                on_progress(done, len(scenes))
+        runs = dict.fromkeys(map(self._run, sorted(set(texts))))
+        for done, _ in enumerate(as_completed(runs), 1):
+            on_progress(done, len(runs))
 
-    def _try(self, text: str) -> None:
-        with suppress(RunFailed):
-            self.result(text)
+
+def _scene(text: str) -> str:
+    """What of a state's text says the scene."""
+    return state.write(state.State(state.read(text).scene))
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:

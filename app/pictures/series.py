@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from app.colours import ESTIMATE, TRUTH
 from app.figures import positive, say, styled
 from app.words import QUANTITIES
+from solvers.solver.norms import RunningIndex
 from solvers.solver.result import Result
 
 DRAWN = ("x", "v", "sigma")
@@ -85,9 +86,7 @@ def not_estimated(result: Result, quantity: str) -> list[str]:
 
 
 def _running_ratio(result: Result, estimator: str, quantity: str) -> np.ndarray:
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        estimates, errors = result.series[f"{estimator}/estimate_{quantity}"], result.series[f"error_{quantity}"]
-        ratio = np.cumsum(estimates) / np.cumsum(errors)
+    ratio = RunningIndex().extend(result.series[f"{estimator}/estimate_{quantity}"], result.series[f"error_{quantity}"])
     return np.where(np.isfinite(ratio), ratio, np.nan)
 
 

@@ -18,7 +18,7 @@ from solvers.judging.handout import solution
 from solvers.judging.placing import check_origin
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
-from solvers.solver.norms import distance, error_index, finite, summary
+from solvers.solver.norms import error_index, finite, summary
 
 QUANTITIES = ("x", "v", "sigma")
 Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
@@ -224,7 +224,7 @@ def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str
     """How far estimates are from the truth particle by particle, over the size of the truth."""
     between = series([{q: mine[q] - theirs[q] for q in mine} for mine, theirs in zip(estimates, errors, strict=True)])
     true = series(errors)
-    return {q: distance(between[q], true[q]) for q in QUANTITIES}
+    return {q: error_index(between[q], true[q]) for q in QUANTITIES}
 
 
 def law_kept(scene: Scene, grid: Grid) -> float | None:

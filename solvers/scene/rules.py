@@ -3,9 +3,7 @@
 import math
 import sys
 
-#: Where a field's name and its flag differ. The flag, with ``_`` for ``-``, is also the key in the JSON object.
-FLAGS = {"estimators": "estimator"}
-FIELDS = {key: field for field, key in FLAGS.items()}
+KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
 
 
 class SceneError(ValueError):
@@ -18,7 +16,17 @@ class SceneError(ValueError):
 
 def field_key(field: str) -> str:
     """The name of a field in the JSON object: ``estimators`` is ``estimator``."""
-    return FLAGS.get(field, field)
+    return KEYS.get(field, field)
+
+
+def key_field(key: str) -> str:
+    """The field that a key stands for: :func:`field_key` undone."""
+    return next((field for field, other in KEYS.items() if other == key), key)
+
+
+def field_flag(field: str) -> str:
+    """The name of a field's flag: ``body_force`` is ``body-force``."""
+    return field_key(field).replace("_", "-")
 
 
 def field_label(field: str) -> str:

@@ -10,7 +10,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-UNBOUNDED = np.errstate(over="ignore", invalid="ignore")  # around arithmetic with what a run gone bad left
+#: What an estimator is judged by, and the norm that each sums over that of the truth (eq 35): an index of 1 is perfect,
+#: and so is a distance of 0. An index of 1 can hide an estimate of the right size in the wrong place; a distance, 1
+#: where the estimate is no better than silence, cannot.
+RATIOS = {"index": "estimate", "distance": "difference"}
+
+#: Around arithmetic with what a run gone bad left.
+UNBOUNDED = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 
 
 @UNBOUNDED
@@ -31,16 +37,28 @@ def largest(values: np.ndarray) -> float | None:
 
 
 @UNBOUNDED
-def error_index(estimated: np.ndarray, true: np.ndarray) -> float | None:
-    """The paper's eq 35: the sum over time of estimated norms over that of true norms. 1 is perfect."""
-    total = float(np.sum(true))
-    return finite(float(np.sum(estimated)) / total) if total > 0 else None
+def error_index(norms: np.ndarray, true: np.ndarray) -> float | None:
+    """The paper's eq 35: the sum over time of norms, one of :data:`RATIOS`, over that of the true error's norms; None
+    where there was no error, or nothing is known of it."""
+    return finite(float(_over(np.sum(norms), np.sum(true))))
 
 
-def distance(difference: np.ndarray, true: np.ndarray) -> float | None:
-    """The same of ||estimate - truth||: 0 is perfect, 1 no better than silence. An index of 1 can hide an estimate of
-    the right size in the wrong place; this cannot."""
-    return error_index(difference, true)
+class RunningIndex:
+    """The error index at each time of a run that goes on."""
+
+    def __init__(self) -> None:
+        self._norms = self._true = 0.0
+
+    @UNBOUNDED
+    def extend(self, norms: np.ndarray, true: np.ndarray) -> np.ndarray:
+        """The index up to each of these further times (T,), from the norms at them; NaN where there is none."""
+        sums, true_sums = np.cumsum(norms) + self._norms, np.cumsum(true) + self._true
+        self._norms, self._true = float(sums[-1]), float(true_sums[-1])
+        return _over(sums, true_sums)
+
+
+def _over(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:
+    return np.where(true_sums > 0, sums / true_sums, np.nan)
 
 
 @UNBOUNDED

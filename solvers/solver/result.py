@@ -8,9 +8,9 @@ import numpy as np
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.solver.norms import (
+    RATIOS,
     UNBOUNDED,
     angular_momentum_drift,
-    distance,
     energy_drift,
     error_index,
     finite,
@@ -115,11 +115,15 @@ class Result:
 
     def index(self, estimator: str) -> dict:
         """The error index of each quantity (eq 35)."""
-        return {q: error_index(self.series[f"{estimator}/estimate_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
+        return self._ratio("index", estimator)
 
     def distance(self, estimator: str) -> dict:
         """How far the estimate is from the truth particle by particle, over the size of the truth."""
-        return {q: distance(self.series[f"{estimator}/difference_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
+        return self._ratio("distance", estimator)
+
+    def _ratio(self, ratio: str, estimator: str) -> dict:
+        norm = f"{estimator}/{RATIOS[ratio]}"
+        return {q: error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
 
     @UNBOUNDED
     def energy(self) -> dict | None:

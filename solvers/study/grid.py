@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import FIELDS, SceneError, field_key
+from solvers.scene.rules import SceneError, field_key, key_field
 from solvers.scene.scene import Scene
 
 MOST_ROWS = 10_000
@@ -32,8 +32,8 @@ class Task:
 
     def scene(self) -> Scene:
         """The scene of this combination; :class:`SceneError` where there is none."""
-        inputs: dict[str, Any] = {FIELDS.get(name, name): tuple(value) if isinstance(value, list) else value
-                                  for name, value in self.inputs.items()}
+        inputs: dict[str, Any] = {key_field(key): tuple(value) if isinstance(value, list) else value
+                                  for key, value in self.inputs.items()}
         return PROBLEMS[self.problem].scene(**inputs)
 
     def refusal(self) -> SceneError | None:

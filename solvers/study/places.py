@@ -1,26 +1,28 @@
 """Where rows are measured, and how every task ends as a row there.
 
-A place takes tasks and gives futures, over a standard ``concurrent.futures.Executor``: :class:`Here` over threads of
-which each waits for a process of its own, :class:`Cluster` over the executor of a Dask client, on whose workers mpm-lab
-must be installed. On each worker one row is measured at a time, by a process that the worker keeps for that, however
-many threads it has: rows side by side would disturb each other's timing. If the worker is killed its process ends too,
-and Dask runs the row on another. ``distributed`` is an optional dependency, imported only where a cluster is used.
+A place takes tasks and gives futures: :class:`Here` those of a pool of processes, :class:`Cluster` those of a Dask
+client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a process that the
+worker keeps for that, however many threads it has: rows side by side would disturb each other's timing. If the worker
+is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional dependency, imported
+only where a cluster is used.
 """
 
 import functools
 import logging
 import os
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
+from collections import Counter
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Protocol
 
 from solvers.scene.registry import EXTENSIONS
 from solvers.study.grid import Task
 from solvers.study.row import failed, measure
+from solvers.workers.pool import WorkerPool
 from solvers.workers.processes import WorkerProcess
 
+MEASURE_ROW = f"{__name__}:measure_row"
 ATTEMPTS = 3  # that a row has to lose its worker until it is given up
 LOOK_SECONDS = 1.0
 ANSWER_SECONDS = 10.0  # for the scheduler of a cluster to answer
@@ -81,11 +83,6 @@ def _outcome(task: Task, future: Future[dict], lost: Counter[str]) -> dict | Non
     return failed(task, f"lost its worker {times}; the last one: {type(error).__name__}: {error}")
 
 
-def row_process(environment: Mapping[str, str] | None = None) -> WorkerProcess:
-    """A process that measures rows."""
-    return WorkerProcess(f"{__name__}:measure_row", environment)
-
-
 def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
     """What a row process does."""
     answer(measure(Task(**task)))
@@ -95,39 +92,26 @@ class Here:
     """Processes on this machine. One, unless told otherwise: rows that run side by side disturb each other's timing."""
 
     def __init__(self, workers: int = 1):
-        self._processes = [row_process() for _ in range(workers)]
-        self._idle = deque(self._processes)
-        self._executor = ThreadPoolExecutor(workers, thread_name_prefix="row")
+        self._pool = WorkerPool(MEASURE_ROW, workers)
 
     @property
     def process_ids(self) -> list[int]:
         """Of the processes that run now."""
-        return [process.process_id for process in self._processes if process.process_id]
+        return self._pool.process_ids
 
     def submit(self, task: Task) -> Future[dict]:
-        return self._executor.submit(self._measure, task)
+        return self._pool.submit(task.to_dict())
 
     def check(self) -> None:
         """This machine is always there."""
 
     def close(self) -> None:
-        self._executor.shutdown(wait=False, cancel_futures=True)
-        for process in self._processes:
-            process.close()
-        self._executor.shutdown()
-
-    def _measure(self, task: Task) -> dict:
-        process = self._idle.popleft()  # there is one for each thread
-        try:
-            [row] = process.ask(task.to_dict())
-            return row
-        finally:
-            self._idle.append(process)
+        self._pool.close()
 
 
 @functools.cache
 def _workers_process(extensions: str) -> WorkerProcess:
-    return row_process({EXTENSIONS: extensions})
+    return WorkerProcess(MEASURE_ROW, {EXTENSIONS: extensions})
 
 
 def measure_on_worker(task: dict, extensions: str) -> dict:

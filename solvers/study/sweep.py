@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import FIELDS, SceneError, field_key, require_choice, require_whole
+from solvers.scene.rules import SceneError, field_key, key_field, require_choice, require_whole
 from solvers.scene.scene import LISTS
 from solvers.study.grid import MOST_ROWS, plan
 from solvers.study.places import Here, execute
@@ -70,10 +70,10 @@ def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
 def _values(problem: str, name: str, given: Any) -> list:
     """What an input goes through."""
     names = [field for field in PROBLEMS[problem].scene.__dataclass_fields__ if field != "problem"]
-    if FIELDS.get(name, name) not in names:
+    if key_field(name) not in names:
         raise SceneError(name, given, f"is no input of the {problem}; give some of {', '.join(names)}")
     given = given.tolist() if hasattr(given, "tolist") else list(given) if isinstance(given, range) else given
-    one = not isinstance(given, list) or (FIELDS.get(name, name) in LISTS and all(isinstance(v, str) for v in given))
+    one = not isinstance(given, list) or (key_field(name) in LISTS and all(isinstance(v, str) for v in given))
     if given == [] and not one:
         raise SceneError(name, given, "holds no value; give one at least")
     return [given] if one else given

@@ -18,7 +18,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, cast
 
@@ -33,6 +33,10 @@ PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 
 class ProcessDied(Exception):
     """The process ended before its work was done, or the work failed in it; the sentence says how."""
+
+
+class TookTooLong(ProcessDied):
+    """The process was ended because whoever asked would wait no longer."""
 
 
 class WorkerProcess:
@@ -66,27 +70,51 @@ class WorkerProcess:
                 self._process.kill()
         return cast(subprocess.Popen, self._process)
 
-    def ask(self, question: Mapping | Sequence) -> Iterator[dict]:
-        """The answers to a question as they come; :class:`ProcessDied` if there will be no more of them."""
+    def ask(self, question: Mapping | Sequence, patience: float | None = None) -> Generator[dict]:
+        """The answers to a question as they come; :class:`ProcessDied` if there will be no more of them, and
+        :class:`TookTooLong` if ``patience`` seconds have passed. Who listens no more ends the process."""
+        late = threading.Event()
         with self._lock:
             process = self.start()
-            questions, answers = cast(IO[str], process.stdin), cast(IO[str], process.stdout)
-            with contextlib.suppress(OSError):  # it has ended: there is nothing to read
-                questions.write(json.dumps(question) + "\n")
-                questions.flush()
-            failure = None
-            for line in answers:
-                if not line.endswith("\n"):
-                    break  # it was killed in the middle of it
-                message = json.loads(line)
-                if "answer" in message:
-                    yield message["answer"]
-                elif message["failure"] is None:
-                    return
-                else:
-                    failure = message["failure"]
-            status = self._end()
-            raise ProcessDied(failure or status)
+
+            def give_up() -> None:
+                late.set()
+                process.kill()
+
+            timer = threading.Timer(patience or 0, give_up)
+            timer.daemon = True
+            if patience is not None:
+                timer.start()
+            try:
+                yield from self._answers(process, question)
+            except GeneratorExit:
+                self._end()
+                raise
+            except ProcessDied:
+                if late.is_set():
+                    raise TookTooLong(f"gave no answer within {patience:g} seconds") from None
+                raise
+            finally:
+                timer.cancel()
+
+    def _answers(self, process: subprocess.Popen[str], question: Mapping | Sequence) -> Iterator[dict]:
+        questions, answers = cast(IO[str], process.stdin), cast(IO[str], process.stdout)
+        with contextlib.suppress(OSError):  # it has ended: there is nothing to read
+            questions.write(json.dumps(question) + "\n")
+            questions.flush()
+        failure = None
+        for line in answers:
+            if not line.endswith("\n"):
+                break  # it was killed in the middle of it
+            message = json.loads(line)
+            if "answer" in message:
+                yield message["answer"]
+            elif message["failure"] is None:
+                return
+            else:
+                failure = message["failure"]
+        status = self._end()
+        raise ProcessDied(failure or status)
 
     def kill(self) -> None:
         """End the process at once, whatever it does, and for good; who waits for an answer learns it."""
@@ -133,46 +161,12 @@ class WorkerProcess:
         return f"was ended by signal {-status}"
 
 
-class WorkerPool:
-    """So many processes for one kind of work, which start when they are needed. Safe from any thread."""
-
-    def __init__(self, work: str, processes: int):
-        self._all = tuple(WorkerProcess(work) for _ in range(processes))
-        self._free: queue.LifoQueue[WorkerProcess] = queue.LifoQueue()  # the last has most of what it needs
-        for process in self._all:
-            self._free.put(process)
-
-    @contextlib.contextmanager
-    def lent(self) -> Iterator[WorkerProcess]:
-        """A process that nobody else asks meanwhile; waits until there is one."""
-        process = self._free.get()
-        try:
-            yield process
-        finally:
-            self._free.put(process)
-
-    def close(self) -> None:
-        """End all of them."""
-        for process in self._all:
-            process.close()
-
-
 def ask_fresh(work: str, question: Mapping | None = None, environment: Mapping[str, str] | None = None,
               patience: float = 120.0) -> dict:
     """The only answer of a fresh process; :class:`ProcessDied` if none comes within ``patience`` seconds."""
-    process = WorkerProcess(work, environment)
-    timer = threading.Timer(patience, process.kill)
-    timer.start()
-    try:
-        [answer] = process.ask(question or {})
+    with contextlib.closing(WorkerProcess(work, environment)) as process:
+        [answer] = process.ask(question or {}, patience)
         return answer
-    except ProcessDied:
-        if timer.finished.is_set():
-            raise ProcessDied(f"gave no answer within {patience:g} seconds") from None
-        raise
-    finally:
-        timer.cancel()
-        process.close()
 
 
 def serve(work: str) -> None:

@@ -2,12 +2,15 @@
 
 import math
 import threading
+from collections import defaultdict
+from itertools import product
 
 import numpy as np
 
 from app.page.visit.downsampled import RunSeries
 from solvers.scene.scene import Scene
 from solvers.solver import samples
+from solvers.solver.norms import RATIOS, RunningIndex
 from solvers.solver.samples import QUANTITIES
 
 CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are counted
@@ -28,7 +31,7 @@ class History(RunSeries):
         self._lock = threading.Lock()
         self._waiting: list[np.ndarray] = []
         self._margin = math.nan
-        self._sums: dict[str, float] = {}
+        self._ratios: defaultdict[str, RunningIndex] = defaultdict(RunningIndex)
 
     def add(self, rows: np.ndarray) -> None:
         """Append rows of samples (``solvers.solver.samples``)."""
@@ -64,13 +67,9 @@ class History(RunSeries):
     def _extend(self, rows: np.ndarray) -> None:
         scene = self.scene
         new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step)
-        for estimator in scene.active_estimators:
-            for q in QUANTITIES:
-                true = self._running(f"error_{q}", new, key=f"{estimator}/{q}")
-                for ratio, norm in (("index", "estimate"), ("distance", "difference")):
-                    with np.errstate(divide="ignore", invalid="ignore"):
-                        new[f"{estimator}/{ratio}_{q}"] = np.where(
-                            true > 0, self._running(f"{estimator}/{norm}_{q}", new) / true, np.nan)
+        for estimator, q, (ratio, norm) in product(scene.active_estimators, QUANTITIES, RATIOS.items()):
+            name = f"{estimator}/{ratio}_{q}"
+            new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"])
         looked = np.flatnonzero(np.isfinite(new["margin"]))
         self._margin = float(new["margin"][looked[-1]]) if len(looked) else self._margin
         self.append(new)
@@ -84,8 +83,3 @@ class History(RunSeries):
         spacing = (time[-1] - time[0]) / (len(time) - 1)
         lag = max(1, min(len(time) - 1, round(CROSSING_WINDOW * self.scene.period / spacing)))
         return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])
-
-    def _running(self, name: str, new: dict[str, np.ndarray], key: str | None = None) -> np.ndarray:
-        totals = np.cumsum(new[name]) + self._sums.get(key or name, 0.0)
-        self._sums[key or name] = float(totals[-1])
-        return totals

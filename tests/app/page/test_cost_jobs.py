@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import threading
 from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
-from app.page.features.cost import jobs as jobs_module
 from app.page.features.cost import words
-from app.page.features.cost.jobs import Jobs, JobStatus, Slots, question, search, small_sweep
+from app.page.features.cost.jobs import Jobs, JobStatus, question, search, small_sweep
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.quiet import QuietStage
 from app.page.features.cost.runs import Runs
@@ -21,6 +21,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.study.grid import task_of
 from solvers.study.jobs import SearchJob
+from solvers.workers.pool import Slots
 from tests.app.page.test_cost import SCENE
 from tests.processes import has_library, until
 
@@ -96,11 +97,12 @@ def test_process_that_dies_is_said(jobs):
 
 
 def test_process_that_cannot_start_is_said(jobs, monkeypatch):
-    def refuse(*_):
+    def refuse(*_, **options):
         raise OSError(11, "Resource temporarily unavailable")
 
-    monkeypatch.setattr(jobs_module, "BackgroundJob", refuse)
+    monkeypatch.setattr(subprocess, "Popen", refuse)
     jobs.sweep(small_sweep(SCENE))
+    wait(lambda: not jobs.status.running)
     assert "temporarily unavailable" in words.going(jobs.status) and not jobs.status.running
     assert jobs._slots.taken == 0
 

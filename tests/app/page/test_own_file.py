@@ -16,7 +16,6 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from app.cli import main
-from app.page.features.cost.jobs import Slots
 from app.page.features.own.judging import BUSY, Judging, shown
 from app.page.features.own.panel import OwnCode
 from app.page.features.own.run import OwnRun
@@ -28,6 +27,7 @@ from solvers.judging.measure import sizes
 from solvers.judging.show import MOST_ROWS, MOST_TIMES, Question, Shown
 from solvers.problems import PROBLEMS
 from solvers.study.grid import task_of
+from solvers.workers.pool import Slots
 from solvers.workers.processes import WorkerProcess
 from tests.app.serving.test_messages import page_of
 from tests.doors import lab

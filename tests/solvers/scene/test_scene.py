@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from solvers.problems.bar.scene import BAR_AMPLITUDE_LIMIT, BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.scene.effects import EFFECTS
-from solvers.scene.rules import FLAGS, SceneError
+from solvers.scene.rules import KEYS, SceneError
 from solvers.scene.scene import MOST_PARTICLES, MOST_STEPS
 
 NUMBERS = [f.name for f in fields(BarScene) if f.type.split(" ")[0] in ("int", "float")]
@@ -49,7 +49,7 @@ def test_number_fields_refuse_what_is_no_positive_number(field, value):
         return
     error = refusal(**{field: value})
     assert error.field == field and error.value is value
-    assert str(error).startswith(FLAGS.get(field, field).replace("_", " "))
+    assert str(error).startswith(KEYS.get(field, field).replace("_", " "))
     assert "give a" in error.sentence and any(c.isdigit() for c in error.sentence)
 
 
@@ -191,7 +191,7 @@ def test_to_dict_has_every_input_filled_in():
     """The JSON object shows what ran: every field under its flag's name, defaults replaced by numbers."""
     scene = BarScene()
     values = json.loads(json.dumps(scene.to_dict(), allow_nan=False))
-    assert set(values) == {FLAGS.get(f.name, f.name) for f in fields(BarScene)}
+    assert set(values) == {KEYS.get(f.name, f.name) for f in fields(BarScene)}
     assert values["ppc"] == 4 and values["estimator"] == ["transport"] and values["cfl"] == 0.05
     assert [name for name, value in values.items() if value is None] == ["stretch", "initial_velocity"]
     assert (values["dt"], values["t_end"]) == (scene.time_step, scene.end_time)

@@ -13,9 +13,9 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.study import row
 from solvers.study.grid import Task, combinations, plan
-from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute, row_process
+from solvers.study.places import ATTEMPTS, MEASURE_ROW, Here, PlaceLost, execute
 from solvers.study.store import Store, StoreError
-from solvers.workers.processes import ProcessDied
+from solvers.workers.processes import ProcessDied, WorkerProcess
 from tests.processes import processor_seconds, until
 from tests.rows import made_up
 
@@ -84,7 +84,7 @@ def test_bad_runs_are_rows(monkeypatch):
 
 
 def test_a_process_that_dies_says_so_and_starts_again():
-    process = row_process()
+    process = WorkerProcess(MEASURE_ROW)
 
     def measured(task: Task) -> dict:
         [found] = process.ask(task.to_dict())

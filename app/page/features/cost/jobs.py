@@ -3,6 +3,7 @@
 import os
 import threading
 from collections.abc import Sequence
+from concurrent.futures import Future
 from dataclasses import asdict, dataclass, replace
 
 from app import __version__
@@ -10,7 +11,8 @@ from app.page.features.cost.runs import LIVE, SWEEP, NumberedRun, Runs
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.study.grid import Task, task_of
-from solvers.study.jobs import BackgroundJob, SearchJob
+from solvers.study.jobs import SearchJob
+from solvers.workers.pool import Slots, WorkerPool
 
 MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
 #: Cells of a small sweep, by dimension.
@@ -18,24 +20,6 @@ SMALL = {1: (10, 20, 40, 80), 2: (12, 24, 36, 48)}
 REPEATS = 2
 PARTICLES_PER_CELL, COURANT_NUMBERS = (2, 3, 4), (0.1, 0.3, 0.5)  # that a search chooses from
 BUSY = "Other visitors' sweeps and searches keep this server busy: it does {} at a time. Try again in a while."
-
-
-class Slots:
-    """Places for jobs: a job takes one and gives it back. Any thread may call."""
-
-    def __init__(self, places: int):
-        self._places, self._lock, self.taken = places, threading.Lock(), 0
-
-    def take(self) -> bool:
-        """Whether there was one left."""
-        with self._lock:
-            free = self.taken < self._places
-            self.taken += free
-            return free
-
-    def give_back(self) -> None:
-        with self._lock:
-            self.taken -= 1
 
 
 SLOTS = Slots(MOST_JOBS)
@@ -104,15 +88,15 @@ class Jobs:
 
     def __init__(self, runs: Runs, slots: Slots = SLOTS):
         self._runs, self._slots, self._lock = runs, slots, threading.Lock()
-        self._job: BackgroundJob | None = None
+        self._pool: WorkerPool | None = None  # of one process, while a job runs
         self._closed = False
         self.status = JobStatus()
 
     @property
     def process_id(self) -> int | None:
         """Of the process that runs, if one does."""
-        job = self._job
-        return job.process_id if job else None
+        pool = self._pool
+        return next(iter(pool.process_ids), None) if pool else None
 
     @property
     def others(self) -> bool:
@@ -134,15 +118,15 @@ class Jobs:
     def cancel(self) -> None:
         """End the job that runs; what it has found so far stays."""
         with self._lock:
-            if self._job is not None:
+            if self._pool is not None:
                 self.status = replace(self.status, cancelled=True)
-                self._job.cancel()
+                self._pool.kill()
 
     def give_way(self) -> None:
         """To the stages that move, from now on."""
         with self._lock:
-            if self._job is not None:
-                self._job.give_way()
+            if self._pool is not None:
+                self._pool.give_way()
 
     def close(self) -> None:
         """The visitor has gone."""
@@ -157,23 +141,16 @@ class Jobs:
             if not self._slots.take():
                 self.status = JobStatus(kind, trouble=BUSY.format(MOST_JOBS))
                 return
-            try:
-                self._job = BackgroundJob(kind, question, self._hear)
-                self.status = JobStatus(kind, running=True, total=total)
-            except OSError as error:
-                self._slots.give_back()
-                self.status = JobStatus(kind, trouble=f"No process could be started: {error.strerror or error}.")
+            self.status = JobStatus(kind, running=True, total=total)
+            self._pool = WorkerPool(f"solvers.study.jobs:{kind}")
+            job = self._pool.submit(question, self._hear)
+        job.add_done_callback(self._end)
 
     def _hear(self, message: dict) -> None:
-        """A message of the job that runs; there is no other, because the next waits for this one's last."""
+        """A message of the job that runs; there is no other, because the next waits for this one's end."""
         with self._lock:
             before = self.status
-            if "done" in message:
-                trouble = None if before.cancelled else message.get("trouble") or before.trouble
-                self.status = replace(before, running=False, trouble=trouble)
-                self._job = None
-                self._slots.give_back()
-            elif "row" in message:
+            if "row" in message:
                 self._runs.add(message["row"], SWEEP)
                 self.status = replace(before, done=before.done + 1)
             elif "look" in message:
@@ -181,3 +158,19 @@ class Jobs:
                                         task=Task(**message["task"]))
             else:
                 self.status = replace(before, **message)  # advice or trouble
+
+    def _end(self, job: Future[dict]) -> None:
+        """The job has ended, or could not begin."""
+        if self._pool is not None:
+            self._pool.close()
+        with self._lock:
+            trouble = None if self.status.cancelled else _trouble(job.exception()) or self.status.trouble
+            self.status, self._pool = replace(self.status, running=False, trouble=trouble), None
+            self._slots.give_back()
+
+
+def _trouble(error: BaseException | None) -> str | None:
+    """What has become of the process, in a sentence."""
+    if isinstance(error, OSError):
+        return f"No process could be started: {error.strerror or error}."
+    return None if error is None else f"the background process {error}"

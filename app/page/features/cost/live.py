@@ -5,7 +5,7 @@ import numpy as np
 from app import __version__
 from app.page.visit.history import History
 from solvers.engine.messages import FrameReport
-from solvers.solver.norms import summary
+from solvers.solver.norms import RATIOS, summary
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.grid import task_of
@@ -53,7 +53,7 @@ def live_row(report: FrameReport, history: History) -> dict:
         "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
         "estimate": {name: {q: summary(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},
         **{ratio: {name: {q: _last(series[f"{name}/{ratio}_{q}"][within]) for q in QUANTITIES} for name in valid}
-           for ratio in ("index", "distance")},
+           for ratio in RATIOS},
         "not_valid": dict(report.not_valid), "effects": list(scene.effects),
         "seconds": {"full": seconds}, "rate": report.rate or None, "arch": report.arch, "version": __version__}
 

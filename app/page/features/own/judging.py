@@ -4,16 +4,17 @@ import os
 import secrets
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import asdict
 from pathlib import Path
 
-from app.page.features.cost.jobs import Slots
 from app.page.visit.limits import MOST_WATCHED
 from solvers.judging.reading import KINDS
 from solvers.judging.show import Question
 from solvers.scene.scene import Scene
 from solvers.study.grid import task_of
-from solvers.workers.processes import ProcessDied, WorkerProcess
+from solvers.workers.pool import Slots, WorkerPool
+from solvers.workers.processes import ProcessDied, TookTooLong
 
 PATIENCE = 180.0  # seconds that a file may take
 LONGEST_NAME = 60  # letters of a file's name that are shown
@@ -24,51 +25,45 @@ TOO_LONG = f"takes more than {PATIENCE:g} s to judge; give fewer times, or judge
 
 
 class Judging:
-    """One file under way. ``on_message`` hears what the process says (``solvers.judging.show``), from a thread of its
-    own, and a refusal where it is lost; nothing once it is :meth:`cancelled <cancel>`."""
+    """One file under way. ``on_message`` hears what the process says (``solvers.judging.show``), from another
+    thread, and a refusal where it is lost; nothing once it is :meth:`cancelled <cancel>`."""
 
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
                  slots: Slots = SLOTS):
-        self.name, self._scene, self._on_message, self._slots = shown(name), scene, on_message, slots
+        self.name, self._on_message, self._slots = shown(name), on_message, slots
         kind = Path(name).suffix.lower()
         self._file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
-        self._process, self._cancelled = WorkerProcess("solvers.judging.show:show", ONE_THREAD), threading.Event()
-        threading.Thread(target=self._judge, name="judge", daemon=True).start()
+        self._pool, self._cancelled = WorkerPool("solvers.judging.show:show", environment=ONE_THREAD), threading.Event()
+        if slots.take():
+            question = Question(str(self._file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED)
+            self._pool.submit(asdict(question), self._say, PATIENCE).add_done_callback(self._end)
+        else:
+            threading.Thread(target=self._say, args=({"refused": BUSY},), name="judge", daemon=True).start()
 
     @property
     def process_id(self) -> int | None:
-        return self._process.process_id
+        return next(iter(self._pool.process_ids), None)
 
     def cancel(self) -> None:
         """Nobody wants to know any more."""
         self._cancelled.set()
-        self._process.kill()
+        self._pool.kill()
 
     def _say(self, message: dict) -> None:
         if not self._cancelled.is_set():
             self._on_message(self, message)
 
-    def _judge(self) -> None:
-        if not self._slots.take():
-            self._say({"refused": BUSY})
-            return
-        timer = threading.Timer(PATIENCE, self._process.kill)
-        timer.start()
-        try:
-            question = Question(str(self._file), self.name, task_of(self._scene).to_dict(), str(self.table),
-                                MOST_WATCHED)
-            for message in self._process.ask(asdict(question)):
-                self._say(message)
-        except ProcessDied as death:
-            self._say({"refused": f"The file {self.name} {TOO_LONG}" if timer.finished.is_set() else
-                       f"The file {self.name} could not be judged: the process {death}"})
-        except OSError as error:
+    def _end(self, judged: Future[dict]) -> None:
+        error = judged.exception()
+        if isinstance(error, TookTooLong):
+            self._say({"refused": f"The file {self.name} {TOO_LONG}"})
+        elif isinstance(error, ProcessDied):
+            self._say({"refused": f"The file {self.name} could not be judged: the process {error}"})
+        elif isinstance(error, OSError):
             self._say({"refused": f"No process could be started: {error.strerror or error}"})
-        finally:
-            timer.cancel()
-            self._process.close()
-            self._slots.give_back()
+        self._pool.close()
+        self._slots.give_back()
 
 
 def shown(name: str) -> str:

@@ -12,6 +12,7 @@ from app.words import QUANTITIES
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.judging.show import Shown, columns, open_table
+from solvers.solver.norms import RunningIndex
 from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.grid import Task
 
@@ -49,8 +50,7 @@ class OwnRun(RunSeries):
         for q in KEYS:
             new[f"error_{q}"] = none if self.true is None else self.true.get(q, none)
             new[f"{JUDGE}/estimate_{q}"] = estimate.get(q, none)
-            with np.errstate(all="ignore"):
-                new[f"{JUDGE}/index_{q}"] = np.cumsum(new[f"{JUDGE}/estimate_{q}"]) / np.cumsum(new[f"error_{q}"])
+            new[f"{JUDGE}/index_{q}"] = RunningIndex().extend(new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"])
         self.append(new)
         self.estimate = estimate
 
