@@ -3,8 +3,9 @@
 import contextlib
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from solvers.running.fingerprint import fingerprint
 from solvers.study.forms import parsed
@@ -16,6 +17,22 @@ NAME = "rows.jsonl"
 
 class StoreError(Exception):
     """The directory cannot be used; the sentence says why and what to do."""
+
+
+class NotWhole(Exception):
+    """What is kept is no row; the message says what is wrong, after the name of its place."""
+
+
+def whole(content: bytes, fault: Callable[[Any], str | None]) -> dict:
+    """The row that a line or a file holds, in which ``fault`` finds nothing wrong; else :class:`NotWhole`."""
+    try:
+        row = parsed(content)
+        wrong = fault(row)
+    except ValueError:
+        wrong = "it is not JSON"
+    if wrong:
+        raise NotWhole(f"is not a whole row ({wrong})")
+    return row
 
 
 class Store:
@@ -61,33 +78,26 @@ class Store:
         *lines, rest = content.split(b"\n")
         for number, line in enumerate(lines, 1):
             self._take(number, line, problem)
-        if rest and _is_row(rest):  # whole, but for the end of its line
-            self._take(len(lines) + 1, rest, problem)
-            self._file.write(b"\n")
-            self._file.flush()
-        elif rest:
-            self._file.truncate(len(content) - len(rest))
+        if rest:
+            try:
+                whole(rest, fault)
+            except NotWhole:
+                self._file.truncate(len(content) - len(rest))
+            else:  # but for the end of its line
+                self._take(len(lines) + 1, rest, problem)
+                self._file.write(b"\n")
+                self._file.flush()
 
     def _take(self, number: int, line: bytes, problem: str) -> None:
         """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
         try:
-            row = parsed(line)
-            wrong = fault(row)
-        except ValueError:
-            wrong = "it is not JSON"
-        if wrong:
-            raise StoreError(f"holds a {NAME} whose line {number} is not a whole row ({wrong}); take that line out, "
-                             "and it is measured again, or give another directory")
+            row = whole(line, fault)
+        except NotWhole as error:
+            raise StoreError(f"holds a {NAME} whose line {number} {error}; take that line out, and it is measured "
+                             "again, or give another directory") from None
         if row["problem"] != problem:
             raise StoreError(f"holds rows of the {row['problem']}; give another directory for the {problem}")
         self.rows[row["key"]] = row
-
-
-def _is_row(line: bytes) -> bool:
-    try:
-        return fault(parsed(line)) is None
-    except ValueError:
-        return False
 
 
 def _prepare(directory: Path, resume: bool) -> None:

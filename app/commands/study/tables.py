@@ -12,9 +12,10 @@ from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hin
 from app.commands.output import Target, json_text, say, working
 from app.commands.study.tables_text import markdown
 from solvers.problems import PROBLEMS
+from solvers.study.store import NotWhole
 from solvers.study.tables import plan
 from solvers.study.tables.document import Results, document
-from solvers.study.tables.rows import NotThisRow, read_row, run_row, write_row
+from solvers.study.tables.rows import read_row, run_row, write_row
 
 OK, UNSTABLE = 0, 3
 KINDS = ("md", "json", "png")
@@ -92,7 +93,7 @@ def _kept(folder: Path, row: plan.Row, quiet: bool) -> Results | None:
     """What is kept of a row; None, and a sentence that says why, where that is not what this row would be."""
     try:
         return read_row(folder, row)
-    except NotThisRow as error:
+    except NotWhole as error:
         if not quiet:
             say(f"{folder.name}/{row.name}.json {error}: it is made again")
         return None

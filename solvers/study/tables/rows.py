@@ -7,19 +7,17 @@ a fingerprint of the solvers' source. Anything else, a half-written or foreign f
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from solvers.running.fingerprint import fingerprint
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
-from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch, parsed
+from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
+from solvers.study.store import NotWhole, whole
 from solvers.study.tables.document import Results
 from solvers.study.tables.plan import Row
 
 SCHEMA = "mpm-lab/tables-row/1"
-
-
-class NotThisRow(Exception):
-    """The file of a row holds something else; the message says what it is, after the file's name."""
 
 
 def run_row(row: Row, show: Callable[[float], None]) -> Results:
@@ -38,22 +36,27 @@ def run_row(row: Row, show: Callable[[float], None]) -> Results:
 
 
 def read_row(folder: Path, row: Row) -> Results | None:
-    """The results of a finished row, None where nothing is kept of it; :class:`NotThisRow` where something else is."""
+    """The results of a finished row, None where nothing is kept of it; :class:`~solvers.study.store.NotWhole` where
+    something else is."""
+    made_from = _made_from(row)
+    form = {"results": {name: _form(scene) for name, scene in row.scenes.items()}}
+
+    def fault(kept: Any) -> str | None:
+        if wrong := mismatch(kept, {"results": dict}):
+            return wrong
+        if {name: value for name, value in kept.items() if name != "results"} != made_from:
+            raise NotWhole("was made by another version of the solvers or for another table")
+        if wrong := mismatch(kept, form):
+            return wrong
+        alike = all(kept["results"][name]["scene"] == scene for name, scene in made_from["scenes"].items())
+        return None if alike else "its results are of other scenes"
+
     try:
-        kept = parsed((folder / f"{row.name}.json").read_bytes())
+        return whole((folder / f"{row.name}.json").read_bytes(), fault)["results"]
     except FileNotFoundError:
         return None
-    except (OSError, ValueError):
-        raise NotThisRow("cannot be read") from None
-    if wrong := mismatch(kept, {"results": dict}):
-        raise NotThisRow(f"is not a whole row ({wrong})")
-    results = kept.pop("results")
-    if kept != _made_from(row):
-        raise NotThisRow("was made by another version of the solvers or for another table")
-    wrong = mismatch(results, {name: _form(scene) for name, scene in row.scenes.items()}, "results")
-    if wrong or {name: results[name]["scene"] for name in row.scenes} != kept["scenes"]:
-        raise NotThisRow(f"is not a whole row ({wrong or 'its results are of other scenes'})")
-    return results
+    except OSError:
+        raise NotWhole("cannot be read") from None
 
 
 def _form(scene: Scene) -> dict:

@@ -14,9 +14,9 @@ import pytest
 from app.cli import main
 from solvers.running.fingerprint import fingerprint
 from solvers.study.grid import Task
-from solvers.study.store import Store, StoreError
+from solvers.study.store import NotWhole, Store, StoreError
 from solvers.study.tables import plan
-from solvers.study.tables.rows import NotThisRow, read_row, run_row, write_row
+from solvers.study.tables.rows import read_row, run_row, write_row
 from tests.paths import ROOT
 from tests.processes import HANG
 from tests.rows import made_up
@@ -148,7 +148,7 @@ def test_a_tables_row_that_is_spoilt_is_not_taken(names, value, says, kept, tmp_
     change(values, names, value)
     (tmp_path / f"{row.name}.json").write_text(json.dumps(values))
     assert read_row(folder, row) is not None and read_row(tmp_path / "nowhere", row) is None
-    with pytest.raises(NotThisRow, match=says):
+    with pytest.raises(NotWhole, match=says):
         read_row(tmp_path, row)
 
 
@@ -156,7 +156,7 @@ def test_a_tables_row_that_is_spoilt_is_not_taken(names, value, says, kept, tmp_
 def test_a_tables_row_that_is_no_row_is_not_taken(content, kept, tmp_path):
     _, row = kept
     (tmp_path / f"{row.name}.json").write_bytes(content)
-    with pytest.raises(NotThisRow, match=r"cannot be read|not a whole row"):
+    with pytest.raises(NotWhole, match=r"cannot be read|not a whole row"):
         read_row(tmp_path, row)
 
 
