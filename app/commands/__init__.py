@@ -11,7 +11,7 @@ from app.commands.bench.command import Bench
 from app.commands.export import Export
 from app.commands.flags import Switch
 from app.commands.judge.command import Judge
-from app.commands.judge.problem import Problem
+from app.commands.judge.problem import ProblemCommand
 from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList
 from app.commands.run.command import Run, RunText
 from app.commands.scene_flags import of_problem, with_flags
@@ -34,7 +34,7 @@ def commands() -> dict[tuple[str, ...], type]:
     found |= {("run", name): of_problem(Run, scene) for name, scene in scenes.items()}
     found |= {("run", "--scene"): RunText}
     found |= {("sweep", name): of_problem(Sweep, scene, linearity_preserving=Switch) for name, scene in scenes.items()}
-    found |= {("problem", name): of_problem(Problem, scene) for name, scene in scenes.items()}
+    found |= {("problem", name): of_problem(ProblemCommand, scene) for name, scene in scenes.items()}
     found |= {("judge", name): of_problem(Judge, scene) for name, scene in scenes.items()}
     found |= {("tables",): Tables}
     found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}

@@ -157,7 +157,7 @@ def json_target(text: str | None) -> Target | None:
     return None if text is None else Target("json", text, may_be_stdout=True)
 
 
-def report(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
+def put_result(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
     """A result as JSON where a file was asked for, else as ``text`` makes it, on standard output."""
     if target:
         target.write(json_text(values, lines=not target.is_stdout).encode())

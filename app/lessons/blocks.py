@@ -8,7 +8,18 @@ from typing import Any
 
 from app import state
 from app.lessons.dragging import REACH
-from app.lessons.lesson import ANSWERS, CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Claim, LessonError, Question, Run
+from app.lessons.lesson import (
+    ANSWERS,
+    CHOICE,
+    DRAG,
+    INTERVAL,
+    NUMBER,
+    TEXT,
+    Claim,
+    LessonError,
+    LessonRun,
+    Question,
+)
 from app.lessons.variants import Numbers, filled
 
 if sys.version_info >= (3, 11):
@@ -68,9 +79,9 @@ def texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, ...]:
     return tuple(found)
 
 
-def runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[Run, ...], str]:
+def runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
     """The runs of a block and what is put on the stage: a run by its name, a scene of its own, or the first run."""
-    values, found = toml(text, line), dict[str, Run]()
+    values, found = toml(text, line), dict[str, LessonRun]()
     for name, scene in values.items():
         at = line_of(name, text, line)
         if not NAME.fullmatch(name):
@@ -88,7 +99,7 @@ def runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[Run
     return tuple(found.values()), stage
 
 
-def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> Run:
+def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:
     """A run or, where one number of the scene is several with commas between, the runs that differ in it."""
     words = text.split()
     several = [k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
@@ -97,7 +108,7 @@ def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> Run:
                                 f"{words[several[1]]}")
     if not several:
         _check_state(text, line, variants)
-        return Run(name, (text,), line)
+        return LessonRun(name, (text,), line)
     field, _, values = words[several[0]].partition("=")
     each = values.split(",")
     if not 2 <= len(each) <= MOST_RUNS:
@@ -105,7 +116,7 @@ def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> Run:
     lines = tuple(" ".join((*words[:several[0]], f"{field}={one}", *words[several[0] + 1:])) for one in each)
     for one in lines:
         _check_state(one, line, variants)
-    return Run(name, lines, line, field)
+    return LessonRun(name, lines, line, field)
 
 
 def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.lessons.claims import ClaimError, judge
+from app.lessons.claims import ClaimError, decide
 from app.lessons.lesson import CHOICE, Lesson, Step
 from app.lessons.marks import expressions, right
 from app.lessons.outcomes import Outcomes, RunFailed
@@ -39,10 +39,10 @@ def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> I
 
 def _judged(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
     try:
-        verdict = judge(claim, outcomes.scope(lesson, step, numbers, [claim]))
+        result = decide(claim, outcomes.scope(lesson, step, numbers, [claim]))
     except (ClaimError, RunFailed) as error:
         return False, str(error)
-    return verdict.holds, f"found {verdict.found}"
+    return result.holds, f"found {result.found}"
 
 
 def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Iterator[Check]:

@@ -64,7 +64,7 @@ class Scope:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ClaimResult:
     """Whether a claim holds, and what was found, in words."""
 
     holds: bool
@@ -81,28 +81,28 @@ def value(text: str, scope: Scope) -> float | str:
     return found
 
 
-def judge(claim: str, scope: Scope) -> Verdict:
+def decide(claim: str, scope: Scope) -> ClaimResult:
     """Whether a claim holds; of several runs, whether it holds of each."""
     parts = _split(claim)
     found = _evaluate(_parsed(parts[0]), scope)
     if isinstance(found, list):
-        verdicts = [_judged(claim, parts, one, scope) for one in found]
-        return Verdict(all(one.holds for one in verdicts), ", ".join(one.found for one in verdicts))
-    return _judged(claim, parts, value(parts[0], scope), scope)
+        results = [_decided(claim, parts, one, scope) for one in found]
+        return ClaimResult(all(one.holds for one in results), ", ".join(one.found for one in results))
+    return _decided(claim, parts, value(parts[0], scope), scope)
 
 
-def _judged(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> Verdict:
-    """The verdict on one value of what stands to the left."""
+def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> ClaimResult:
+    """What comes of one value of what stands to the left."""
     if parts[1] in _COMPARISONS:
         other = value(parts[2], scope)
         if isinstance(found, str) != isinstance(other, str):
             raise ClaimError(f"{claim} compares a word with a number")
         told = said(found) if _is_number(parts[2]) else f"{said(found)} and {said(other)}"
-        return Verdict(_COMPARISONS[parts[1]](found, other), told)
+        return ClaimResult(_COMPARISONS[parts[1]](found, other), told)
     low, high = value(parts[1], scope), value(parts[2], scope)
     if isinstance(found, str) or isinstance(low, str) or isinstance(high, str):
         raise ClaimError(f"{claim}: a range is one of numbers")
-    return Verdict(low <= found <= high, said(found))
+    return ClaimResult(low <= found <= high, said(found))
 
 
 def check_claim(claim: str, runs: Mapping[str, Any], main: str) -> None:

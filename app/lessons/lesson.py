@@ -21,7 +21,7 @@ class LessonError(ValueError):
 
 
 @dataclass(frozen=True)
-class Run:
+class LessonRun:
     """A scene by its name, or several that differ in one number: ``texts`` are templates of states."""
 
     name: str
@@ -66,7 +66,7 @@ class Step:
     line: int
     text: str = ""
     notes: str = ""
-    runs: tuple[Run, ...] = ()
+    runs: tuple[LessonRun, ...] = ()
     stage: str = ""
     question: Question | None = None
     claims: tuple[Claim, ...] = ()
@@ -94,7 +94,7 @@ class Lesson:
         object.__setattr__(self, "questions", {step.key: step for step in self.steps if step.question})
 
     @property
-    def runs(self) -> dict[str, Run]:
+    def runs(self) -> dict[str, LessonRun]:
         """All runs by their names."""
         return {run.name: run for step in self.steps for run in step.runs}
 

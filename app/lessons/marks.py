@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from app.lessons.claims import judge, said, value
+from app.lessons.claims import decide, said, value
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Question, Step
 from app.lessons.outcomes import Outcomes
 from app.lessons.variants import Numbers, filled
@@ -54,7 +54,7 @@ def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> R
     scope = outcomes.scope(lesson, step, numbers, texts)
     if asked.kind == CHOICE:
         options = (asked.correct,) if asked.correct is not None else \
-            tuple(k for k, claim in enumerate(texts, 1) if judge(claim, scope).holds)
+            tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
         return Right(" or ".join(filled(asked.options[k - 1], numbers) for k in options), options)
     expected = value(texts[-1], scope)
     told = in_unit(asked, expected)

@@ -8,7 +8,7 @@ from typing import Any
 
 from app import state
 from app.lessons.claims import Outcome, Scope, needed
-from app.lessons.lesson import Lesson, Run, Step
+from app.lessons.lesson import Lesson, LessonRun, Step
 from app.lessons.variants import Numbers, filled
 from solvers.workers.pool import WorkerPool
 from solvers.workers.processes import ProcessDied
@@ -51,7 +51,7 @@ class Outcomes:
                 run = self._runs[scene] = self._pool.submit({"scene": scene, "politeness": self._politeness})
             return run
 
-    def outcome(self, run: Run, numbers: Numbers) -> Outcome:
+    def outcome(self, run: LessonRun, numbers: Numbers) -> Outcome:
         """What comes of a run with these numbers."""
         return Outcome([self.result(filled(text, numbers)) for text in run.texts], run.varied)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from solvers.engine import frames
 from solvers.engine.messages import FrameReport, Wish
-from solvers.engine.verdict import Verdict
+from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.running.run import build
 from solvers.scene.scene import MOST_STEPS
 from solvers.solver.base import Solver
@@ -53,7 +53,7 @@ class Stepper:
         """Begin the scene at t = 0."""
         self.solver = build(self.wish.scene)
         self.solver.compile()
-        self._verdict = Verdict(self.solver.scene)
+        self._watch = SoundnessWatch(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
@@ -151,9 +151,9 @@ class Stepper:
         if now - wall > SPEED_WINDOW:
             self._window = (now, solver.time)
         particle_steps = self._kernel_steps * solver.scene.particles  # since the build
-        rows, not_valid = np.concatenate(self._rows), self._verdict.doubted(solver.time, solver.not_valid())
-        self._verdict.look(rows, len(shot.position), self.running)
-        status, reason, since = self._verdict.tell(solver, not_valid)
+        rows, not_valid = np.concatenate(self._rows), self._watch.doubted(solver.time, solver.not_valid())
+        self._watch.look(rows, len(shot.position), self.running)
+        status, reason, since = self._watch.tell(solver, not_valid)
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
             fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,

@@ -61,7 +61,7 @@ def bare(on: Switches) -> Switches:
     return on._replace(effects=("acceleration",), estimators=())
 
 
-def verdict(scene: Scene, determinant: np.ndarray, displacement: np.ndarray, farthest: float,
+def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.ndarray, farthest: float,
             largest: np.ndarray) -> str | None:
     """Whether the coarse run went bad: particles turned inside out, crushed or farther off than can be; or lost.
 

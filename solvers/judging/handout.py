@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solvers.estimators.alone import ElasticBody, Lost, solve
+from solvers.estimators.standalone import ElasticBody, Lost, solve
 from solvers.judging.columns import LETTERS
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.estimators.alone import ElasticBody
+from solvers.estimators.standalone import ElasticBody
 from solvers.judging.frames import Frame, Grid
 from solvers.judging.handout import solution
 from solvers.judging.placing import check_origin
@@ -109,7 +109,7 @@ def summarised(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dic
 
 
 @dataclass(frozen=True)
-class Worst:
+class WorstParticle:
     """The largest error of a quantity: its size, whose it is, where and when."""
 
     size: float
@@ -123,7 +123,7 @@ class Worst:
                 "file": self.file}
 
 
-def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> Worst | None:
+def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> WorstParticle | None:
     """The largest error of all times; None where no file has the quantity."""
     found = [(float(sizes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
     if not found:
@@ -131,7 +131,8 @@ def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> W
     size, k = max(found)
     p = int(np.argmax(sizes(errors[k][quantity])))
     frame = frames[k]
-    return Worst(size, int(frame.number[p]), tuple(map(float, frame.material_position[p])), frame.time, frame.file)
+    place = tuple(map(float, frame.material_position[p]))
+    return WorstParticle(size, int(frame.number[p]), place, frame.time, frame.file)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ TOO_LARGE = "needs more memory than a page gives it; give fewer times, or judge 
 
 
 @dataclass(frozen=True)
-class Question:
+class ShowRequest:
     """A ``file`` that its owner calls ``name``, the task of the scene that it is judged with, where its ``table`` goes,
     and the particles of one time that can be looked at."""
 
@@ -73,7 +73,7 @@ def columns(dimensions: int) -> dict[str, slice]:
 
 def show(question: dict, tell: Callable[[dict], None]) -> None:
     """What the process does."""
-    asked = Question(**question)
+    asked = ShowRequest(**question)
     _limit_memory()
     try:
         _show(asked, tell)
@@ -85,7 +85,7 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
         tell({"refused": f"The file {asked.name} {TOO_LARGE}"})
 
 
-def _show(asked: Question, tell: Callable[[dict], None]) -> None:
+def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     from solvers.judging.verdict import GridJudgement  # after the first picture: it takes a while
 
     raw = replace(read(asked.file, LARGEST_UNPACKED), file=asked.name)
@@ -139,7 +139,7 @@ def _check_amount(raw: Raw) -> None:
         raise FileError(raw.file, f"has {times:,} times; give at most {MOST_TIMES:,} here")
 
 
-def _check_watched(scene: Scene, grid: Grid, asked: Question) -> None:
+def _check_watched(scene: Scene, grid: Grid, asked: ShowRequest) -> None:
     """What is drawn must be so little that a browser shows it: particles, and with them cells."""
     most = max(scene.particles, *(len(frame.number) for frame in grid.frames))
     if most > asked.most:

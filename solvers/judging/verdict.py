@@ -15,7 +15,7 @@ from solvers.judging.measure import (
     Apart,
     Companions,
     Errors,
-    Worst,
+    WorstParticle,
     apart,
     checked,
     crossings,
@@ -65,7 +65,7 @@ class GridJudgement:
     def norms(self) -> dict[str, np.ndarray]:
         return series(self.best)
 
-    def worst(self, quantity: str) -> Worst | None:
+    def worst(self, quantity: str) -> WorstParticle | None:
         return worst(self.grid.frames, self.best, quantity)
 
     def to_dict(self) -> dict:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from solvers.estimators.alone import ElasticBody
+    from solvers.estimators.standalone import ElasticBody
 
 #: Fields of a scene that say how we would solve it, and nothing of the problem.
 OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
@@ -87,7 +87,7 @@ class ProblemReference(ABC):
 
     @abstractmethod
     def companion(self, scene: Any, fine: bool) -> ElasticBody:
-        """What can be solved beside the particles (``solvers.estimators.alone``), on a fine or a coarser mesh."""
+        """What can be solved beside the particles (``solvers.estimators.standalone``), on a fine or a coarser mesh."""
 
     def exact_stress(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
         """Cauchy stress (P, D, D) in Pa of the exact solution."""

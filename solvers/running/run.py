@@ -13,7 +13,7 @@ from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.result import Result, Seconds, Snapshot
-from solvers.solver.soundness import find, verdict
+from solvers.solver.soundness import find, status_of
 
 SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
@@ -70,7 +70,7 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     final = solver.snapshot()
     series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
     not_valid = solver.not_valid()
-    status, reason, broken_at = _verdict(solver, series, not_valid, final.error)
+    status, reason, broken_at = _status(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
                   series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
@@ -87,10 +87,10 @@ def shown_step(scene: Scene) -> int:
     return min(scene.steps, max(1, round(largest * 0.5 * scene.period / scene.time_step)))
 
 
-def _verdict(solver: Solver, series: dict[str, np.ndarray],
+def _status(solver: Solver, series: dict[str, np.ndarray],
              not_valid: dict[str, str], error: np.ndarray | None) -> tuple[str, str | None, float | None]:
     """Status, reason and time of breakdown of a run that has ended; ``error`` are the true ones at its end."""
     finding = find(solver.scene, series, not_valid)
     if finding and finding.particle is None and error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
-    return verdict(solver, finding)
+    return status_of(solver, finding)

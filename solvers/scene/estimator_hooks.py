@@ -28,9 +28,9 @@ class EstimatorHooks:
       state after ``step`` steps, whether or not that is a multiple of the interval. The acceleration is the one that
       the last step used, which belongs to the time one step earlier. Called only when somebody looks.
 
-    On a GPU there is only what can run beside the particles: ``alone(scene)`` is then a body that the processor solves
-    by itself (``solvers.estimators.beside``), and ``report_at_once(state, base, step, on)`` fills the entries from its
-    nodes, for all particles at once. Both are None where an estimator needs a processor.
+    On a GPU there is only what can run beside the particles: ``standalone(scene)`` is then a body that the processor
+    solves by itself (``solvers.estimators.beside_gpu``), and ``report_at_once(state, base, step, on)`` fills the
+    entries from its nodes, for all particles at once. Both are None where an estimator needs a processor.
 
     ``verdict(scene, memory)`` may find, from the arrays of a run, that the estimate cannot be trusted: one sentence
     that begins with "not valid here: ". What is known beforehand is said by the problem's ``validity``.
@@ -42,6 +42,6 @@ class EstimatorHooks:
     in_step: Callable | None = None
     after_step: Callable | None = None
     report: Callable | None = None
-    alone: Callable[[Any], Any] | None = None
+    standalone: Callable[[Any], Any] | None = None
     report_at_once: Callable | None = None
     verdict: Callable[[Any, Mapping], str | None] = field(default=lambda scene, memory: None)

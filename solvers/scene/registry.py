@@ -46,7 +46,7 @@ class Estimator:
     page: str = ""
     hooks: Mapping[str, EstimatorHooks] = field(default_factory=dict)
     refusals: Mapping[str, str] = field(default_factory=dict)
-    beside: bool = False  # whether the processor can run it beside particles that are on a GPU
+    beside_gpu: bool = False  # whether the processor can run it beside particles that are on a GPU
     judges: bool = True  # whether a run counts as lost where it says that the error of x is half the motion
 
     @property
@@ -130,7 +130,7 @@ for _estimator in (
     Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
               colour="#6B2A00", dashes=(9, 4), symbol="s"),
     Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
-              "against", colour="#EC9A1E", dashes=(3, 3), symbol="^", beside=True),
+              "against", colour="#EC9A1E", dashes=(3, 3), symbol="^", beside_gpu=True),
     Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
               colour="#B0156B", dashes=(9, 3, 2, 3), symbol="D",
               refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "

@@ -236,7 +236,7 @@ class Scene(SceneDefaults, ABC, Remembered):
         reasons = {name: rule(self) for name in self.estimators if (rule := self.VALIDITY.get(name))}
         if self.for_gpu:
             reasons |= {name: PROCESSOR_REASON.format(name=name) for name in self.estimators
-                        if not registry.ESTIMATORS[name].beside}
+                        if not registry.ESTIMATORS[name].beside_gpu}
         return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
 
     @functools.cached_property

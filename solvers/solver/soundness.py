@@ -102,7 +102,7 @@ def earliest(found: Mapping[str, Finding], not_valid: Collection[str] = ()) -> F
                key=lambda one: one.time, default=None)
 
 
-def verdict(solver: Solver, finding: Finding | None) -> tuple[str, str | None, float | None]:
+def status_of(solver: Solver, finding: Finding | None) -> tuple[str, str | None, float | None]:
     """Status of a run of which this was found, its sentence, and the time in s since when."""
     since = None if finding is None else finding.time
     if not solver.sound:

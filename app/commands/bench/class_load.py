@@ -91,7 +91,7 @@ async def _attend(address: str, server: int, load: Load, on_progress: Callable[[
         ended = await asyncio.gather(*visits, return_exceptions=True)
     on_progress(1.0)
     lost = [str(error) for error in ended if error and not isinstance(error, asyncio.CancelledError)]
-    return {**report(visitors, begin, end, lost), "memory": None if None in memory else memory}
+    return {**load_report(visitors, begin, end, lost), "memory": None if None in memory else memory}
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
@@ -118,7 +118,7 @@ def memory_held(server: int) -> dict[str, int] | None:
     return {"server": proportional_bytes(server), "engines": engines}
 
 
-def report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
+def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
     """What visitors got between two times, while their runs went on. ``lost`` has a reason for each visit that has
     ended by itself."""
     rates = sorted(rate for visitor in visitors if (rate := visitor.rate(begin, end)) is not None) or [0.0]

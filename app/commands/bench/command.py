@@ -8,7 +8,7 @@ import tyro
 
 from app.commands.bench.text import bench_table
 from app.commands.flags import NumberFlag, PathFlag, Switch, default_hint
-from app.commands.output import Target, json_target, report, working
+from app.commands.output import Target, json_target, put_result, working
 from solvers.scene.rules import require_number, require_whole
 
 COMMAND = (sys.executable, "-m", "app", "--version")
@@ -42,7 +42,7 @@ class Bench:
         with working(self.quiet) as show:
             from solvers.bench.bench import bench  # here: bad input and --help must not wait for Taichi
             values = bench(self.quick, COMMAND, show)
-        report(values, target, bench_table)
+        put_result(values, target, bench_table)
         return 0
 
     def _attend(self, target: Target | None) -> int:
@@ -52,5 +52,5 @@ class Bench:
         with working(self.quiet) as show:
             from app.commands.bench.class_load import Load, class_load, class_table  # here, as above
             found = class_load(Load(self.visitors, 60 * self.minutes), show)
-        report(found, target, class_table)
+        put_result(found, target, class_table)
         return 0

@@ -38,7 +38,7 @@ def times_of(words: tuple[str, ...], flag: str) -> list[float]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Problem(SceneFlags):
+class ProblemCommand(SceneFlags):
     """Where the problem goes, and the times of its exact solution."""
 
     HELP: ClassVar[str] = """Write all that another code needs to set up the {title}: plain numbers and text.

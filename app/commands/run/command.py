@@ -9,7 +9,7 @@ import tyro
 
 from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_target, report, say, working
+from app.commands.output import Target, json_target, put_result, say, working
 from app.commands.run.particles import ParticleWriter
 from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
@@ -48,7 +48,7 @@ class Output:
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
             say(f"{why}: this ran on the processor ({result.arch})")
-        report(result.to_dict(), target, run_table)
+        put_result(result.to_dict(), target, run_table)
         if keeper:
             keeper.write()
         drawn = picture is None or _draw(result, picture)

@@ -19,7 +19,7 @@ from app.commands.flags import (
     several_of,
     several_to_choose,
 )
-from app.commands.output import json_target, noted_interrupts, report, say, stdout_to_stderr
+from app.commands.output import json_target, noted_interrupts, put_result, say, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.rules import require_choice, require_number
 from solvers.scene.scene import Scene
@@ -75,7 +75,7 @@ class Advise:
         with stdout_to_stderr(), noted_interrupts() as check_interrupts:
             advice = self._search(base, quantity, tolerance, check_interrupts)
         values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
-        report(values, target, as_text)
+        put_result(values, target, as_text)
         if not advice.met:
             say(values["reason"])
         return OK if advice.met else UNREACHABLE

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.estimators.alone import ElasticBody
 from solvers.estimators.spectral import Elements
+from solvers.estimators.standalone import ElasticBody
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.reference import ProblemReference, Start, Texts
@@ -122,10 +122,10 @@ class BarReference(ProblemReference):
         return np.where(np.isfinite(turns) & (turns != 0), x - turns, x)
 
     def companion(self, scene: BarScene, fine: bool) -> ElasticBody:
-        return BarBody(scene, FINE if fine else COARSE)
+        return BarCompanionBody(scene, FINE if fine else COARSE)
 
 
-class BarBody(ElasticBody):
+class BarCompanionBody(ElasticBody):
     """Elements around the period, as the companion's that runs beside the particles; here of a fixed number.
 
     A bar that begins stretched by F counts X from there: its density is rho/F, and its stress E F (1 + u_X) - E.

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from solvers.estimators.beside import Beside
+from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
 from solvers.problems.planar.errors import Fields, difference, estimated_fields, sizes
 from solvers.problems.planar.plans.on_device import OnDevice
@@ -66,10 +66,10 @@ class PlanarSolver(Solver):
         """The state, as the kernels' argument."""
         return self._stepping.pack
 
-    def _beside(self) -> Beside | None:
+    def _beside(self) -> BesideGpu | None:
         """The estimator that the processor carries on while a GPU steps the particles."""
-        bodies = [hooks.alone(self.scene) for name in self._switches.estimators if (hooks := self.HOOKS[name]).alone]
-        return Beside(bodies[0], self._memory, self.scene.time_step) if bodies else None
+        makers = [make for name in self._switches.estimators if (make := self.HOOKS[name].standalone)]
+        return BesideGpu(makers[0](self.scene), self._memory, self.scene.time_step) if makers else None
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on = self._arrays, self._switches

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.estimators.alone import ElasticBody
+from solvers.estimators.standalone import ElasticBody
 from solvers.problems.planar.layout import Layout
 from solvers.problems.planar.reference import SLACK, PlanarReference
 from solvers.problems.reference import Texts
@@ -81,9 +81,9 @@ class RingReference(PlanarReference):
 
     def companion(self, scene: RingScene, fine: bool) -> ElasticBody:
         # here: the page of text and the table of a problem must not wait for Taichi
-        from solvers.problems.ring.estimators.companion_alone import RingAlone
+        from solvers.problems.ring.estimators.companion_standalone import RingCompanionBody
 
-        return RingAlone(scene, *(FINE if fine else COARSE))
+        return RingCompanionBody(scene, *(FINE if fine else COARSE))
 
 
 REFERENCE = RingReference()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.estimators.alone import ElasticBody
+from solvers.estimators.standalone import ElasticBody
 from solvers.problems.planar.layout import Layout
 from solvers.problems.planar.reference import PlanarReference
 from solvers.problems.reference import Texts
@@ -95,9 +95,9 @@ class VortexReference(PlanarReference):
 
     def companion(self, scene: VortexScene, fine: bool) -> ElasticBody:
         # here: the page of text and the table of a problem must not wait for Taichi
-        from solvers.problems.vortex.estimators.companion_alone import VortexAlone
+        from solvers.problems.vortex.estimators.companion_standalone import VortexCompanionBody
 
-        return VortexAlone(scene, *(FINE if fine else COARSE))
+        return VortexCompanionBody(scene, *(FINE if fine else COARSE))
 
 
 REFERENCE = VortexReference()

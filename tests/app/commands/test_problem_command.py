@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.estimators.alone import solve
+from solvers.estimators.standalone import solve
 from solvers.judging.handout import companion, exact, initial
 from solvers.judging.reading import read
 from solvers.problems import PROBLEMS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, judge, needed, value
+from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, decide, needed, value
 
 FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "not_valid": {}, "status": "ok",
         "error": {"x": {"final": 1e-4, "max": 2e-4, "mean": None}}, "index": {"x": 0.98}, "grid_crossings": 12}
@@ -28,7 +28,7 @@ SCOPE = Scope({"fine": Outcome([FINE]), "grids": Outcome([COARSE, FINE], "cells"
     ("grid_crossings == 12", True)])
 def test_a_claim_is_judged(claim, holds):
     check_claim(claim, SCOPE.outcomes, SCOPE.main)
-    assert judge(claim, SCOPE).holds is holds
+    assert decide(claim, SCOPE).holds is holds
 
 
 @pytest.mark.parametrize("claim, said", [

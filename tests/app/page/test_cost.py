@@ -18,7 +18,7 @@ from app.page.features.cost.picture import Axis, picture
 from app.page.features.cost.runs import LIVE, SWEEP, Runs, csv_bytes
 from app.page.visit.history import History
 from solvers.engine.messages import FrameReport
-from solvers.engine.verdict import Verdict
+from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import build
@@ -34,11 +34,11 @@ def frames(scene, steps=100):
     """A live run's frames as the page hears them: report and history."""
     solver = build(scene)
     solver.compile()
-    verdict, history, fresh, rows = Verdict(scene), History(scene, scene.particles), True, solver.measure()
+    watch, history, fresh, rows = SoundnessWatch(scene), History(scene, scene.particles), True, solver.measure()
     while True:
         history.add(rows)
-        verdict.look(rows, scene.particles)
-        status, reason, since = verdict.tell(solver, {})
+        watch.look(rows, scene.particles)
+        status, reason, since = watch.tell(solver, {})
         yield FrameReport(session=1, number=1, scene=scene, fresh=fresh, playing=True, particles=scene.particles,
                           step=solver.step, time=solver.time, rows=rows, rate=10.0, real_speed=None, arch=solver.arch,
                           reason=reason, status=status, since=since, not_valid=solver.not_valid(), memory=""), history

@@ -24,7 +24,7 @@ from app.viewer import server, upload
 from solvers.judging import writing
 from solvers.judging.handout import exact
 from solvers.judging.measure import sizes
-from solvers.judging.show import MOST_ROWS, MOST_TIMES, Question, Shown
+from solvers.judging.show import MOST_ROWS, MOST_TIMES, Shown, ShowRequest
 from solvers.problems import PROBLEMS
 from solvers.study.grid import task_of
 from solvers.workers.pool import Slots
@@ -49,7 +49,7 @@ def process():
 def shown_of(process, file, scene, folder, name="mine"):
     """What the process says of a file, as one dictionary, and where its table is."""
     table = Path(folder) / "table"
-    question = Question(str(file), name, task_of(scene).to_dict(), str(table), MOST_WATCHED)
+    question = ShowRequest(str(file), name, task_of(scene).to_dict(), str(table), MOST_WATCHED)
     answers = {}
     for answer in process.ask(asdict(question)):
         answers |= answer

@@ -13,8 +13,8 @@ import pytest
 from solvers.engine import frames as memory
 from solvers.engine import stepper
 from solvers.engine.messages import FRAME_SECONDS, Wish
+from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.engine.stepper import Stepper
-from solvers.engine.verdict import Verdict
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.validity import RULES
@@ -166,14 +166,14 @@ def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
     row = np.full((2, len(names)), np.nan)
     row[:, 0] = 10, 20
     row[0, names.index("recovered/estimate_x")] = 4 * SCENE.amplitude**2
-    verdict = Verdict(scene)
-    verdict.look(row[:1], 4)
-    assert verdict.tell(solver, {})[0] == "lost" and "recovered" in verdict.tell(solver, {})[1]
-    assert verdict.tell(solver, {"recovered": "it rains"}) == ("ok", None, None)
+    watch = SoundnessWatch(scene)
+    watch.look(row[:1], 4)
+    assert watch.tell(solver, {})[0] == "lost" and "recovered" in watch.tell(solver, {})[1]
+    assert watch.tell(solver, {"recovered": "it rains"}) == ("ok", None, None)
     row[1, names.index("neighbour_gap")] = SCENE.amplitude
-    verdict.look(row[1:], 4)
-    assert verdict.tell(solver, {"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
-    assert verdict.tell(solver, {})[2] == pytest.approx(10 * SCENE.time_step)
+    watch.look(row[1:], 4)
+    assert watch.tell(solver, {"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
+    assert watch.tell(solver, {})[2] == pytest.approx(10 * SCENE.time_step)
 
 
 def test_frames_say_what_is_not_valid(monkeypatch):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from app.page.visit.limits import MOST_WATCHED
 from solvers.judging.reading import KINDS
-from solvers.judging.show import Question
+from solvers.judging.show import ShowRequest
 from solvers.scene.scene import Scene
 from solvers.study.grid import task_of
 from solvers.workers.pool import Slots, WorkerPool
@@ -36,7 +36,7 @@ class Judging:
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
         self._pool, self._cancelled = WorkerPool("solvers.judging.show:show", environment=ONE_THREAD), threading.Event()
         if slots.take():
-            question = Question(str(self._file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED)
+            question = ShowRequest(str(self._file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED)
             self._pool.submit(asdict(question), self._say, PATIENCE).add_done_callback(self._end)
         else:
             threading.Thread(target=self._say, args=({"refused": BUSY},), name="judge", daemon=True).start()

@@ -158,9 +158,9 @@ def allocate(scene):
 
 def verdict(scene, memory):
     """Whether the second bar is sound, and near enough."""
-    return two_grid.verdict(scene, memory["coarse_deformation_gradient"],
-                            memory["coarse_position"] - memory["coarse_material_position"],
-                            min(0.5, 20 * scene.motion_amplitude), memory["two_grid_largest"])
+    moved = memory["coarse_position"] - memory["coarse_material_position"]
+    return two_grid.coarse_run_verdict(scene, memory["coarse_deformation_gradient"], moved,
+                                       min(0.5, 20 * scene.motion_amplitude), memory["two_grid_largest"])
 
 
 HOOKS = EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=after_step,

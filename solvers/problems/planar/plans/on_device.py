@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.estimators.beside import Beside
+from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import remedies
@@ -29,7 +29,7 @@ class OnDevice:
     """
 
     def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: WatchedBody, on: Switches,
-                 beside: Beside | None):
+                 beside: BesideGpu | None):
         self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
         members = arrays.members()
         self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]

@@ -16,7 +16,6 @@ from solvers.estimators import companion as shared
 from solvers.kernels import runtime
 from solvers.kernels.kinds import integer_quads, integers, pairs, quads, reals, rows
 from solvers.problems.ring import exact
-from solvers.problems.ring.estimators.companion_alone import RingAlone
 from solvers.problems.ring.estimators.companion_mesh import (
     directions,
     free,
@@ -25,6 +24,7 @@ from solvers.problems.ring.estimators.companion_mesh import (
     read_particles,
     unit_frequency,
 )
+from solvers.problems.ring.estimators.companion_standalone import RingCompanionBody
 from solvers.problems.ring.method.material import kirchhoff_stress, radial_force_at
 from solvers.scene.estimator_hooks import EstimatorHooks
 
@@ -210,10 +210,10 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_basis": basis, "companion_places": places}
 
 
-def alone(scene) -> RingAlone:
+def standalone(scene) -> RingCompanionBody:
     """The same solve by itself, on the same elements."""
     radial, angular = mesh(scene.cells)
-    return RingAlone(scene, radial.count, angular.count, radial.order)
+    return RingCompanionBody(scene, radial.count, angular.count, radial.order)
 
 
 def verdict(scene, memory) -> str | None:
@@ -247,4 +247,4 @@ HOOKS = EstimatorHooks(
     },
     allocate=allocate,
     interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
-    after_step=after_step, report=report, verdict=verdict, alone=alone, report_at_once=report_at_once)
+    after_step=after_step, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)

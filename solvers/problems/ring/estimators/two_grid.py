@@ -243,7 +243,8 @@ def verdict(scene, memory):
     F, farthest = memory["coarse_deformation_gradient"].T, 1.5 * scene.amplitude + 2 * scene.spacing
     with np.errstate(invalid="ignore", over="ignore"):
         moved = memory["coarse_motion"][:, :2] - memory["coarse_material_position"]
-        return two_grid.verdict(scene, F[0] * F[3] - F[1] * F[2], moved, farthest, memory["two_grid_largest"])
+        determinant = F[0] * F[3] - F[1] * F[2]
+        return two_grid.coarse_run_verdict(scene, determinant, moved, farthest, memory["two_grid_largest"])
 
 
 HOOKS = EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=after_step,

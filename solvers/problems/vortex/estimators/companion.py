@@ -30,8 +30,8 @@ from solvers.estimators import companion as shared
 from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals, rows
 from solvers.problems.vortex import exact
-from solvers.problems.vortex.estimators.companion_alone import VortexAlone
 from solvers.problems.vortex.estimators.companion_mesh import masses, mesh, read_radii, unit_frequency
+from solvers.problems.vortex.estimators.companion_standalone import VortexCompanionBody
 from solvers.problems.vortex.layout import particle_layout
 from solvers.problems.vortex.method.material import cauchy_stress, force_at
 from solvers.scene.estimator_hooks import EstimatorHooks
@@ -188,10 +188,10 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_first": first, "companion_basis": basis, "companion_circles": np.zeros((len(radii), 8))}
 
 
-def alone(scene) -> VortexAlone:
+def standalone(scene) -> VortexCompanionBody:
     """The same solve by itself, on the same elements."""
     elements = mesh()
-    return VortexAlone(scene, elements.count, elements.order)
+    return VortexCompanionBody(scene, elements.count, elements.order)
 
 
 def verdict(scene, memory) -> str | None:
@@ -214,4 +214,4 @@ HOOKS = EstimatorHooks(
     },
     allocate=allocate,
     interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
-    after_step=after_step, report=report, verdict=verdict, alone=alone, report_at_once=report_at_once)
+    after_step=after_step, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)

@@ -1,15 +1,15 @@
-"""The companion on the ring, solved by itself in numpy (see ``solvers.estimators.alone``)."""
+"""The companion on the ring, solved by itself in numpy (see ``solvers.estimators.standalone``)."""
 
 import numpy as np
 
-from solvers.estimators.alone import Polar
 from solvers.estimators.spectral import Elements
+from solvers.estimators.standalone import PolarBody
 from solvers.problems.ring import exact
 from solvers.problems.ring.estimators.companion_mesh import directions, free, unit_frequency
 from solvers.problems.ring.scene import RingScene
 
 
-class RingAlone(Polar):
+class RingCompanionBody(PolarBody):
     """The quarter ring, its surfaces free, held across the planes of symmetry."""
 
     def __init__(self, scene: RingScene, across: int, around: int, order: int):

@@ -7,13 +7,13 @@ import numpy as np
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.soundness import Finding, earliest, findings, verdict
+from solvers.solver.soundness import Finding, earliest, findings, status_of
 
 MOST_WAITING = 20  # samples
 REMEMBERED = 0.5  # periods
 
 
-class Verdict:
+class SoundnessWatch:
     """What has been found so far in the samples of one run (``solvers.solver.soundness``)."""
 
     def __init__(self, scene: Scene):
@@ -54,4 +54,4 @@ class Verdict:
     def tell(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
         """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)
         after it has found something: then that counts no longer."""
-        return verdict(solver, earliest(self._findings, not_valid))
+        return status_of(solver, earliest(self._findings, not_valid))

@@ -71,14 +71,14 @@ def solve(body: ElasticBody, times: Sequence[float]) -> list[tuple[np.ndarray, n
 
     Raises :class:`Lost` where the motion breaks down.
     """
-    march, found = NystromIntegrator(body), []
+    integrator, found = NystromIntegrator(body), []
     for time in times:
-        march.to(time)
-        found.append((march.u, march.v))
+        integrator.to(time)
+        found.append((integrator.u, integrator.v))
     return found
 
 
-class Polar(ElasticBody):
+class PolarBody(ElasticBody):
     """A body between two radii and two angles: elements in R and theta under the exact map, of which the unknowns are
     Cartesian displacements.
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.estimators.alone import ElasticBody, Lost, NystromIntegrator
 from solvers.estimators.companion import MOST_INTERVAL, NOW
+from solvers.estimators.standalone import ElasticBody, Lost, NystromIntegrator
 
 KEPT = 8  # instants to which it can go back, as for timings, which take some steps again and again; and the start
 
 
-class Beside:
+class BesideGpu:
     """A ``body`` whose nodes are those of the ``memory`` of a companion, and steps of ``dt`` seconds."""
 
     def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
@@ -22,22 +22,22 @@ class Beside:
     def bring_to(self, step: int) -> None:
         """Fill the layer ``NOW`` of ``companion_nodes``: u and v after so many steps, and a one step before; not a
         number where the companion itself is lost."""
-        march = self._at(max(0, step - 1))
-        a = march.a
+        integrator = self._at(max(0, step - 1))
+        a = integrator.a
         if step:
-            march = self._at(step)
-        N = len(march.u)
-        self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([march.u, march.v, a], axis=1)
+            integrator = self._at(step)
+        N = len(integrator.u)
+        self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([integrator.u, integrator.v, a], axis=1)
 
     def _at(self, step: int) -> NystromIntegrator:
         """The body after so many steps, from the last instant before that it knows."""
         time = step * self._dt
         while self._kept[-1].time > time:
             self._kept.pop()
-        march = copy.copy(self._kept[-1])
+        integrator = copy.copy(self._kept[-1])
         with np.errstate(all="ignore"), contextlib.suppress(Lost):
-            march.to(time)
-        self._kept.append(march)
+            integrator.to(time)
+        self._kept.append(integrator)
         if len(self._kept) > KEPT:
             del self._kept[1]
-        return march
+        return integrator

@@ -1,9 +1,9 @@
-"""The companion on the vortex, solved by itself in numpy (see ``solvers.estimators.alone``)."""
+"""The companion on the vortex, solved by itself in numpy (see ``solvers.estimators.standalone``)."""
 
 import numpy as np
 
-from solvers.estimators.alone import ElasticBody
 from solvers.estimators.spectral import Elements
+from solvers.estimators.standalone import ElasticBody
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.estimators.companion_mesh import masses, unit_frequency
 from solvers.problems.vortex.exact import force_at_rest, on_axis, right, turned
@@ -12,7 +12,7 @@ from solvers.problems.vortex.scene import VortexScene
 STIFFENED = 1.3  # of the companion's steps: how much stiffer than at rest the vortex may grow, as a frequency
 
 
-class VortexAlone(ElasticBody):
+class VortexCompanionBody(ElasticBody):
     """Two functions of the radius, on a line of elements: with every angle the same, they tell all (why, and the
     equations, are in ``solvers.problems.vortex.estimators.companion``). The unknowns are the displacement of the
     particles on the x axis, along it and across it."""
