@@ -123,7 +123,7 @@ def _quantity(wanted: Wanted, scene: Scene, key: str, shots: list[Snapshot], kep
             tracks.append(Track(f"difference.{name}.{key}", SIZE,
                                 np.stack([shot.difference[name][kept, column] for shot in shots])))
     if known:
-        plot = VIEWS[scene.problem].plot
+        plot = VIEWS[scene.problem].stage.PLOT
         at = np.linspace(plot.start, plot.end, CURVE_POINTS)
         tracks.append(Track(f"curve.{key}", PLACE, np.stack([plot.exact(scene, key, at, shot.time) for shot in shots])))
     return tracks

@@ -38,6 +38,7 @@ def _colours() -> dict[str, Any]:
 
 def _problem(name: str) -> dict[str, Any]:
     """Where a problem's field plot begins and ends, and the images of its body."""
-    view, plot = VIEWS[name], VIEWS[name].plot
+    view, stage = VIEWS[name], VIEWS[name].stage
+    plot = stage.PLOT
     return {"plot": {"start": plot.start, "end": plot.end, "ends": plot.ends, "component": plot.component},
-            "mirrors": view.mirrors, "mark_seconds": view.mark_seconds}
+            "mirrors": view.mirrors, "mark_seconds": stage.MARK_SECONDS, "lines": stage.LINES}

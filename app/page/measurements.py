@@ -6,6 +6,7 @@ from html import escape
 
 import viser
 
+from app.frame.silences import NO_INDEX, why_no_index
 from app.page.controls import Controls
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.features.own.words import lines as own_lines
@@ -17,8 +18,6 @@ from app.page.stage.worst import WorstRegions
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Traced
-from app.page.visit.view import why_no_truth
-from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
 
 READOUT_HEIGHT = 352  # pixels more than the stage that readout, titles and axes need, with one estimator
@@ -63,7 +62,8 @@ class Measurements:
             self._plots.clear()
         else:
             valid, latest = report.valid_estimators, controls.looking.latest
-            self._plots.show(history, valid, quantity, _why_no_index(report, valid, quantity), latest, pinned, drawn)
+            no_index = why_no_index(report.scene, valid, quantity)
+            self._plots.show(history, valid, quantity, no_index, latest, pinned, drawn)
             if traced is not None and traced.scene == history.scene:
                 self._plots.show_trace(traced, valid, quantity, latest, report.time)
 
@@ -76,14 +76,5 @@ class Measurements:
         if len(run) < 2 or run.estimate is None:
             self._plots.clear()
         else:
-            no_index = "" if run.true is not None else "empty: no exact solution is built in"
+            no_index = "" if run.true is not None else NO_INDEX
             self._plots.show(run, (JUDGE,), quantity, no_index, False, None, JUDGE)
-
-
-def _why_no_index(report: FrameReport, valid: tuple[str, ...], quantity: str) -> str:
-    scene = report.scene
-    if not scene.solution_known:
-        return "empty: no exact solution is built in"
-    if why_no_truth(scene, quantity):
-        return "empty: the true error is not computed"
-    return "" if valid else "empty: no valid estimate" if scene.estimators else "empty: no estimate"

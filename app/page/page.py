@@ -10,6 +10,7 @@ import numpy as np
 import viser
 
 from app.drawing import RECTANGLE, ColourBar, enlarge
+from app.frame.view import View, look
 from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.classroom import Classroom
@@ -34,7 +35,6 @@ from app.page.visit.pinned import PinnedRun
 from app.page.visit.recent import Recent
 from app.page.visit.session import FIRST_SCENE, PageLinks, Session
 from app.page.visit.trace import Trace
-from app.page.visit.view import View, look
 from app.problems.stage import Stage
 from app.problems.views import VIEWS
 from app.scale import LEAST_TOP, ColourScale

@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 
 from app.colours import ESTIMATE, TRUTH
 from app.figures import positive, say, styled
+from app.frame.silences import NOTHING_TO_SHOW
 from app.words import QUANTITIES
 from solvers.solver.norms import RunningIndex
 from solvers.solver.result import Result
@@ -35,7 +36,7 @@ def draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     if not drawn:
         axes.set_yticks([])
         say(axes, f"nothing to show: not estimated by {', '.join(silent)}, and no true error was computed" if silent
-            else "nothing to show: every error is zero, or was not computed")
+            else NOTHING_TO_SHOW)
         return
     if silent:
         axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=8,

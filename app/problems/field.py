@@ -10,9 +10,9 @@ import viser
 from app import drawing
 from app.axis import ROOM, Axis
 from app.colours import TRUTH
+from app.frame.captions import counting, field_caption
 from app.scale import LEAST_REACH, largest
 from app.words import QUANTITIES, with_unit
-from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 
 CURVE_POINTS = 121
@@ -130,19 +130,7 @@ class FieldPlot:
             drawing.write(handle, text)
 
     def _caption_it(self, scene: Scene, quantity: str, magnified: int, unknown: int) -> None:
-        name = f"{self._place.component} {field_name(quantity)}".strip()
-        if quantity == "x" and not scene.swings:
-            name += " − vt"
-        if quantity == "a" and not scene.has("acceleration"):
-            text = f"{name} not computed: the effect \"{EFFECTS['acceleration'].label}\" is off"
-        elif not scene.solution_known:
-            text = f"{name} of the particles (no exact curve is known)"
-        elif magnified > 1:
-            text = f"{name}: particles' deviation from exact × {magnified}"
-        else:
-            text = f"{name}: particles (dots) on the exact curve"
-        if unknown and not text.endswith("off"):
-            text += f"; {unknown} without a number"
+        text = counting(field_caption(scene, self._place.component, quantity, magnified), unknown)
         drawing.write(self._caption, text)
 
 
@@ -166,11 +154,6 @@ class Dots:
         """Show nothing."""
         self.reach = 0.0
         drawing.put_few(self._dots, np.empty((0, 3), np.float32))
-
-
-def field_name(quantity: str) -> str:
-    """What is plotted for a quantity whose error is shown: the field of positions x is the displacement u."""
-    return "displacement u" if quantity == "x" else str(QUANTITIES[quantity])
 
 
 def seen(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:

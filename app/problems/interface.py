@@ -13,10 +13,8 @@ import numpy as np
 if TYPE_CHECKING:
     import viser
 
-    from app.problems.field import Place
     from app.problems.slow import SlowStage
     from app.problems.stage import Stage
-    from app.scale import ColourScale
 
 
 @dataclass(frozen=True)
@@ -98,14 +96,9 @@ class ProblemView:
         return path.read_text(encoding="utf-8") if path.exists() else ""
 
     @property
-    def stage(self) -> Callable[[viser.ClientHandle, ColourScale], Stage[Any]]:
+    def stage(self) -> type[Stage[Any]]:
         """The ``STAGE`` of the folder's ``stage.py``, imported when it is asked for: a picture needs no viewer."""
         return self._module("stage").STAGE
-
-    @property
-    def plot(self) -> Place:
-        """What the field plot of the stage shows."""
-        return self._module("stage").STAGE.PLOT
 
     @property
     def domains(self) -> Callable[[Any, np.ndarray], np.ndarray] | None:
@@ -117,11 +110,6 @@ class ProblemView:
     def mirrors(self) -> tuple[tuple[int, int], ...]:
         """Signs of x and y in each image of the body on the stage; of a problem in one dimension none."""
         return getattr(self._module("stage").STAGE, "MIRRORS", ())
-
-    @property
-    def mark_seconds(self) -> float:
-        """How long a crossing stays marked on the stage."""
-        return self._module("stage").STAGE.MARK_SECONDS
 
     def outermost(self, scene: Any) -> float | None:
         """How far from the middle a particle should come, in metres; of a problem in one dimension None."""

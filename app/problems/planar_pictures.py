@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 
 from app.colours import TRUTH
 from app.figures import MOST_CELL_LINES, positive, say, styled, thinned, when_text
+from app.frame.silences import NOTHING_TO_SHOW
 from solvers.scene.scene import Scene
 from solvers.solver.result import Result
 
@@ -34,7 +35,7 @@ def draw_profile(axes: Axes, result: Result, inner: float, outer: float) -> None
              ylabel="|error of x| (m)", xlim=(inner, outer))
     if not drawn:
         axes.set_yticks([])
-        say(axes, "nothing to show: every error is zero, or was not computed")
+        say(axes, NOTHING_TO_SHOW)
         return
     low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
     axes.set(yscale="log", ylim=(low, high * (high / low) ** LEGEND_ROOM))

@@ -89,10 +89,6 @@ class PlanarStage(Stage[AnyScene]):
     def _reach(self, scene: AnyScene) -> float:
         """How far from the middle a particle should come, in metres."""
 
-    @abstractmethod
-    def _note(self, scene: AnyScene) -> str:
-        """How large things are."""
-
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Positions in metres (n, 2) as points of the stage (n, 3)."""
         return drawing.in_plane(self._middle[0] + self._per_metre * x[:, 0],
@@ -132,7 +128,7 @@ class PlanarStage(Stage[AnyScene]):
         reach = self._reach(scene)
         self._per_metre = self._size * RADIUS / reach
         end = 1.05 * reach
-        start = self._first_line(scene)
+        start = self.first_line(scene)
         at = np.arange(np.ceil((-end - start) / scene.spacing), np.floor((end - start) / scene.spacing) + 1)
         at = at * scene.spacing + start
         upright = np.stack([np.repeat(at, 2), np.tile([-end, end], len(at))], axis=1)
@@ -147,11 +143,7 @@ class PlanarStage(Stage[AnyScene]):
         else:
             self._radii, self._edges = np.linalg.norm(at_rest, axis=1), None
         self._mark(len(self._radii))
-        self._size_note.text = self._note(scene)
-
-    def _first_line(self, scene: AnyScene) -> float:
-        """Where a line between cells is, in metres from the middle."""
-        return 0.0
+        self._size_note.text = self.note(scene)
 
     def _size_dots(self, width: float) -> None:
         """Make the dots fit particles that are ``width`` apart on the stage."""

@@ -1,13 +1,14 @@
 """What the stages of all problems share: two halves, estimate and truth, each with a title or why it is empty."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 import viser
 
 from app import drawing
+from app.frame.captions import marks_note
+from app.frame.view import Half
 from app.problems.field import Dots, FieldPlot, Place
 from app.scale import ColourScale
 from app.words import brief
@@ -16,15 +17,6 @@ from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
 TOUCH = 0.03  # of the stage, within which a click means a particle: as much as a finger needs
-
-
-@dataclass(frozen=True)
-class Half:
-    """One lane of the bar or half of the ring: ``sizes`` (P,) of errors, or None and the reason in ``silence``."""
-
-    title: str
-    sizes: np.ndarray | None
-    silence: str = ""
 
 
 class Stage(ABC, Generic[AnyScene]):
@@ -47,6 +39,7 @@ class Stage(ABC, Generic[AnyScene]):
     PLOT_DOT: ClassVar[float]  # size of a particle in it
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
     MARK_SECONDS: ClassVar[float] = drawing.FLASH_SECONDS  # on the screen that a crossing is marked
+    LINES: ClassVar[int] = 0  # of material, drawn as the exact solution has them
     MARKED: ClassVar[str]  # what is said of the marks
 
     _titles: list[viser.LabelHandle]
@@ -103,13 +96,29 @@ class Stage(ABC, Generic[AnyScene]):
         every = drawing.one_in(particles, self.MOST_MARKED)
         self._marked = np.arange(particles) % every == 0
         if not self._beside:
-            drawing.write(self._flash_note, self.MARKED + f" (1 in {every})" * (every > 1))
+            drawing.write(self._flash_note, marks_note(self.MARKED, every))
 
     def caption(self, estimate: Half, truth: Half) -> None:
         """Title the halves, and say in an empty one why it is."""
         for half, title, silence in zip((estimate, truth), self._titles, self._silences, strict=True):
             drawing.write(title, half.title)
             drawing.write(silence, brief(half.silence) if self._paired else half.silence, self.SILENCE_WIDTH)
+
+    @staticmethod
+    def note(scene: AnyScene) -> str:
+        """How large things are, and what else the stage alone does not say."""
+        return ""
+
+    @staticmethod
+    def first_line(scene: AnyScene) -> float:
+        """Where a line between cells is, in metres from the middle."""
+        return 0.0
+
+    @staticmethod
+    def exact_lines(scene: AnyScene, t: float, count: int) -> np.ndarray:
+        """The first ``count`` of the ``LINES`` of material that are drawn as the exact solution has them: points
+        (count, n, 2) in metres at the time t in s. Each is the one before, turned by a part of a full turn."""
+        return np.empty((0, 0, 2))
 
     @abstractmethod
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import viser
 
+from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.head import HALF_WIDE
 from app.page.visit.session import Session
-from app.page.visit.view import DIFFERENCE, SIDE_BY_SIDE
 from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
 

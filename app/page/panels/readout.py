@@ -6,12 +6,12 @@ import math
 import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
+from app.frame.silences import TRUE, why_no_numbers
 from app.page.stage.worst import WorstRegion, WorstRegions
 from app.page.visit.downsampled import until
 from app.page.visit.history import History
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
-from app.page.visit.view import NONE_CHOSEN, why_no_estimate, why_no_truth
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.scene.registry import ESTIMATORS
@@ -22,7 +22,6 @@ CAPPED_BELOW = 0.9  # of the speed asked for
 LINE = 18  # pixels that a line of the readout is high
 SHORT = 30  # characters of a reason that fit beside a name
 SILENCE_LINE = 40  # and of one that begins with it, on a line
-TRUE = "true"
 #: What a line of the readout means, for who rests on it.
 HINTS = {
     "time": "simulated time since the start, and in periods of the exact vibration",
@@ -155,14 +154,9 @@ def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
 
 def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
     """For the truth and each estimator asked for, why there is no number of it; "" where there is."""
-    scene = report.scene
-    silences = {TRUE: why_no_truth(scene, quantity)}
-    for name in scene.estimators:
-        norms = series.get(f"{name}/estimate_{quantity}", np.zeros(0))
-        silent = len(norms) and not np.isfinite(norms).any()
-        silences[name] = report.not_valid.get(name) or why_no_estimate(scene, report.not_valid, name, quantity) \
-            or f"does not estimate the {QUANTITIES[quantity]}" * bool(silent)
-    return silences if scene.estimators else {**silences, "estimated": NONE_CHOSEN}
+    norms = {name: series.get(f"{name}/estimate_{quantity}", np.zeros(0)) for name in report.scene.estimators}
+    silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
+    return why_no_numbers(report.scene, report.not_valid, quantity, silent)
 
 
 def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.page.visit.view import View
+from app.frame.view import View
 from app.problems.views import VIEWS
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
+from app.frame.view import View, look
 from app.page.visit.history import History
-from app.page.visit.view import View, look
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.engine.pool import Listener, SessionLink

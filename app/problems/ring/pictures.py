@@ -10,6 +10,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.figures import colour_bar, drawable, robust_size, say, shared_scale, thinned, when_text
+from app.frame.silences import EMPTY_HALVES
 from app.problems.planar_pictures import UNKNOWN_COLOUR, dot_area, draw_cells, draw_profile
 from solvers.problems.ring import exact
 from solvers.problems.ring.scene import RingScene
@@ -39,8 +40,8 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
     for axes, name in zip(panels, names, strict=True):
         _frame(axes, result)
-        halves = [(LEFT, estimates.get(name), f"estimate ({name})", ESTIMATE, "not estimated"),
-                  (RIGHT, truth, "truth", TRUTH, "truth not computed")]
+        halves = [(LEFT, estimates.get(name), f"estimate ({name})", ESTIMATE, EMPTY_HALVES[0]),
+                  (RIGHT, truth, "truth", TRUTH, EMPTY_HALVES[1])]
         for side, sizes, title, colour, silence in halves:
             look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes, "cmap": COLOUR_MAP, "norm": scale}
             axes.scatter(side * x, y, s=dot_area(result, len(few), POINTS_PER_METRE), linewidths=0, zorder=2, **look)

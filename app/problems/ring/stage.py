@@ -39,7 +39,8 @@ class RingStage(PlanarStage[RingScene]):
     def _reach(self, scene: RingScene) -> float:
         return outermost(scene)
 
-    def _note(self, scene: RingScene) -> str:
+    @staticmethod
+    def note(scene: RingScene) -> str:
         return f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
     def _size_dots(self, width: float) -> None:

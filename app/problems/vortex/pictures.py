@@ -10,6 +10,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.figures import colour_bar, drawable, say, shared_scale, thinned, when_text
+from app.frame.silences import EMPTY_HALVES
 from app.problems.planar_pictures import UNKNOWN_COLOUR, dot_area, draw_cells, draw_profile
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.scene import VortexScene
@@ -40,8 +41,8 @@ def _draw_halves(figure: Figure, place: SubplotSpec, result: Result) -> None:
     for axes, name in zip(panels, names, strict=True):
         _frame(axes, result)
         for half, sizes, title, colour, silence, at in (
-                (x < 0, estimates.get(name), f"estimate ({name})", ESTIMATE, "not estimated", 0.015),
-                (x >= 0, truth, "truth", TRUTH, "truth not computed", 0.985)):
+                (x < 0, estimates.get(name), f"estimate ({name})", ESTIMATE, EMPTY_HALVES[0], 0.015),
+                (x >= 0, truth, "truth", TRUTH, EMPTY_HALVES[1], 0.985)):
             look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes[half], "cmap": COLOUR_MAP, "norm": scale}
             axes.scatter(x[half], y[half], s=dot_area(result, len(few), POINTS_PER_METRE), linewidths=0, zorder=2,
                          **look)

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from app import words
+from app.frame.silences import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN
+from app.frame.view import look
 from app.page.panels.readout import _percent, readout
 from app.page.stage.worst import Worst, WorstRegions
-from app.page.visit.view import ACCELERATION_OFF, ESTIMATE_OFF, NONE_CHOSEN, TRUTH_OFF, UNKNOWN, look
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.ring.view import ANGLES, RING
@@ -102,7 +103,7 @@ def test_what_is_not_estimated_is_said():
 def test_acceleration_is_unknown_without_its_effect():
     """Not zero: the truth's lane must not look like a perfect run."""
     view = view_of(replace(BAR, effects=("truth", "estimate")), quantity="a")
-    assert view.left.silence == view.right.silence == ACCELERATION_OFF and view.right.sizes is None
+    assert view.left.silence == view.right.silence == OFF and view.right.sizes is None
 
 
 def test_another_estimator_is_on_its_way():

@@ -8,13 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.silences import NOT_COMPARED
+from app.frame.view import look
 from app.page.panels.readout import readout
 from app.page.stage.worst import WorstRegions
 from app.page.summary import summary
 from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS, DownsampledSeries, until
 from app.page.visit.history import History
 from app.page.visit.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
-from app.page.visit.view import NOT_COMPARED, look
 from solvers.engine.frames import block_bytes, read, write
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build

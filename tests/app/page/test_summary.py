@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.frame.silences import NONE_CHOSEN, UNKNOWN
+from app.frame.view import look
 from app.page.stage.worst import WorstRegions
 from app.page.summary import SAY_SECONDS, WAITING, Pace, compared, summary
 from app.page.visit.history import CROSSING_WINDOW
-from app.page.visit.view import NONE_CHOSEN, UNKNOWN, look
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
 

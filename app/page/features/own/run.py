@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from app.frame.silences import UNKNOWN
+from app.frame.view import View, view
 from app.page.visit.downsampled import RunSeries
-from app.page.visit.view import UNKNOWN, View
-from app.problems.stage import Half
 from app.words import QUANTITIES
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -71,19 +71,15 @@ class OwnRun(RunSeries):
 
     def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> View:
         """What the two halves show."""
-        column, words = KEYS.index(quantity), QUANTITIES[quantity]
+        column = KEYS.index(quantity)
         lacks = NO_ACCELERATION if quantity == "a" else \
-            f"the file has no {words.noun}" if quantity in self.missing else ""
+            f"the file has no {QUANTITIES[quantity].noun}" if quantity in self.missing else ""
         no_truth = lacks or (UNKNOWN if self.true is None else "")
         no_estimate = lacks or (COMING if self.estimate is None else "")
         true = None if no_truth else arrays.error[:, column]
         estimated = None if no_estimate else arrays.estimate[JUDGE][:, column]
-        left, measures = Half(f"estimated error by {JUDGE}", estimated, no_estimate), f"size of the error of {words}"
-        if difference:
-            silence = no_estimate or no_truth
-            left = Half(f"estimate by {JUDGE} − truth", None if silence else arrays.difference[JUDGE][:, column],
-                        silence)
-        return View(left, Half("true error", true, no_truth), measures, estimated, true)
+        return view(quantity, JUDGE, estimated, true, no_estimate, no_truth, difference,
+                    arrays.difference[JUDGE][:, column])
 
     def largest(self, quantity: str) -> tuple[np.ndarray, np.ndarray]:
         """The largest estimated and true sizes of all times, (1,) each: the colours of a file stay as they are."""

@@ -4,11 +4,12 @@ from html import escape
 
 import numpy as np
 
+from app.frame.silences import TRUE
+from app.frame.view import View
 from app.page.features.own.run import JUDGE, OwnRun
-from app.page.panels.readout import TRUE, named, row, table
+from app.page.panels.readout import named, row, table
 from app.page.stage.worst import WorstRegions
-from app.page.visit.view import View
-from app.words import NOTHING, QUANTITIES, number, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, number, ratio, times, with_unit
 
 HINTS = {"now": "root of the mean square over the particles, at the time that is shown",
          "largest": "of all times in the file after the start",
@@ -22,7 +23,7 @@ def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str
     if true is not None:
         said = f"the true error of {words} is {with_unit(true, words.unit)}"
         if estimated is not None and true > 0:
-            said += f", and {JUDGE} estimates {ratio(estimated / true)} {'times' if estimated >= true else 'of'} it"
+            said += f", and {JUDGE} estimates {times(estimated / true)} it"
     elif estimated is not None:
         said = f"{JUDGE} estimates the error of {words} at {with_unit(estimated, words.unit)}"
     else:
