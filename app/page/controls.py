@@ -79,8 +79,7 @@ class Controls:
             session.choose(state.scene, state.speed, state.stops)
             if state.pinned is not None:
                 session.pin(self._pinned_drawn, state.pinned)
-            session.compare(state.difference)
-            session.plot(state.quantity)
+            session.show(differences=state.difference, plotted=state.quantity)
             self.looking.trace(state.traced)
             self._rebuild()
         self._on_view()
@@ -278,7 +277,7 @@ class Controls:
 
         def choose_quantity(event: viser.GuiEvent) -> None:
             self.quantity = quantities[quantity.value]
-            session.plot(self.quantity)
+            session.show(plotted=self.quantity)
             changed(event)
 
         def choose_factor(_: viser.GuiEvent) -> None:

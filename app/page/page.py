@@ -176,8 +176,8 @@ class Page:
             (report, arrays), back = last, self._recent.back
             scene, controls, choice = report.scene, self._controls, self._controls.estimators
             view = look(report, arrays, controls.quantity, choice.drawn, choice.difference)
-            if choice.difference and scene.has("truth") and scene.active_estimators and not report.differences and \
-                    not back:
+            if choice.difference and scene.has("truth") and scene.active_estimators \
+                    and not (report.holds.differences or back):
                 return  # the frame is one from before they were asked for; the next is on its way
             shown = controls.quantity, choice.drawn, choice.difference
             if changed := shown != self._shown:
@@ -193,7 +193,7 @@ class Page:
                                    0.0 if scene.swings else LEAST_TOP * scene.size_of(controls.quantity))
             stage = self._stages[scene.problem]
             second = stage.pair(pinned is not None)
-            stage.domains, stage.plotted, stage.magnified = controls.domains, report.plotted, controls.magnified
+            stage.domains, stage.plotted, stage.magnified = controls.domains, report.holds.plotted, controls.magnified
             with self.client.atomic():
                 self._show_stage(None if self._slow.showing else scene.problem)
                 stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time,
@@ -239,7 +239,7 @@ class Page:
             stage.name(f"{said}, being prepared")
             return
         report, arrays = pinned.last
-        stage.domains, stage.plotted, stage.magnified = live.domains, report.plotted, live.magnified
+        stage.domains, stage.plotted, stage.magnified = live.domains, report.holds.plotted, live.magnified
         stage.draw(scene, arrays, view.left.sizes, view.right.sizes, report.time, self._session.speed * scene.period)
         stage.caption(view.left, view.right)
         stage.name(said)

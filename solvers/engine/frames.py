@@ -21,6 +21,19 @@ DIFFERENCE = "{} minus truth"  # what an estimator's is called in the block
 
 
 @dataclass(frozen=True)
+class FrameOptions:
+    """What a frame holds beside the particles with their errors and estimates.
+
+    ``differences`` are the sizes of estimate minus truth, ``plotted`` is the key of the quantity whose field it holds,
+    if any; ``broken_down`` is the number of a particle, if any, around which single steps are taken apart.
+    """
+
+    differences: bool = False
+    plotted: str | None = None
+    broken_down: int | None = None
+
+
+@dataclass(frozen=True)
 class FrameArrays:
     """A frame's particles in single precision, for drawing. D dimensions; columns of errors are x, v, sigma, a.
 
@@ -89,18 +102,17 @@ def clear(block: SharedMemory) -> None:
     _opened(block)[0] = 0
 
 
-def read(block: SharedMemory, scene: Scene, particles: int, differences: bool = False,
-         plotted: bool = False) -> FrameArrays:
-    """Copy the frame of ``scene`` with so many particles, with or without what is only asked for, out of the block,
-    which may then be written again."""
-    widths = _widths(scene, differences, plotted)
+def read(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions = FrameOptions()) -> FrameArrays:
+    """Copy the frame of ``scene`` with so many particles and what else it ``holds`` out of the block, which may then be
+    written again."""
+    widths = _widths(scene, holds.differences, holds.plotted is not None)
     held = bytes(_opened(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
     clear(block)
     parts = _parts(held, particles, widths)
     return FrameArrays(parts["position"], parts["displacement"], parts["deformation_gradient"],
                        parts["steps_since_crossing"][:, 0], parts["error"],
                        {name: parts[name] for name in scene.active_estimators},
-                       {name: parts[DIFFERENCE.format(name)] for name in scene.active_estimators if differences},
+                       {name: parts[DIFFERENCE.format(name)] for name in scene.active_estimators if holds.differences},
                        parts.get("plotted", np.zeros((particles, 0), np.float32)))
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from solvers.engine.frames import FrameOptions
 from solvers.scene.scene import Scene
 from solvers.solver.soundness import OK
 from solvers.solver.step_breakdown import StepBreakdown
@@ -12,32 +13,35 @@ FRAME_SECONDS = 1 / 30
 
 
 @dataclass(frozen=True)
+class Pace:
+    """How a run moves. ``speed`` is in periods a second. ``restarts`` and ``single_steps`` are counts: an engine acts
+    when they have grown. A run that ``ends`` stops where its scene says; others go on."""
+
+    playing: bool = True
+    speed: float = 1.0
+    restarts: int = 0
+    single_steps: int = 0
+    ends: bool = False
+
+
+@dataclass(frozen=True)
 class Wish:
     """Everything a visitor wants, in one piece: an engine acts on the latest and forgets the rest.
 
-    ``number`` grows with every wish and comes back in frames, so that an answer can be told from an echo.
-    ``restarts`` and ``single_steps`` are counts: an engine acts when they have grown. ``speed`` is simulated
-    seconds a second. ``memory`` names the shared memory block that frames go to; ``differences`` asks that they hold
-    the sizes of estimate minus truth too, ``plotted`` is the key of the quantity whose field they should hold, if any.
-    ``partner`` is another session of the same engine: the two keep together in periods, and start again together.
-    ``broken_down`` is the number of a particle, if any, around which single steps are taken apart. ``frame_seconds`` is
-    the time between two frames of a run that plays. A run that ``ends`` stops where its scene says; others go on.
+    ``number`` grows with every wish and comes back in frames, so that an answer can be told from an echo. ``memory``
+    names the shared memory block that frames go to, ``frame`` is what they should hold. ``partner`` is another session
+    of the same engine: the two keep together in periods, and start again together. ``frame_seconds`` is the time
+    between two frames of a run that plays.
     """
 
     session: int
     number: int
-    scene: Scene
-    playing: bool
-    speed: float
-    restarts: int
-    single_steps: int
     memory: str
-    differences: bool = False
-    plotted: str | None = None
+    scene: Scene
+    pace: Pace = field(default_factory=Pace)
+    frame: FrameOptions = field(default_factory=FrameOptions)
     partner: int | None = None
-    broken_down: int | None = None
     frame_seconds: float = FRAME_SECONDS
-    ends: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,10 +65,10 @@ class FrameReport:
     ``fresh`` marks the first frame after a build, when what was collected before belongs to another run. ``rate`` is
     million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a second, None until it has
     been measured. ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found
-    out by now; ``differences`` says that the frame holds estimate minus truth, ``plotted`` is the key of the quantity
-    whose field it holds. ``status`` is "ok", "unstable" or "lost" (``solvers.solver.soundness``), ``reason`` says why
-    in a sentence, ``since`` from which time in s on. An unstable run has stopped; a lost one goes on. ``breakdown`` is
-    of the last step, if the wish asks for it and that was a single one.
+    out by now; ``holds`` is what the frame holds of what was asked for. ``status`` is "ok", "unstable" or "lost"
+    (``solvers.solver.soundness``), ``reason`` says why in a sentence, ``since`` from which time in s on. An unstable
+    run has stopped; a lost one goes on. ``breakdown`` is of the last step, if the wish asks for it and that was a
+    single one.
     """
 
     session: int
@@ -82,10 +86,9 @@ class FrameReport:
     real_speed: float | None
     arch: str
     not_valid: dict[str, str] = field(default_factory=dict)
-    differences: bool = False
+    holds: FrameOptions = field(default_factory=FrameOptions)
     status: str = OK
     since: float | None = None
-    plotted: str | None = None
     breakdown: StepBreakdown | None = None
 
     @property

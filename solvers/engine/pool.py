@@ -10,8 +10,8 @@ from multiprocessing.shared_memory import SharedMemory
 from typing import Protocol
 
 from solvers.engine import frames
-from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Wish
+from solvers.engine.frames import FrameArrays, FrameOptions
+from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Pace, Wish
 from solvers.engine.process import CANNOT_START, EngineProcess
 from solvers.scene.scene import Scene
 from solvers.workers.processes import adopt_orphans
@@ -60,7 +60,7 @@ class EnginePool:
     def playing(self) -> int:
         """The number of sessions that are to move."""
         links = [link for engine in self._engines for link in list(engine.links.values())]
-        return sum(link.wish is not None and link.wish.playing for link in links)
+        return sum(link.wish is not None and link.wish.pace.playing for link in links)
 
     @property
     def process_ids(self) -> list[int]:
@@ -88,18 +88,15 @@ class SessionLink:
         self._closed = False
         engine.links[session] = self
 
-    def ask(self, scene: Scene, playing: bool, speed: float, restarts: int, single_steps: int,
-            differences: bool = False, plotted: str | None = None, broken_down: int | None = None,
-            ends: bool = False) -> int:
+    def ask(self, scene: Scene, pace: Pace = Pace(), frame: FrameOptions = FrameOptions()) -> int:
         """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
             if self._closed:
                 return last
             number = last + 1
-            self.wish = Wish(self.session, number, scene, playing, speed, restarts, single_steps,
-                             self._fitting_block(scene).name, differences, plotted, self._partner, broken_down,
-                             self._frame_seconds, ends)
+            self.wish = Wish(self.session, number, self._fitting_block(scene).name, scene, pace, frame, self._partner,
+                             self._frame_seconds)
             self._deaths = 0
             self.engine.send(self.wish)
         if self.engine.given_up:
@@ -126,8 +123,7 @@ class SessionLink:
             arrays = None
             block = next((b for b in (self._block, *self._outgrown) if b.name == report.memory), None)
             if block is not None:  # else that of a wish that a later one has overtaken
-                arrays = frames.read(block, report.scene, report.particles, report.differences,
-                                     report.plotted is not None)
+                arrays = frames.read(block, report.scene, report.particles, report.holds)
             if block is self._block:
                 _free(self._outgrown)
                 self._outgrown = []

@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
 from time import perf_counter
 from typing import Any
@@ -76,16 +77,17 @@ class Stepper:
         if self._block.name != wish.memory:
             self.close()
             self._block = _attach(wish.memory)
-        anew = old.scene != wish.scene or old.restarts != wish.restarts
+        steps, particle = wish.pace.single_steps - old.pace.single_steps, wish.frame.broken_down
+        anew = old.scene != wish.scene or old.pace.restarts != wish.pace.restarts
         if anew:
             self.rebuild()
-        elif wish.single_steps > old.single_steps and self.solver.sound and not wish.playing:
-            self._advance(min(wish.single_steps - old.single_steps, self.solver.longest_advance), wish.broken_down)
+        elif steps > 0 and self.solver.sound and not wish.pace.playing:
+            self._advance(min(steps, self.solver.longest_advance), particle)
             if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
                 self._rows.append(self.solver.measure())
-        elif wish.broken_down not in (None, old.broken_down) and self._put_back:
+        elif particle is not None and particle != old.frame.broken_down and self._put_back:
             self._put_back()
-            self._breakdown = self.solver.break_down(wish.broken_down)[1]
+            self._breakdown = self.solver.break_down(particle)[1]
         self._start_clock()
         return anew
 
@@ -135,15 +137,15 @@ class Stepper:
         self._advance(max(1, min(wanted, self._slice, self.solver.longest_advance)))
         if wanted * self._seconds_a_step > LAG_SECONDS:
             self._anchor = (perf_counter(), self.solver.time)
-        if self.wish.ends and self.solver.step == self._last_step:
+        if self.wish.pace.ends and self.solver.step == self._last_step:
             if not len(self._rows[-1]):  # no sample was due: what a run has come to is read at its end
                 self._rows.append(self.solver.measure())
             self._frame_wanted = True
 
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
-        now, solver = perf_counter(), self.solver
-        shot = solver.snapshot(self.wish.differences, self.wish.plotted)
+        now, solver, wished = perf_counter(), self.solver, self.wish.frame
+        shot = solver.snapshot(wished.differences, wished.plotted)
         frames.write(self._block, solver.scene, shot)
         wall, simulated = self._window
         if now - wall > 0.2:
@@ -159,8 +161,8 @@ class Stepper:
             fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,
             rows=rows, reason=reason, status=status, since=since,
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
-            arch=solver.arch, not_valid=not_valid, differences=bool(shot.difference),
-            plotted=self.wish.plotted, breakdown=self._breakdown if self.wish.broken_down is not None else None)
+            arch=solver.arch, not_valid=not_valid, holds=replace(wished, differences=bool(shot.difference)),
+            breakdown=self._breakdown if wished.broken_down is not None else None)
         if not self._frame_wanted:  # else it may have stood still since it was due
             self._lateness += FRAME_WEIGHT * (now - self._due - self._lateness)
         self._rows = [report.rows[:0]]
@@ -185,11 +187,16 @@ class Stepper:
     @property
     def running(self) -> bool:
         """Whether it is to step and can."""
-        return self.wish.playing and self.solver.sound and self.solver.step < self._last_step
+        return self.wish.pace.playing and self.solver.sound and self.solver.step < self._last_step
+
+    @property
+    def _speed(self) -> float:
+        """In simulated seconds a second."""
+        return self.wish.pace.speed * self.wish.scene.period
 
     @property
     def _last_step(self) -> int:
-        return self.solver.scene.steps if self.wish.ends else LAST_STEP
+        return self.solver.scene.steps if self.wish.pace.ends else LAST_STEP
 
     @property
     def _slice(self) -> int:
@@ -213,7 +220,7 @@ class Stepper:
         """Whole steps from here to the time that the clock shows. The clock waits for a partner that cannot keep up:
         what it has lost is not made good later, when the partner stops or leaves."""
         now, (wall, simulated) = perf_counter(), self._anchor
-        target, bound = simulated + (now - wall) * self.wish.speed, self._bound()
+        target, bound = simulated + (now - wall) * self._speed, self._bound()
         if bound < target:
             target = bound
             self._anchor = (now, bound)
@@ -232,7 +239,7 @@ class Stepper:
         """How far ahead of its partner a session may be, in s: a frame's worth, but not so far that one would see it at
         high speeds; and two steps in any case, so that the one behind can always take one."""
         scene = self.solver.scene
-        return max(min(self.wish.frame_seconds * self.wish.speed, MOST_APART * scene.period), 2 * scene.time_step)
+        return max(min(self.wish.frame_seconds * self._speed, MOST_APART * scene.period), 2 * scene.time_step)
 
     def _advance(self, steps: int, broken_down: int | None = None) -> None:
         """Take steps, the last of them apart around the particle ``broken_down``, if any."""

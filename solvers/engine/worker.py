@@ -132,8 +132,10 @@ class Worker:
             self._waiting[wish.session] = wish
             self._pipe.send(Compiling(wish.session, wish.number))
             if stepper:
-                stepper.accept(replace(stepper.wish, playing=wish.playing, speed=wish.speed,
-                                       differences=wish.differences, plotted=wish.plotted))
+                now = stepper.wish
+                stepper.accept(replace(
+                    now, pace=replace(now.pace, playing=wish.pace.playing, speed=wish.pace.speed),
+                    frame=replace(wish.frame, broken_down=now.frame.broken_down)))
         elif stepper:
             anew = stepper.accept(wish)
         else:

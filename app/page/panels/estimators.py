@@ -58,5 +58,5 @@ class EstimatorChoice:
 
     def _compare(self, difference: bool) -> None:
         self.difference = difference
-        self._session.compare(difference)
+        self._session.show(differences=difference)
         self._on_view()

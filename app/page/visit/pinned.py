@@ -1,11 +1,12 @@
 """The pinned run: what was on the stage when the visitor pinned it, run again beside what the controls change."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from app.frame.view import View, look
 from app.page.visit.history import History
-from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FrameReport
+from solvers.engine.frames import FrameArrays, FrameOptions
+from solvers.engine.messages import FrameReport, Pace
 from solvers.engine.pool import Listener, SessionLink
 from solvers.scene.scene import Scene
 from solvers.solver.soundness import UNSTABLE
@@ -22,12 +23,10 @@ class PinnedRun:
         self._trouble: str | None = None
         self._link = open_link(self)
 
-    def follow(self, playing: bool, speed: float, single_steps: int, differences: bool, plotted: str,
-               ends: bool) -> None:
-        """Do as the visitor's session is asked to; ``speed`` is in periods a second."""
+    def follow(self, pace: Pace, frame: FrameOptions) -> None:
+        """Do as the visitor's session is asked to; but steps are taken apart on the stage, and not beside it."""
         self._trouble = None
-        self._link.ask(self.scene, playing, speed * self.scene.period, 0, single_steps, differences, plotted,
-                       ends=ends)
+        self._link.ask(self.scene, replace(pace, restarts=0), replace(frame, broken_down=None))
 
     def close(self) -> None:
         self._link.close()

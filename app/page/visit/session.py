@@ -14,8 +14,8 @@ from app.page.visit.notice import Notice, doubt
 from app.page.visit.pinned import PinnedRun
 from app.problems.views import VIEWS
 from app.words import on_page
-from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FrameReport
+from solvers.engine.frames import FrameArrays, FrameOptions
+from solvers.engine.messages import FrameReport, Pace
 from solvers.engine.pool import EnginePool, Listener, SessionLink
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
@@ -61,13 +61,12 @@ class Session:
         self._on_frame = on_frame
         self._refusal: str | None = None
         self._trouble: str | None = None
-        self._engine_lost = self._differences = False
+        self._engine_lost = False
         self._news = (-math.inf, "")  # when something has happened, and what is said of it for a while
         self._crowded_at = -math.inf
         self.watched, self._rests = True, False
-        self._plotted = QUANTITIES[0]
-        self._broken_down: int | None = None
-        self._restarts = self._single_steps = self._number = self._compiled_for = 0
+        self._number = self._compiled_for = 0
+        self._pace, self._frame = Pace(), FrameOptions(plotted=QUANTITIES[0])
         self._start(scene)
         self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
@@ -103,22 +102,20 @@ class Session:
                 self.unpin()
                 self._news = monotonic(), "The pinned run has gone: the two are compared on one problem only."
             self._start(scene, speed, ends)
-            self._restarts += 1  # also where it is the scene that there is
-            self._ask()
+            self._ask(restarts=self._pace.restarts + 1)  # also where it is the scene that there is
 
     def play(self, playing: bool, single_steps: int = 0) -> None:
         """Go on or pause, and take so many time steps. A run that has come to its end goes on beyond it."""
         with self._lock:
-            self.playing, self._rests = playing, False
+            self._rests = False
             self._beyond = self._beyond or (self.ended and (playing or single_steps > 0))
-            self._single_steps += single_steps
-            self._ask()
+            self._ask(playing=playing, single_steps=self._pace.single_steps + single_steps)
 
     def rest(self) -> None:
         """Pause until the visitor comes back."""
         with self._lock:
-            self.playing, self._rests = False, True
-            self._ask()
+            self._rests = True
+            self._ask(playing=False)
 
     def attend(self, watched: bool) -> None:
         """Somebody looks, or nobody: then the run rests, and goes on later as if no time had passed."""
@@ -136,17 +133,33 @@ class Session:
         """Pause, and take one ``step`` apart around a particle, or the last one again; None asks for no more of that.
         The number of the wish."""
         with self._lock:
-            self._broken_down = particle
-            if particle is not None:
-                self.playing, self._beyond = False, self._beyond or self.ended
-                self._single_steps += step
-            self._ask()
+            self._frame = replace(self._frame, broken_down=particle)
+            if particle is None:
+                self._ask()
+            else:
+                self._beyond = self._beyond or self.ended
+                self._ask(playing=False, single_steps=self._pace.single_steps + step)
             return self._number
+
+    @property
+    def playing(self) -> bool:
+        """Whether the run is to move, as far as the visitor has a say in it."""
+        return self._pace.playing
+
+    @property
+    def speed(self) -> float:
+        """Periods a second that are asked for."""
+        return self._pace.speed
+
+    @property
+    def ends(self) -> bool:
+        """Whether the run is to stop where its scene ends."""
+        return self._pace.ends
 
     @property
     def moves(self) -> tuple:
         """What moves the run on: another one since the last time means that the visitor has asked for that."""
-        return self.scene, self._restarts, self._single_steps, self.playing
+        return self.scene, self._pace.restarts, self._pace.single_steps, self.playing
 
     @property
     def ended(self) -> bool:
@@ -157,9 +170,8 @@ class Session:
     def reset(self) -> None:
         """Start the scene again from t = 0."""
         with self._lock:
-            self._restarts += 1
             self._beyond = False
-            self._ask()
+            self._ask(restarts=self._pace.restarts + 1)
 
     def refuse(self, sentence: str) -> None:
         """Something was asked for that means nothing; the present scene runs on."""
@@ -174,19 +186,12 @@ class Session:
                 return
             if (self._refusal or "").startswith("Speed:"):
                 self._refusal = None
-            self.speed = speed
-            self._ask()
+            self._ask(speed=speed)
 
-    def compare(self, differences: bool) -> None:
-        """Ask that frames bring the size of estimate minus truth, or no longer."""
+    def show(self, **options: object) -> None:
+        """Ask that frames hold something else (:class:`~solvers.engine.frames.FrameOptions`)."""
         with self._lock:
-            self._differences = differences
-            self._ask()
-
-    def plot(self, quantity: str) -> None:
-        """Ask that frames bring the field of the quantity with this key."""
-        with self._lock:
-            self._plotted = quantity
+            self._frame = replace(self._frame, **options)  # type: ignore[arg-type]
             self._ask()
 
     def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
@@ -230,7 +235,7 @@ class Session:
             waiting = self.report is None or self.report.number < self._number
             urgent, history = self._urgent(waiting), self.history
             valid = self.report.valid_estimators if self.report else ()
-        # ProblemReference the lock: the bound of a large ring's step takes seconds, and frames must go on.
+        # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
         return urgent or (None if waiting else doubt(history, valid) or self._crowd())
 
     def _urgent(self, waiting: bool) -> Notice | None:
@@ -291,15 +296,16 @@ class Session:
             self._number += 1  # the link asks again under the next number
 
     def _start(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
-        self._wished, self.scene, self.playing, self.ends = asdict(scene), scene, True, ends
+        self._wished, self.scene = asdict(scene), scene
         self._beyond = False  # the end, because somebody asked for more
-        self.speed = VIEWS[scene.problem].speed if speed is None else speed
+        self._pace = replace(self._pace, playing=True, ends=ends,
+                             speed=VIEWS[scene.problem].speed if speed is None else speed)
 
-    def _ask(self) -> None:
+    def _ask(self, **pace: float) -> None:
+        """Ask for all that is wanted now, with another ``pace`` from now on."""
+        self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
         self._trouble, self._asked_at = None, monotonic()
-        playing, ends = self.playing and self.watched, self.ends and not self._beyond
-        self._number = self._link.ask(self.scene, playing, self.speed * self.scene.period, self._restarts,
-                                      self._single_steps, self._differences, self._plotted, self._broken_down,
-                                      ends)
+        now = replace(self._pace, playing=self.playing and self.watched, ends=self.ends and not self._beyond)
+        self._number = self._link.ask(self.scene, now, self._frame)
         if self.pinned:
-            self.pinned.follow(playing, self.speed, self._single_steps, self._differences, self._plotted, ends)
+            self.pinned.follow(now, self._frame)

@@ -13,7 +13,8 @@ from app.problems.phases import PHASES, scaled
 from app.problems.slow import NUMBERS, shape
 from app.problems.views import VIEWS
 from app.words import PREFIXES
-from solvers.engine.messages import Wish
+from solvers.engine.frames import FrameOptions
+from solvers.engine.messages import Pace, Wish
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
@@ -94,27 +95,32 @@ def test_a_step_taken_apart_is_an_ordinary_step(name):
 
 def test_an_engine_sends_what_a_wish_asks_for():
     """With the frame of a single step, again with the next while the run rests, and not once it has gone on."""
-    wish = Wish(1, 1, BAR, False, 1.0, 0, 0, "", broken_down=4)
+    wish = Wish(1, 1, "", BAR, Pace(False), FrameOptions(broken_down=4))
     with one_session(wish) as session:
+        def ask(pace=(), frame=()):
+            wish = session.wish
+            session.accept(replace(wish, number=wish.number + 1, pace=replace(wish.pace, **dict(pace)),
+                                   frame=replace(wish.frame, **dict(frame))))
+
         def after(**changes):
-            session.accept(replace(session.wish, number=session.wish.number + 1, **changes))
+            ask(**changes)
             return session.frame()
 
         assert session.frame().breakdown is None
-        report = after(single_steps=3)
+        report = after(pace={"single_steps": 3})
         assert report.step == report.breakdown.step == 3 and report.breakdown.particle == 4
-        assert after(plotted="v").breakdown is report.breakdown
-        other = after(broken_down=5)  # of the same step
+        assert after(frame={"plotted": "v"}).breakdown is report.breakdown
+        other = after(frame={"broken_down": 5})  # of the same step
         assert (other.step, other.breakdown.step, other.breakdown.particle) == (3, 3, 5)
-        back = after(broken_down=4)
+        back = after(frame={"broken_down": 4})
         assert back.step == 3 and back.breakdown is not report.breakdown
         for name, values in vars(report.breakdown).items():
             assert not isinstance(values, np.ndarray) or np.array_equal(vars(back.breakdown)[name], values), name
-        assert after(broken_down=None).breakdown is None
-        session.accept(replace(session.wish, playing=True, broken_down=4))
+        assert after(frame={"broken_down": None}).breakdown is None
+        ask({"playing": True}, {"broken_down": 4})
         session.turn()
         assert session.frame().breakdown is None
-        assert after(restarts=1, playing=False).breakdown is None
+        assert after(pace={"restarts": 1, "playing": False}).breakdown is None
 
 
 @pytest.mark.parametrize("name", ["bar ugimp", "bar frozen", "bar node", "ring cpdi", "ring frozen"])

@@ -21,7 +21,7 @@ from app.problems.stage import Stage
 from app.problems.views import VIEWS
 from app.scale import DECADES, MOST_TICKS, ColourScale
 from app.words import with_unit
-from solvers.engine.frames import FrameArrays
+from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
@@ -36,7 +36,7 @@ PLACES = (np.arange(20)[:, None] + 0.5) / 20
 
 def report_of(scene, not_valid=None, differences=False):
     return FrameReport(1, 1, "", scene, True, True, 20, 0, 0.0, np.zeros((0, 1)), None, 0.0, None, "x64",
-                       not_valid or {}, differences)
+                       not_valid or {}, FrameOptions(differences))
 
 
 def arrays_of(estimate, error, differences=True):

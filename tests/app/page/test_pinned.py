@@ -12,7 +12,7 @@ from app.page.panels.plots import grey_curves
 from app.page.visit import session as page
 from app.words import differing
 from solvers.engine import successor
-from solvers.engine.messages import FRAME_SECONDS
+from solvers.engine.messages import FRAME_SECONDS, Pace
 from solvers.engine.stepper import MOST_APART
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
@@ -35,7 +35,7 @@ def pair(pool, session):
 
 def play(link, scene, speed, playing=True, restarts=0, steps=0):
     """Ask for a scene at a speed in periods a second."""
-    return link.ask(scene, playing, speed * scene.period, restarts, steps)
+    return link.ask(scene, Pace(playing, speed, restarts, steps))
 
 
 def periods(listener):
@@ -120,7 +120,7 @@ def test_a_pair_outlives_its_engine_to_the_bit(pool, pair):
             hears.frame(play(link, scene, 0.5, False, steps=steps), lambda r: r.step == steps)  # noqa: B023
     before, visitor = pool.process_ids[0], Listener()
     asking = pool.open(visitor)
-    visitor.frame(asking.ask(replace(SCENE, method="bspline", estimators=()), True, 1.0, 0, 0))
+    visitor.frame(asking.ask(replace(SCENE, method="bspline", estimators=())))
     asking.close()
     assert pool.process_ids[0] != before
     for link, hears, scene in zip(links, hearers, scenes, strict=True):
@@ -166,7 +166,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     visit.report = replace(visit.report, number=visit._number)  # as if the ring were there
     assert visit._urgent(False).sentence.startswith("The pinned run has gone")
     link = run._link
-    assert link.ask(SCENE, True, 1.0, 0, 0) == link.wish.number  # closed: nothing is asked any more
+    assert link.ask(SCENE) == link.wish.number  # closed: nothing is asked any more
 
 
 def test_grey_curves_are_put_at_the_same_number_of_periods():

@@ -16,7 +16,7 @@ from app.page.summary import summary
 from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS, DownsampledSeries, until
 from app.page.visit.history import History
 from app.page.visit.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
-from solvers.engine.frames import block_bytes, read, write
+from solvers.engine.frames import FrameOptions, block_bytes, read, write
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
 from solvers.solver.samples import column_count
@@ -81,7 +81,7 @@ def engine_frame(solver):
     """A frame's arrays as an engine hands them over."""
     block = SimpleNamespace(buf=bytearray(block_bytes(solver.scene)))
     write(block, solver.scene, solver.snapshot(plotted="x"))
-    return read(block, solver.scene, len(solver.snapshot().position), plotted=True)
+    return read(block, solver.scene, len(solver.snapshot().position), FrameOptions(plotted="x"))
 
 
 def test_a_fresh_frame_empties():

@@ -194,7 +194,7 @@ def test_failing_turn_or_frame_drops_that_session_only(fault, caplog):
         closed = False
 
         def __init__(self, session, fault):
-            self.wish = Wish(session, 5, SCENE, True, 1.0, 0, 0, "")
+            self.wish = Wish(session, 5, "", SCENE)
             self._fault = fault
 
         def turn(self):
@@ -241,11 +241,11 @@ def test_engine_that_cannot_start_is_given_up(starts, monkeypatch):
     pool, listener = EnginePool(SCENE), Listener()
     try:
         link = pool.open(listener)
-        link.ask(SCENE, True, 1.0, 0, 0)
+        link.ask(SCENE)
         asked.set()  # no engine was lost before somebody was there to hear of it
         listener.wait(lambda: listener.troubles)
         assert listener.troubles == [CANNOT_START]
-        link.ask(SCENE, True, 1.0, 0, 0)
+        link.ask(SCENE)
         assert listener.troubles == [CANNOT_START] * 2
         assert len(starts) == 6 and listener.losses == 5
         assert all(gap >= pause for gap, pause in zip(np.diff(starts), (0.1, 0.2, 0.4, 0.4, 0.4), strict=True))

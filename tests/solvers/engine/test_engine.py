@@ -13,7 +13,8 @@ from time import thread_time
 import numpy as np
 import pytest
 
-from solvers.engine.messages import Wish
+from solvers.engine.frames import FrameOptions
+from solvers.engine.messages import Pace, Wish
 from solvers.engine.worker import FAILED
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
@@ -46,9 +47,9 @@ def test_page_process_stays_free_of_taichi():
 def test_frames_carry_the_solvers_numbers(session):
     """A paused session after n single steps shows what the solver has after n steps, to single precision."""
     link, listener = session
-    first = link.ask(SCENE, False, 1.0, 0, 0)
+    first = link.ask(SCENE, Pace(False))
     listener.frame(first)
-    report, arrays = listener.frame(link.ask(SCENE, False, 1.0, 0, 7), lambda r: r.step == 7)
+    report, arrays = listener.frame(link.ask(SCENE, Pace(False, single_steps=7)), lambda r: r.step == 7)
     solver = build(SCENE)
     solver.advance(7)
     shot = solver.snapshot()
@@ -61,7 +62,7 @@ def test_frames_carry_the_solvers_numbers(session):
 def test_playing_moves_on(session):
     """Time passes while a session plays, and the samples of it come along."""
     link, listener = session
-    number = link.ask(SCENE, True, 0.8 * SCENE.period, 0, 0)
+    number = link.ask(SCENE, Pace(speed=0.8))
     begun, _ = listener.frame(number)
     listener.frame(number, lambda r: r.time > begun.time + 0.4 * SCENE.period)
     assert sum(len(r.rows) for r, _ in listener.frames) > 10
@@ -70,10 +71,10 @@ def test_playing_moves_on(session):
 def test_latest_wish_wins_and_nothing_queues(pool, session):
     """400 wishes in a burst: the last is answered at once, not after 400 rebuilds."""
     link, listener = session
-    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    listener.frame(link.ask(SCENE))
     watch, begun = Watch(pool.process_ids[0]), thread_time()
     for k in range(400):
-        number = link.ask(replace(SCENE, amplitude=0.01 + 1e-4 * k), True, 1.0, 0, 0)
+        number = link.ask(replace(SCENE, amplitude=0.01 + 1e-4 * k))
     asked = thread_time() - begun
     report, _ = listener.frame(number)
     assert report.scene.amplitude == pytest.approx(0.01 + 1e-4 * 399)
@@ -86,10 +87,10 @@ def test_latest_wish_wins_and_nothing_queues(pool, session):
 def test_asking_never_waits(pool, session):
     """An engine that takes nothing, as one that compiles, holds up no callback of the page."""
     link, listener = session
-    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    listener.frame(link.ask(SCENE))
     with held(pool.process_ids):
         for k in range(400):
-            number = link.ask(replace(SCENE, amplitude=0.01 + 1e-4 * k), True, 1.0, 0, 0)
+            number = link.ask(replace(SCENE, amplitude=0.01 + 1e-4 * k))
         assert listener.frames[-1][0].number < number
     assert listener.frame(number)[0].scene.amplitude == pytest.approx(0.01 + 1e-4 * 399)
 
@@ -97,11 +98,11 @@ def test_asking_never_waits(pool, session):
 def test_slider_to_first_new_frame(pool, session):
     """The promise is 150 ms from a changed number to its first frame, other work on the machine not counted."""
     link, listener = session
-    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    listener.frame(link.ask(SCENE))
     waits = []
     for cells in range(30, 130, 10):
         watch = Watch(pool.process_ids[0])
-        report, arrays = listener.frame(link.ask(replace(SCENE, cells=cells), True, 1.0, 0, 0))
+        report, arrays = listener.frame(link.ask(replace(SCENE, cells=cells)))
         waits.append(watch.seconds)
         assert len(arrays.position) == 4 * cells == report.scene.particles
     assert sorted(waits)[5] < 0.15
@@ -110,7 +111,7 @@ def test_slider_to_first_new_frame(pool, session):
 def test_killed_engine_comes_back(pool, session):
     """The process is replaced, the session is told, and its scene begins again without being asked."""
     link, listener = session
-    number = link.ask(SCENE, True, 1.0, 0, 0)
+    number = link.ask(SCENE)
     listener.frame(number)
     old = pool.process_ids[0]
     os.kill(old, signal.SIGKILL)
@@ -124,13 +125,13 @@ def test_killed_engine_comes_back(pool, session):
 def test_a_scene_that_keeps_killing_is_given_up(pool, session):
     """After four deaths without a frame between them the visitor is told, and a new wish is served again."""
     link, listener = session
-    listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
-    link.ask(Deadly(cells=20, periods=1), False, 1.0, 0, 0)
+    listener.frame(link.ask(SCENE, Pace(False)))
+    link.ask(Deadly(cells=20, periods=1), Pace(False))
     for losses in (1, 2, 3):
         listener.wait(lambda losses=losses: listener.losses >= losses)
     listener.wait(lambda: listener.troubles)
     assert listener.losses == 3 and "change a setting" in listener.troubles[0]
-    report, _ = listener.frame(link.ask(replace(SCENE, cells=24), False, 1.0, 0, 0))
+    report, _ = listener.frame(link.ask(replace(SCENE, cells=24), Pace(False)))
     assert report.scene.cells == 24
     assert pool.wait_ready(PATIENCE)
 
@@ -138,11 +139,11 @@ def test_a_scene_that_keeps_killing_is_given_up(pool, session):
 def test_unstable_run_ends_with_a_reason(session):
     """A step beyond the stability limit ends the run in words, and the session lives on."""
     link, listener = session
-    number = link.ask(replace(SCENE, cfl=1.5), True, 5.0, 0, 0)
+    number = link.ask(replace(SCENE, cfl=1.5), Pace(speed=5.0))
     report, _ = listener.frame(number, lambda r: r.status == "unstable")
     assert "unstable" in report.reason and "shorter steps" in report.reason
     assert not report.playing and report.since <= report.time
-    report, _ = listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    report, _ = listener.frame(link.ask(SCENE))
     assert (report.status, report.reason, report.since) == ("ok", None, None)
 
 
@@ -151,7 +152,7 @@ def test_growing_scene_gets_a_larger_block(session):
     link, listener = session
     for cells in (8, 500, 12, 2000):
         scene = replace(SCENE, cells=cells)
-        report, arrays = listener.frame(link.ask(scene, False, 1.0, 0, 0))
+        report, arrays = listener.frame(link.ask(scene, Pace(False)))
         assert report.scene == scene
         X = (np.arange(scene.particles) + 0.5) / scene.particles
         np.testing.assert_allclose(arrays.position[:, 0], X, atol=1e-6)  # single precision near 1
@@ -161,7 +162,7 @@ def test_leaving_frees_the_memory(pool):
     """A closed session's block is gone, and the engine serves others."""
     listener = Listener()
     link = pool.open(listener)
-    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    listener.frame(link.ask(SCENE))
     name = link.wish.memory
     link.close()
     with pytest.raises(FileNotFoundError):
@@ -173,7 +174,7 @@ def test_sessions_share_an_engine_fairly(pool):
     visitors = [(Listener(), None) for _ in range(6)]
     links = [pool.open(listener) for listener, _ in visitors]
     for link in links:
-        link.ask(SCENE, True, 0.5, 0, 0)
+        link.ask(SCENE, Pace(speed=0.5))
     for listener, _ in visitors:
         listener.wait(lambda listener=listener: listener.frames)
     watch, counts = Watch(pool.process_ids[0]), [len(listener.frames) for listener, _ in visitors]
@@ -187,11 +188,11 @@ def test_sessions_share_an_engine_fairly(pool):
 def test_wish_of_a_visitor_who_has_left_is_dropped(pool, session):
     """A wish may wait until its block is gone. Nobody is told, and the engine lives on for the others."""
     link, listener = session
-    listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
+    listener.frame(link.ask(SCENE, Pace(False)))
     engines, leaver = pool.process_ids, Listener()
     gone = pool.open(leaver)
-    pool._engines[0].send(Wish(gone.session, 1, SCENE, False, 1.0, 0, 0, "mpm-lab-no-such-block"))
-    report, _ = listener.frame(link.ask(SCENE, False, 1.0, 1, 0), lambda r: r.fresh)
+    pool._engines[0].send(Wish(gone.session, 1, "mpm-lab-no-such-block", SCENE))
+    report, _ = listener.frame(link.ask(SCENE, Pace(False, restarts=1)), lambda r: r.fresh)
     gone.close()
     assert report.scene == SCENE and pool.process_ids == engines
     assert not (listener.troubles or listener.losses or leaver.troubles or leaver.losses)
@@ -200,12 +201,12 @@ def test_wish_of_a_visitor_who_has_left_is_dropped(pool, session):
 def test_failing_session_is_told_and_comes_back(pool, session):
     """An exception costs its session alone, not the engine; the next wish is served."""
     link, listener = session
-    listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
+    listener.frame(link.ask(SCENE, Pace(False)))
     engines = pool.process_ids
-    link.ask(Failing(cells=20, periods=1), False, 1.0, 0, 0)
+    link.ask(Failing(cells=20, periods=1), Pace(False))
     listener.wait(lambda: listener.troubles)
     assert listener.troubles == [FAILED]
-    report, _ = listener.frame(link.ask(SCENE, False, 1.0, 0, 0), lambda r: r.fresh)
+    report, _ = listener.frame(link.ask(SCENE, Pace(False)), lambda r: r.fresh)
     assert report.scene == SCENE
     assert pool.process_ids == engines and not listener.losses
 
@@ -214,11 +215,11 @@ def test_asking_after_closing_does_nothing(pool):
     """A slider that moves while its visitor leaves must not open a session that nobody closes."""
     listener = Listener()
     link = pool.open(listener)
-    number = link.ask(SCENE, True, 1.0, 0, 0)
+    number = link.ask(SCENE)
     listener.frame(number)
     link.close()
     wish = link.wish
-    assert link.ask(SCENE, True, 1.0, 1, 0) == number
+    assert link.ask(SCENE, Pace(restarts=1)) == number
     assert link.wish is wish and link._block is None
     link.close()
 
@@ -228,7 +229,7 @@ def test_goodbye_overtakes_a_wish_that_waits(pool):
     engine = pool._engines[0]
     with engine._news:  # holds the writer; a condition's lock may be taken again by the same thread
         link = pool.open(Listener())
-        link.ask(SCENE, True, 1.0, 0, 0)
+        link.ask(SCENE)
         link.close()
         assert link.session not in engine._wishes
 
@@ -236,14 +237,15 @@ def test_goodbye_overtakes_a_wish_that_waits(pool):
 def test_the_field_that_is_asked_for_comes(session):
     """One quantity of the particles and its deviation, and no more once nobody plots it; a paused session answers."""
     link, listener = session
-    report, arrays = listener.frame(link.ask(SCENE, False, 1.0, 0, 0))
-    assert report.plotted is None and arrays.plotted.shape == (SCENE.particles, 0)
-    listener.frame(link.ask(SCENE, False, 1.0, 0, 7), lambda r: r.step == 7)
+    report, arrays = listener.frame(link.ask(SCENE, Pace(False)))
+    assert report.holds.plotted is None and arrays.plotted.shape == (SCENE.particles, 0)
+    listener.frame(link.ask(SCENE, Pace(False, single_steps=7)), lambda r: r.step == 7)
     solver = build(SCENE)
     solver.advance(7)
     for quantity in ("v", "sigma"):
-        report, arrays = listener.frame(link.ask(SCENE, False, 1.0, 0, 7, plotted=quantity), lambda r: r.step == 7)
-        assert report.plotted == quantity
+        number = link.ask(SCENE, Pace(False, single_steps=7), FrameOptions(plotted=quantity))
+        report, arrays = listener.frame(number, lambda r: r.step == 7)
+        assert report.holds.plotted == quantity
         np.testing.assert_array_equal(arrays.plotted, solver.snapshot(plotted=quantity).plotted.astype(np.float32))
 
 
@@ -252,12 +254,13 @@ def test_differences_come_on_request(pool, scene):
     """A frame holds the size of estimate minus truth only when asked, and it is the distance of the samples."""
     listener = Listener()
     link = pool.open(listener)
-    report, arrays = listener.frame(link.ask(scene, False, 1.0, 0, 0))
-    assert arrays.difference == {} and not report.differences
+    report, arrays = listener.frame(link.ask(scene, Pace(False)))
+    assert arrays.difference == {} and not report.holds.differences
     steps = 4 * scene.sample_interval
-    report, arrays = listener.frame(link.ask(scene, False, 1.0, 0, steps, True), lambda r: r.step == steps)
+    number = link.ask(scene, Pace(False, single_steps=steps), FrameOptions(differences=True))
+    report, arrays = listener.frame(number, lambda r: r.step == steps)
     (sizes,) = arrays.difference.values()
-    assert report.differences and sizes.shape == (scene.particles, 4)
+    assert report.holds.differences and sizes.shape == (scene.particles, 4)
     series = samples.read(report.rows, ("transport",), scene.particles, scene.time_step)
     norm = np.sqrt(np.mean(sizes.astype(float) ** 2, axis=0))
     for column, quantity in enumerate(("x", "v")):

@@ -12,7 +12,7 @@ import pytest
 
 from solvers.engine import frames as memory
 from solvers.engine import stepper
-from solvers.engine.messages import FRAME_SECONDS, Wish
+from solvers.engine.messages import FRAME_SECONDS, Pace, Wish
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.engine.stepper import Stepper
 from solvers.problems.bar.scene import BarScene
@@ -47,8 +47,7 @@ def clock(monkeypatch):
 
 def test_playing_keeps_the_asked_speed(clock):
     """Simulated time follows the clock at the speed asked for."""
-    speed = 0.8 * SCENE.period
-    with one_session(Wish(1, 1, SCENE, True, speed, 0, 0, "")) as session:
+    with one_session(Wish(1, 1, "", SCENE, Pace(speed=0.8))) as session:
         begun, start = session.frame().time, clock.now
         while clock.now < start + 0.5:
             memory.clear(session._block)
@@ -57,17 +56,17 @@ def test_playing_keeps_the_asked_speed(clock):
                 session.turn()
             if session.ready:
                 report, at = session.frame(), clock.now
-    assert (report.time - begun) / (at - start) == pytest.approx(speed, rel=0.02)
-    assert report.real_speed == pytest.approx(speed, rel=0.02)
+    assert (report.time - begun) / (at - start) == pytest.approx(0.8 * SCENE.period, rel=0.02)
+    assert report.real_speed == pytest.approx(0.8 * SCENE.period, rel=0.02)
 
 
 def test_a_frame_is_not_written_over_before_the_page_has_it(clock):
     """Not even one that is asked for; and what the page reads frees the block for the next."""
-    with one_session(Wish(1, 1, SCENE, True, 0.5 * SCENE.period, 0, 0, "")) as session:
+    with one_session(Wish(1, 1, "", SCENE, Pace(speed=0.5))) as session:
         first = session.frame()
         for number in (2, 3):
             clock.now += 1.0
-            session.accept(replace(session.wish, number=number, playing=number == 2))
+            session.accept(replace(session.wish, number=number, pace=Pace(number == 2, 0.5)))
             assert not (session.behind or session.ready) and session.next_due < clock.now + 0.1
         memory.read(session._block, SCENE, first.particles)
         assert session.ready and session.frame().number == 3 and not session.ready
@@ -77,7 +76,7 @@ def test_a_frame_is_not_written_over_before_the_page_has_it(clock):
 def test_turns_are_shorter_where_many_share_an_engine():
     """Eight thousandths of a second, until fifty are too few for all and their frames; not so short that launches are
     most of it."""
-    with one_session(Wish(1, 1, SCENE, True, 1.0, 0, 0, "")) as session:
+    with one_session(Wish(1, 1, "", SCENE)) as session:
         session._seconds_a_step = 1e-6
         for sessions, frame, steps in ((1, 0, 8000), (6, 0, 8000), (10, 0, 5000), (10, 0.001, 4000), (30, 0.001, 667),
                                        (30, 0.002, 400), (200, 0, 400)):
@@ -93,7 +92,7 @@ def test_frames_keep_their_beat(clock, apart):
     Counted each from the one before it, they would be 22.
     """
     times = []
-    with one_session(Wish(1, 1, replace(SCENE, cells=8), True, 1e-6, 0, 0, "", frame_seconds=apart)) as session:
+    with one_session(Wish(1, 1, "", replace(SCENE, cells=8), Pace(speed=1e-6), frame_seconds=apart)) as session:
         while clock.now < 103.0:
             clock.now += 0.007
             if session.ready:
@@ -107,7 +106,7 @@ def test_frames_keep_their_beat(clock, apart):
 
 def test_frames_are_late_when_they_come_too_seldom(clock):
     """At 20 a second instead of 30, and no longer once they come in time; a pause is nobody's fault."""
-    with one_session(Wish(1, 1, SCENE, True, 1e-6, 0, 0, "")) as session:
+    with one_session(Wish(1, 1, "", SCENE, Pace(speed=1e-6))) as session:
         def frames(apart, count=20):
             for _ in range(count):
                 clock.now += apart
@@ -121,14 +120,14 @@ def test_frames_are_late_when_they_come_too_seldom(clock):
         assert frames(0.05)
         assert not frames(0.005)
         for playing in (False, True):
-            session.accept(replace(session.wish, playing=playing))
+            session.accept(replace(session.wish, pace=Pace(playing, 1e-6)))
             assert not frames(60.0, 1)
 
 
 def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
     """If that is of its scene; it has the state of the one before either way."""
-    with one_session(Wish(1, 1, SCENE, False, 1.0, 0, 5, "")) as session:
-        session.accept(replace(session.wish, single_steps=12))
+    with one_session(Wish(1, 1, "", SCENE, Pace(False, single_steps=5))) as session:
+        session.accept(replace(session.wish, pace=Pace(False, single_steps=12)))
         right, wrong = BarSolver(SCENE), BarSolver(replace(SCENE, cells=24))
         for prepared in (right, wrong, None):
             replacement = Stepper.resumed(session.state(), prepared)
@@ -142,7 +141,7 @@ def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
     """Judged a frame at a time, it is lost from the same sample on, in the same words, and stays so."""
     scene = replace(SCENE, cells=40, ppc=1)
     result = run(scene, prices=False)
-    with one_session(Wish(1, 1, scene, True, 0.5 * scene.period, 0, 0, "")) as session:
+    with one_session(Wish(1, 1, "", scene, Pace(speed=0.5))) as session:
         reports = []
         while not reports or reports[-1].time < scene.end_time:
             memory.clear(session._block)
@@ -182,7 +181,7 @@ def test_frames_say_what_is_not_valid(monkeypatch):
     found = {"transport": "not valid here: it rains"}
     doubting = replace(BarSolver.HOOKS["transport"], verdict=lambda scene, memory: found.get("transport"))
     monkeypatch.setattr(BarSolver, "HOOKS", {"transport": doubting})
-    with one_session(Wish(1, 1, SCENE, False, 1.0, 0, 0, "")) as session:
+    with one_session(Wish(1, 1, "", SCENE, Pace(False))) as session:
         assert session.frame().not_valid == found
         broken = dict(found)
         found.clear()

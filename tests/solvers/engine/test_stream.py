@@ -18,6 +18,7 @@ from app.problems.planar_stage import MIDDLE
 from app.problems.ring.stage import RingStage
 from app.scale import ColourScale
 from solvers.engine import frames as memory
+from solvers.engine.frames import FrameOptions
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
 from tests.drawn import Scene
@@ -42,7 +43,7 @@ def frame():
     solver.advance(50)
     with block_for(SCENE) as block:
         memory.write(block, SCENE, solver.snapshot(plotted="sigma"))
-        yield solver, memory.read(block, SCENE, SCENE.particles, plotted=True)
+        yield solver, memory.read(block, SCENE, SCENE.particles, FrameOptions(plotted="sigma"))
 
 
 def units(work):

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from solvers.engine import successor
+from solvers.engine.messages import Pace
 from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
 from solvers.problems.ring.scene import RingScene
@@ -34,22 +35,22 @@ def test_the_scene_before_goes_on_and_the_process_is_another(pool, session):
     """Held still, the compiler is at work as long as the test likes: frames of the scene before come all the while, and
     what concerns that scene, such as its speed, is acted on."""
     link, listener = session
-    first = link.ask(SCENE, True, 0.5, 0, 0)
+    first = link.ask(SCENE, Pace(speed=0.5))
     listener.frame(first)
     before, wanted = pool.process_ids[0], next(OTHERS)
-    number = link.ask(wanted, True, 0.5, 0, 0)
+    number = link.ask(wanted, Pace(speed=0.5))
     listener.wait(lambda: listener.compilings == [number])
     until(lambda: compilers(pool), "a successor")
     with held(compilers(pool)):
         count = len(listener.frames)
         listener.wait(lambda: len(listener.frames) > count + 20)
         assert {(r.scene, r.number) for r, _ in listener.frames} == {(SCENE, first)}
-        number = link.ask(wanted, False, 0.5, 0, 0)
+        number = link.ask(wanted, Pace(False))
         listener.wait(lambda: not listener.frames[-1][0].playing)
     report, _ = listener.frame(number)
     assert report.scene == wanted and report.fresh and not report.playing
     assert pool.process_ids[0] != before
-    link.ask(wanted, True, 0.5, 0, 0)
+    link.ask(wanted, Pace(speed=0.5))
     until(lambda: not os.path.exists(f"/proc/{before}"), "the process before gone, and buried")
 
 
@@ -58,15 +59,15 @@ def test_other_sessions_go_on_where_they_are_to_the_bit(pool, session):
     more steps it is what twelve steps are."""
     link, listener = session
     scene = replace(SCENE, cells=24)
-    listener.frame(link.ask(scene, False, 1.0, 0, 0))
-    listener.frame(link.ask(scene, False, 1.0, 0, 7), lambda r: r.step == 7)
+    listener.frame(link.ask(scene, Pace(False)))
+    listener.frame(link.ask(scene, Pace(False, single_steps=7)), lambda r: r.step == 7)
     before, other = pool.process_ids[0], Listener()
     other_link = pool.open(other)
-    other.frame(other_link.ask(next(OTHERS), True, 1.0, 0, 0))
+    other.frame(other_link.ask(next(OTHERS)))
     other_link.close()
     assert pool.process_ids[0] != before
     count = len(listener.frames)
-    _, arrays = listener.frame(link.ask(scene, False, 1.0, 0, 12), lambda r: r.step == 12)
+    _, arrays = listener.frame(link.ask(scene, Pace(False, single_steps=12)), lambda r: r.step == 12)
     solver = build(scene)
     solver.advance(12)
     shot = solver.snapshot()
@@ -81,12 +82,12 @@ def test_two_who_wait_are_both_served(pool, session):
     wanted, (link, listener), other = (next(OTHERS), next(OTHERS)), session, Listener()
     links = link, pool.open(other)
     for one, hears, scene in zip(links, (listener, other), wanted, strict=True):
-        hears.number = one.ask(scene, True, 1.0, 0, 0)
+        hears.number = one.ask(scene)
     for hears, scene in ((listener, wanted[0]), (other, wanted[1])):
         assert hears.frame(hears.number)[0].scene == scene
     there = pool.process_ids
     for one, hears, scene in zip(links, (listener, other), reversed(wanted), strict=True):
-        assert hears.frame(one.ask(scene, True, 1.0, 0, 0))[0].scene == scene
+        assert hears.frame(one.ask(scene))[0].scene == scene
     assert pool.process_ids == there
     links[1].close()
 
@@ -94,36 +95,36 @@ def test_two_who_wait_are_both_served(pool, session):
 def test_a_later_wish_does_not_wait_for_an_earlier_one(pool, session):
     """Who changes twice gets the last: what was begun for the first is given up."""
     link, listener = session
-    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
-    link.ask(next(OTHERS), True, 1.0, 0, 0)
+    listener.frame(link.ask(SCENE))
+    link.ask(next(OTHERS))
     until(lambda: compilers(pool), "a successor")
     with held(compilers(pool)):  # for ever, as it were
         last = next(OTHERS)
-        assert listener.frame(link.ask(last, True, 1.0, 0, 0))[0].scene == last
-        assert listener.frame(link.ask(SCENE, True, 1.0, 0, 0))[0].scene == SCENE
+        assert listener.frame(link.ask(last))[0].scene == last
+        assert listener.frame(link.ask(SCENE))[0].scene == SCENE
 
 
 def test_a_compiler_that_dies_costs_one_wish(pool, session):
     """Its visitor is told; the scene before runs on, in the same process; and the wish can be had when asked again."""
     link, listener = session
-    listener.frame(link.ask(SCENE, True, 0.5, 0, 0))
+    listener.frame(link.ask(SCENE, Pace(speed=0.5)))
     before, wanted = pool.process_ids, next(OTHERS)
-    link.ask(wanted, True, 0.5, 0, 0)
+    link.ask(wanted, Pace(speed=0.5))
     until(lambda: compilers(pool), "a successor")
     os.kill(compilers(pool)[0], signal.SIGKILL)
     listener.wait(lambda: listener.troubles == [FAILED])
     count = len(listener.frames)
     listener.wait(lambda: len(listener.frames) > count + 5)
     assert listener.frames[-1][0].scene == SCENE and pool.process_ids == before
-    assert listener.frame(link.ask(wanted, True, 0.5, 0, 0))[0].scene == wanted
+    assert listener.frame(link.ask(wanted, Pace(speed=0.5)))[0].scene == wanted
 
 
 def test_an_engine_killed_while_it_compiles_takes_its_successor_along(pool, session):
     """Nothing is left that holds the pipe: the page notices, and the wish is met by a new engine."""
     link, listener = session
-    listener.frame(link.ask(SCENE, True, 1.0, 0, 0))
+    listener.frame(link.ask(SCENE))
     wanted = next(OTHERS)
-    number = link.ask(wanted, True, 1.0, 0, 0)
+    number = link.ask(wanted)
     until(lambda: compilers(pool), "a successor")
     child = compilers(pool)[0]
     with held([child]):
@@ -148,7 +149,7 @@ def test_what_is_usual_is_compiled_unasked():
               "all compiled", PATIENCE, pause=0.2)
         link = pool.open(listener)
         for scene in usual:
-            assert listener.frame(link.ask(scene, True, 1.0, 0, 0))[0].scene == scene
+            assert listener.frame(link.ask(scene))[0].scene == scene
         assert not listener.compilings
     finally:
         last = pool.process_ids[0]

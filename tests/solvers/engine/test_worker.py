@@ -35,7 +35,7 @@ class Solver(SimpleNamespace):
 
 
 def wish(session, number=1):
-    return Wish(session, number, SCENE, True, 1.0, 0, 0, "")
+    return Wish(session, number, "", SCENE)
 
 
 def test_when_many_wish_at_once_some_wait_for_the_next_round(monkeypatch):

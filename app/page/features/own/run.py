@@ -9,7 +9,7 @@ from app.frame.silences import UNKNOWN
 from app.frame.view import View, view
 from app.page.visit.downsampled import RunSeries
 from app.words import QUANTITIES
-from solvers.engine.frames import FrameArrays
+from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport
 from solvers.judging.show import Shown, columns, open_table
 from solvers.solver.norms import RunningIndex
@@ -66,7 +66,7 @@ class OwnRun(RunSeries):
                              part["crossed"][:, 0] - 1, part["error"], {JUDGE: part["estimate"]},
                              {JUDGE: part["difference"]}, part["field"][:, 2 * q:2 * q + 2])
         report = FrameReport(0, 0, "", self.scene, False, playing, P, k, float(self.times[k]), np.empty((0, 0)), None,
-                             0.0, None, "", plotted=quantity)
+                             0.0, None, "", holds=FrameOptions(plotted=quantity))
         return report, arrays
 
     def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> View:
