@@ -1,4 +1,5 @@
-"""The recovered estimator: what it reproduces, how near it comes to the truth, where it does not hold."""
+"""The recovered estimator: what it reproduces, how near it comes to truths that the program does not know, where it
+does not hold. How near it comes to the exact solutions is in test_accuracy.py."""
 
 from __future__ import annotations
 
@@ -15,14 +16,10 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
-from tests.reference import NUMBERS
 from tests.solvers.estimators.test_companion import radial_solution
 
 BAR = BarScene(linearity_preserving=True, dt=2.5e-5, t_end=1.0, estimators=("recovered",))
 RING = RingScene(cells=24, dt=2e-5, estimators=("recovered",))
-TABLE = NUMBERS["table1"]
-
-
 # ---- operators of a line ------------------------------------------------------------------------------------------
 
 
@@ -75,51 +72,6 @@ def test_rest_is_without_error():
         solver.advance(100)
         solver.snapshot()
         assert np.abs(a.estimate).max() < 1e-12
-
-
-@pytest.mark.parametrize("force", ["material", "node"])
-@pytest.mark.parametrize("cells", [20, 80])
-@pytest.mark.parametrize("case", ["small", "large"])
-def test_the_bars_error_is_met(case, cells, force, simulate):
-    """Table 1's rows within [0.8, 1.25], and in place."""
-    settings = {name: TABLE[case][name] for name in ("modulus", "amplitude")}
-    result = simulate(replace(BAR, cells=cells, body_force=force, **settings))
-    index, distance = result.index("recovered"), result.distance("recovered")
-    assert all(0.8 < index[q] < 1.25 for q in ("x", "v", "sigma", "a"))
-    assert max(distance["x"], distance["v"], distance["sigma"]) < 0.2 and distance["a"] < 0.5
-
-
-@pytest.mark.parametrize("cells", [12, 24, 48])
-@pytest.mark.parametrize("method", ["ugimp", pytest.param("cpgimp", marks=pytest.mark.slow), "cpdi"])
-def test_the_rings_error_is_met(method, cells, simulate):
-    result = simulate(replace(RING, method=method, cells=cells))
-    index, distance = result.index("recovered"), result.distance("recovered")
-    assert all(0.8 < index[q] < 1.25 for q in ("x", "v", "sigma"))
-    assert distance["x"] < 0.2 and distance["v"] < 0.3 and distance["sigma"] < 0.5
-
-
-HOLDOUT = [  # chosen before the estimator was run on them
-    replace(BAR, cells=30, modulus=50.0, amplitude=0.01, ppc=2, dt=None, t_end=None, periods=3),
-    replace(BAR, cells=64, modulus=7.0, amplitude=0.04, ppc=1, dt=None, t_end=None, periods=2),
-    replace(BAR, cells=50, method="mpm", linearity_preserving=False, amplitude=0.02, dt=None, t_end=None, periods=2),
-    replace(BAR, cells=50, method="bspline", linearity_preserving=False, amplitude=0.05, dt=None, t_end=None),
-    replace(BAR, cells=36, method="cpgimp", linearity_preserving=False, velocity="corners", amplitude=0.1, dt=None,
-            t_end=None, periods=4),
-    replace(BAR, cells=40, body_force="none", amplitude=0.02, dt=None, t_end=None, periods=4),
-    replace(RING, cells=36, amplitude=0.02, ppc=3, dt=None, cfl=0.1),
-    replace(RING, cells=30, method="ugimp", amplitude=0.15, modulus=1e6, dt=None, cfl=0.1),
-    replace(RING, cells=48, amplitude=0.18, modulus=4e7, dt=None, cfl=0.1),
-    pytest.param(replace(RING, cells=24, method="mpm", amplitude=0.03, ppc=3, dt=None, cfl=0.1),
-                 marks=pytest.mark.slow),  # compiles longer than it runs
-    replace(RING, cells=40, dt=None, cfl=0.25, periods=2.5),
-]
-
-
-@pytest.mark.parametrize("scene", HOLDOUT, ids=lambda s: f"{s.problem} {s.method} {s.cells} {s.amplitude:g}")
-def test_what_it_was_not_tuned_on(scene, simulate):
-    """x and v within [0.7, 1.3]."""
-    index = simulate(scene).index("recovered")
-    assert 0.7 < index["x"] < 1.3 and 0.7 < index["v"] < 1.3
 
 
 def test_a_solution_that_the_program_does_not_know():
@@ -179,31 +131,6 @@ def test_it_sees_a_kick(scene):
     assert true_x / len(sizes) > 3 * np.linalg.norm(calm.snapshot().error[:, 0])  # the kick is the larger part
 
 
-def test_long_runs_stay_in_place(simulate):
-    """The large bar to T = 10 s (158 periods), and CPDI for 20: within [0.5, 2]."""
-    large = {name: TABLE["large"][name] for name in ("modulus", "amplitude")}
-    for scene in (replace(BAR, cells=20, t_end=10.0, **large), replace(RING, periods=20.0)):
-        index = simulate(scene).index("recovered")
-        assert all(0.5 < index[q] < 2 for q in ("x", "v", "sigma"))
-
-
-def test_one_particle_per_cell_on_the_ring(simulate):
-    """An error grid as narrow as the particles' spacing made x 8 to 44 times too large. Now measured: 1.00 to 1.05 for
-    x and v; sigma and a, which the fit's own noise would fill, are not said."""
-    result = simulate(replace(RING, cells=36, ppc=1, dt=None, cfl=0.2, periods=2.0))
-    index = result.index("recovered")
-    assert 0.9 < index["x"] < 1.1 and 0.9 < index["v"] < 1.1 and not result.not_valid
-    assert index["sigma"] is None and index["a"] is None and "sigma" in result.scene.warnings()[0]
-
-
-@pytest.mark.parametrize(("ppc", "velocity"), [(1, "grid"), (5, "grid"), (7, "grid"), (5, "particle")])
-def test_any_number_of_particles_per_cell(ppc, velocity, simulate):
-    """A fit over four cells, or six where particles stand unevenly, however many that takes; measured .99-1.05."""
-    scene = replace(BAR, cells=40, ppc=ppc, velocity=velocity, amplitude=2.5e-3, dt=None, t_end=None, periods=2)
-    index = simulate(scene).index("recovered")
-    assert all(0.9 < index[q] < 1.1 for q in ("x", "v", "sigma"))
-
-
 @pytest.mark.parametrize("cells", [20, 80])
 def test_a_force_that_starts_at_full_size(cells):
     """The undeformed bar about a quarter swing f of its force: q'' + 4 w^2 q = 3 w^2 A sin(wt + f), q' = A w at first,
@@ -243,19 +170,6 @@ def test_a_force_that_starts_at_full_size_on_the_ring():
     assert np.linalg.norm(estimate) == pytest.approx(np.linalg.norm(truth), rel=0.2)
 
 
-REMEDIED = [
-    replace(BAR, cells=40, amplitude=0.025, linearity_preserving=False, dt=None, t_end=None, periods=2, remedies=r)
-    for r in (("frozen-weights",), ("null-space-filter", "coupled-deformation"))]
-
-
-@pytest.mark.parametrize("scene", REMEDIED, ids=lambda s: s.remedies[0])
-def test_remedies_change_nothing_for_it(scene, simulate):
-    """It looks at where particles are, and at no weights but the step's own. Measured: x .98-1.02, v .96-1.06 on 20
-    bars of all methods."""
-    result = simulate(scene)
-    assert all(0.9 < result.index("recovered")[q] < 1.1 for q in ("x", "v", "sigma")) and not result.not_valid
-
-
 # ---- reports ------------------------------------------------------------------------------------------------------
 
 
@@ -277,19 +191,20 @@ def test_a_report_between_two_of_its_steps_fits_in(scene):
 
 def test_it_runs_beside_slabs():
     """The parallel plan calls it between its parallel loops, and gets the same numbers."""
-    one, other = (RingSolver(replace(RING, method="ugimp", plan="parallel", threads=1, estimators=names))
-                  for names in (("recovered",), ("transport", "recovered")))
+    slabs = RingSolver(replace(RING, method="ugimp", plan="parallel", threads=1, estimators=("transport", "recovered")))
     serial = RingSolver(replace(RING, method="ugimp"))
-    for solver in (one, other, serial):
+    for solver in (slabs, serial):
         solver.advance(50)
-    alone, beside, expected = (s.snapshot().estimate["recovered"] for s in (one, other, serial))
-    assert np.allclose(alone, expected, rtol=1e-6) and np.allclose(beside, expected, rtol=1e-6)
+    found, expected = (s.snapshot().estimate["recovered"] for s in (slabs, serial))
+    assert np.allclose(found, expected, rtol=1e-6)
 
 
 def test_it_tells_where_it_does_not_hold():
     staircase, thin = replace(RING, layout="cartesian"), replace(RING, cells=12, ppc=1)
     for scene in (staircase, thin, replace(RING, amplitude=0.25)):
         assert scene.not_valid["recovered"].startswith("not valid here: ") and scene.active_estimators == ()
+    noisy = replace(RING, cells=36, ppc=1, dt=None, cfl=0.2, periods=2.0)  # it says nothing of sigma and a
+    assert not noisy.not_valid and "sigma" in noisy.warnings()[0]
     solver = RingSolver(RING)
     assert solver.not_valid() == {}
     memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_nodes"][0] = np.nan
