@@ -44,9 +44,9 @@ def test_particles_are_those_that_our_runs_begin_with(folder):
     assert (raw.columns["X"] == shot.material_position.reshape(P, -1)).all()
     # The vortex begins with the velocity of half a step before, as its scheme wants it; what is written is v(0).
     before = -0.5 * solver.scene.time_step if problem == "vortex" else 0.0
-    begun = PROBLEMS[problem].outside.velocity(solver.scene, raw.columns["X"], before)
+    begun = PROBLEMS[problem].reference.velocity(solver.scene, raw.columns["X"], before)
     assert (begun == shot.velocity.reshape(P, -1)).all()
-    assert (raw.columns["v"] == PROBLEMS[problem].outside.velocity(solver.scene, raw.columns["X"], 0.0)).all()
+    assert (raw.columns["v"] == PROBLEMS[problem].reference.velocity(solver.scene, raw.columns["X"], 0.0)).all()
     mesh = meshio.read(path / "particles.vtu")
     D = raw.columns["X"].shape[1]
     assert (mesh.points[:, :D] == raw.columns["X"]).all()
@@ -69,20 +69,20 @@ def test_the_exact_solution_obeys_the_equation_of_motion_with_the_force_of_the_t
     """rho u_tt = Div P + rho b, by differences: their error is that of rounding over the step, 1e-4 of the force."""
     problem, path = folder
     scene = PROBLEMS[problem].scene(cells=12)
-    outside, D = PROBLEMS[problem].outside, scene.DIMENSIONS
+    reference, D = PROBLEMS[problem].reference, scene.DIMENSIONS
     raw = np.loadtxt(path / "body_force.csv", delimiter=",", skiprows=2)
     inside = (raw[:, 0] > 0) & (raw[:, 0] < scene.period) & (np.hypot(*(raw[:, 1:3].T)) > 0.45 if D > 1 else True)
     row = raw[inside][37]
     t, X, b = row[0], row[1:1 + D][None], row[1 + D:]
     step, dt = 1e-5, 1e-4 * scene.period
-    u = [outside.displacement(scene, X, t + k * dt)[0] for k in (-1, 0, 1)]
+    u = [reference.displacement(scene, X, t + k * dt)[0] for k in (-1, 0, 1)]
     acceleration = (u[0] - 2 * u[1] + u[2]) / dt**2
 
     def piola(at):
-        F = outside.deformation_gradient(scene, at, t)
+        F = reference.deformation_gradient(scene, at, t)
         J = np.linalg.det(F)[:, None, None] if D > 1 else 1.0
-        return (J * outside.exact_stress(scene, at, t) @ np.swapaxes(np.linalg.inv(F), 1, 2) if D > 1
-                else outside.exact_stress(scene, at, t))[0]
+        return (J * reference.exact_stress(scene, at, t) @ np.swapaxes(np.linalg.inv(F), 1, 2) if D > 1
+                else reference.exact_stress(scene, at, t))[0]
     apart = step * np.eye(D)
     divergence = sum((piola(X + apart[k]) - piola(X - apart[k]))[:, k] for k in range(D)) / (2 * step)
     assert acceleration == pytest.approx(divergence / scene.density + b, rel=1e-4, abs=1e-4 * np.abs(b).max())
@@ -93,7 +93,7 @@ def test_the_exact_file_has_the_times_in_order_and_the_law(folder):
     scene = PROBLEMS[problem].scene(cells=12)
     raw = read(str(path / "exact.csv"))
     assert sorted(set(raw.columns["t"])) == [0.001, 0.003]
-    stress = PROBLEMS[problem].outside.stress(scene, raw.columns["F"])
+    stress = PROBLEMS[problem].reference.stress(scene, raw.columns["F"])
     assert np.abs(stress - raw.columns["sigma"]).max() < 1e-12 * scene.modulus
 
 
@@ -122,17 +122,17 @@ def test_the_companion_alone_is_the_one_beside_our_particles(scene):
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_companion_alone_finds_the_exact_solution(problem):
     scene = PROBLEMS[problem].scene()
-    outside = PROBLEMS[problem].outside
-    X, times = outside.start(scene).material_position, [0.3 * scene.period, scene.period]
+    reference = PROBLEMS[problem].reference
+    X, times = reference.start(scene).material_position, [0.3 * scene.period, scene.period]
     for fine, allowed in ((True, 1e-6), (False, 1e-4)):
-        body = outside.companion(scene, fine)
+        body = reference.companion(scene, fine)
         for t, (u, v) in zip(times, solve(body, times), strict=True):
             moved, gradient = body.read(u, X)
             speed = body.read(v, X)[0]
-            assert np.abs(moved - outside.displacement(scene, X, t)).max() < allowed * scene.size_of("x")
-            assert np.abs(speed - outside.velocity(scene, X, t)).max() < 10 * allowed * scene.size_of("v")
+            assert np.abs(moved - reference.displacement(scene, X, t)).max() < allowed * scene.size_of("x")
+            assert np.abs(speed - reference.velocity(scene, X, t)).max() < 10 * allowed * scene.size_of("v")
             F = np.eye(X.shape[1]) + gradient
-            known = outside.deformation_gradient(scene, X, t)
+            known = reference.deformation_gradient(scene, X, t)
             assert np.abs(F - known).max() < 10 * allowed * np.abs(known).max()
 
 
