@@ -16,7 +16,7 @@ In time it takes Nystrom's method of three stages and fourth order (Hairer, Nors
 of k time steps of the particles, always ahead of them, so that any instant lies inside its last step and is found by
 cubic Hermite polynomials: in (u, v) for u, in (v, a) for v, and their derivative for a.
 
-This file is what bar and ring share: nodes with u, v and a of two components, of which the bar uses the first.
+This file is what all problems share: nodes with u, v and a of two components, of which the bar uses the first.
 """
 
 from collections.abc import Callable
@@ -33,7 +33,7 @@ MOST_SUBSTEPS = 64  # a body strained beyond what these allow is no elastic body
 BAD_SHARE = 0.2  # of the estimate that the companion's own error may be
 POWER_TURNS = 200
 
-#: Places in ``companion_counts``: order p, elements (across the ring and around it), nodes (in a row and in all), radii
+#: Places in ``companion_counts``: order p, elements (across the body and around it), nodes (in a row and in all), radii
 #: of nodes, and particle steps to an interval.
 ORDER, ACROSS, AROUND, ROW, NODES, RADII, INTERVAL = range(7)
 #: Places in ``companion_numbers``: the highest frequency of the body at rest, the stiffest tangent over that at rest,

@@ -1,6 +1,6 @@
 """Operators along one line of a material lattice: recovery of smooth fields, B-splines, integrals.
 
-The particles of the bar, and those of the ring's polar lattice along an angle or a radius, begin at j + 1/2,
+The particles of the bar, and those of a polar lattice along an angle or a radius, begin at j + 1/2,
 j = 0, 1, ... in units of their spacing. A field known at particles is *recovered* between them by a weighted
 least-squares polynomial (moving least squares on a line); an *error grid* of quadratic B-splines, one an element,
 stands on the same line. All operators are rows of few weights on consecutive entries: a :class:`Rows` each.
@@ -101,8 +101,8 @@ class Line:
         """Integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
 
         f is recovered from particles; ``measure`` weighs the integration points, as R does on a radius.
-        Weights (nodes, k, components, 3). f in the second belongs to a derivative along the line, which is odd where
-        the component is even.
+        Weights (nodes, k, components, 3), one for each integral. In the second f is a derivative along the line, so
+        beyond a symmetry plane it has the other sign than the component itself.
         """
         q, weight = self.quadrature()
         measured = weight * measure

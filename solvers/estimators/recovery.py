@@ -1,4 +1,4 @@
-"""What the recovered estimators of the bar and of the ring share: how the reference advances and how wide they fit."""
+"""What the recovered estimators of all problems share: how the reference advances and how wide they fit."""
 
 import numpy as np
 import taichi as ti

@@ -61,7 +61,7 @@ class Watch(Members):
     look_interval: Integer  # steps between two looks for contradictions, a multiple of that
     farthest: Real  # how far a particle may be in a run that is sound, m
     last_crossing: Integers  # step of the particle's last cell change, -1 for never (P,)
-    estimate: Quads  # estimated errors (E*P, 4): of the bar x, v, sigma, a; of the ring x and v, vectors
+    estimate: Quads  # estimated errors (E*P, 4): of the bar x, v, sigma, a; in the plane x and v, vectors
     estimate_intervals: Integers  # steps between two steps of each estimator (E,)
     step_margin: Reals  # dt over its bound when it was last looked at (1,)
     samples: Matrix  # one row a sample (ROWS, columns)

@@ -28,12 +28,12 @@ ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run coun
 class Snapshot:
     """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
 
-    Positions are (P,) for the bar and (P, 2) for the ring, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
-    exact for the bar, the size of that for the ring, or None without the truth; ``estimate`` maps an estimator to
+    Positions are (P,) for the bar and (P, 2) in the plane, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
+    exact for the bar, the size of that in the plane, or None without the truth; ``estimate`` maps an estimator to
     (P, 4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth
     is known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
     ``plotted`` (P, 2) is the field that was asked for and its deviation from the exact one, NaN where it is not known:
-    along the bar, along e_R for the ring.
+    along the bar, along e_R for the ring, along e_theta for the vortex.
     """
 
     step: int

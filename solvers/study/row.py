@@ -1,4 +1,4 @@
-"""One row: everything that a study knows about one scene, and how it is measured.
+"""One row: everything that a study knows about one scene, how it is measured, and what it must have to be kept.
 
 Keys of a row::
 
@@ -14,13 +14,17 @@ gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``f
 
 import platform
 import statistics
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import Any
 
+from solvers.problems import PROBLEMS
 from solvers.running.fingerprint import fingerprint
 from solvers.scene.effects import EFFECTS
-from solvers.scene.rules import SceneError
+from solvers.scene.rules import SceneError, field_key
 from solvers.scene.scene import Scene
 from solvers.solver.result import Result
+from solvers.solver.soundness import BROKEN, OK
+from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
 from solvers.study.grid import Task
 
 SCHEMA = "mpm-lab/row/1"
@@ -30,6 +34,19 @@ TIMED_SECONDS = 0.05  # that the timed runs of a scene take together at least,
 MOST_TIMES = 10  # unless that needs more than so many times the runs asked for
 #: Effects that can be timed alone, each with one that it needs.
 PRICED = {name: effect.needs[:1] for name, effect in EFFECTS.items() if effect.timed_alone}
+ANY = (object, bool)
+TEXT_OR_NONE = (str, type(None))
+STATUSES = (OK, *BROKEN, FAILED, REFUSED)
+IDENTITY = {"key": str, "problem": str, "asked": dict, "status": str, "reason": TEXT_OR_NONE,
+            "scene": (dict, type(None))}
+NORMS = Each(Each(NUMBER_OR_NONE))  # of each quantity, by kind of norm
+#: What the row of a run has beside that.
+MEASURED = {
+    "h": NUMBER, "steps": int, "particles": int, "error": NORMS, "estimate": Each(NORMS), "index": NORMS,
+    "seconds": {"repeats": list, "min": NUMBER, "full": NUMBER, "estimators": Each(NUMBER), "effects": Each(NUMBER)},
+    "rate": NUMBER_OR_NONE, "life": Each(NUMBER_OR_NONE)}
+SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE, "dt": NUMBER, "cfl": NUMBER,
+         "periods": NUMBER, "estimator": list, "effects": list, "remedies": list}
 BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particles", "particle_steps"))
 
 
@@ -108,3 +125,18 @@ def failed(task: Task, reason: str) -> dict:
 def _identity(task: Task) -> dict:
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
             "solvers": fingerprint()}
+
+
+def fault(row: Any) -> str | None:
+    """What is wrong with a kept row, in words; None where it is whole."""
+    if found := mismatch(row, IDENTITY):
+        return found
+    if row["problem"] not in PROBLEMS or row["status"] not in STATUSES:
+        name = "status" if row["problem"] in PROBLEMS else "problem"
+        return f"its {name} is not one of {', '.join(STATUSES if name == 'status' else PROBLEMS)}"
+    inputs = {field_key(field.name): ANY for field in fields(PROBLEMS[row["problem"]].scene)} | SCENE
+    if row["scene"] is not None and (found := mismatch(row["scene"], inputs, "scene")):
+        return found
+    if row["status"] not in (OK, *BROKEN):
+        return None
+    return mismatch(row, {"scene": dict, **MEASURED})

@@ -9,8 +9,7 @@ from typing import Any, BinaryIO
 
 from solvers.running.fingerprint import fingerprint
 from solvers.study.forms import parsed
-from solvers.study.row import FAILED
-from solvers.study.row_form import fault
+from solvers.study.row import FAILED, fault
 
 NAME = "rows.jsonl"
 

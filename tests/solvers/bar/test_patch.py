@@ -13,8 +13,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build, run, shown_step
 from solvers.scene.rules import SceneError
 from solvers.study.grid import task_of
-from solvers.study.row import measure
-from solvers.study.row_form import fault
+from solvers.study.row import fault, measure
 from solvers.study.summary import csv_text
 
 EPSILON = np.finfo(float).eps
