@@ -30,7 +30,7 @@ PRIVATE = re.compile(r"(^|\.)_[a-z]|^viser\.infra")
 
 @pytest.fixture(scope="module")
 def graph():
-    return grimp.build_graph("app", "solvers", exclude_type_checking_imports=True, cache_dir=None)
+    return grimp.build_graph("app", "solvers", exclude_type_checking_imports=False, cache_dir=None)
 
 
 def test_no_module_imports_itself_through_others(graph):

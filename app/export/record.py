@@ -18,7 +18,7 @@ from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.norms import RATIOS, error_index
 from solvers.solver.result import Snapshot
-from solvers.solver.soundness import find, status_of
+from solvers.solver.soundness import find
 
 CURVE_POINTS = 41  # at which the exact field is kept
 FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
@@ -175,7 +175,7 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Sn
     """What the player says of a run beside its numbers."""
     not_valid = solver.not_valid()
     found = [finding for one in series if (finding := find(scene, one, not_valid))]
-    status, reason, since = status_of(solver, min(found, key=lambda finding: finding.time, default=None))
+    status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None))
     count = _count(shots)
     shown = len(_shown(scene.DIMENSIONS, count, wanted.particles))
     return {"problem": scene.problem, "particles": count, "shown": shown,

@@ -27,7 +27,7 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
           for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
         *(("estimators", partial(measure.estimator_prices, name, effort)) for name in PROBLEMS),
         *(("effects", partial(measure.effect_prices, name, effort)) for name in PROBLEMS),
-        *(("off", partial(measure.off, name, effort)) for name, problem in PROBLEMS.items() if problem.baseline)]
+        *(("off", partial(measure.off, name, effort)) for name in PROBLEMS)]
     found: dict[str, list] = {name: [] for name in ("start", "example", "gpu", "rates", "estimators", "effects", "off")}
     for done, (name, task) in enumerate(tasks):
         on_progress(done / len(tasks))

@@ -7,28 +7,15 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
-from typing import Protocol
 
 from solvers.engine import frames
-from solvers.engine.frames import FrameArrays, FrameOptions
+from solvers.engine.frames import FrameOptions
 from solvers.engine.messages import FRAME_SECONDS, FrameReport, Goodbye, Pace, Wish
-from solvers.engine.process import CANNOT_START, EngineProcess
+from solvers.engine.process import CANNOT_START, EngineProcess, Listener
 from solvers.scene.scene import Scene
 from solvers.workers.processes import adopt_orphans
 
 DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between before its scene is given up
-
-
-class Listener(Protocol):
-    """What a session hears. Called from the engine's reader thread: be quick."""
-
-    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
-
-    def on_compiling(self, number: int) -> None: ...
-
-    def on_trouble(self, sentence: str) -> None: ...
-
-    def on_engine_lost(self) -> None: ...
 
 
 class EnginePool:

@@ -14,18 +14,39 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from time import monotonic, sleep
-from typing import TYPE_CHECKING
+from typing import Protocol
 
+from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Prewarm, Ready, Trouble, Wish
 from solvers.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from solvers.engine.pool import SessionLink
 
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
 LONGEST_PAUSE = 10.0
 FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
 CANNOT_START = "the simulation process cannot be started; see the terminal"
+
+
+class Listener(Protocol):
+    """What a session hears. Called from the engine's reader thread: be quick."""
+
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
+
+    def on_compiling(self, number: int) -> None: ...
+
+    def on_trouble(self, sentence: str) -> None: ...
+
+    def on_engine_lost(self) -> None: ...
+
+
+class Link(Protocol):
+    """A session's line, as its engine knows it; see :class:`~solvers.engine.pool.SessionLink`."""
+
+    listener: Listener
+    wish: Wish | None
+
+    def receive(self, report: FrameReport) -> None: ...
+
+    def engine_lost(self, had_worked: bool) -> None: ...
 
 
 def become_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
@@ -42,7 +63,7 @@ class EngineProcess:
     def __init__(self, warm_up: Scene):
         self.ready = threading.Event()
         self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
-        self.links: dict[int, SessionLink] = {}
+        self.links: dict[int, Link] = {}
         self._failures = 0
         self._leaving: list[int] = []  # processes that were engines, or will end soon
         self._successor = 0  # the process that the engine has forked last, if any

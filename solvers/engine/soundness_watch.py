@@ -7,7 +7,7 @@ import numpy as np
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.soundness import Finding, earliest, findings, status_of
+from solvers.solver.soundness import Finding, earliest, findings
 
 MOST_WAITING = 20  # samples
 REMEMBERED = 0.5  # periods
@@ -54,4 +54,4 @@ class SoundnessWatch:
     def tell(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
         """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)
         after it has found something: then that counts no longer."""
-        return status_of(solver, earliest(self._findings, not_valid))
+        return solver.status(earliest(self._findings, not_valid))

@@ -1,6 +1,6 @@
 """A problem as another code sees it: what it needs to be set up, and what its particles are held against.
 
-Each problem has one :class:`ProblemReference`, called ``REFERENCE``, in ``solvers/problems/NAME/reference.py``. Points
+A problem's descriptor has its :class:`ProblemReference`. Points
 and vectors are (P, D) and tensors (P, D, D), also where D is 1; positions are not wrapped.
 """
 
@@ -9,12 +9,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from solvers.estimators.standalone import ElasticBody
+from solvers.estimators.standalone import ElasticBody
 
 #: Fields of a scene that say how we would solve it, and nothing of the problem.
 OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",

@@ -13,7 +13,7 @@ from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.result import Result, Seconds, Snapshot
-from solvers.solver.soundness import find, status_of
+from solvers.solver.soundness import find
 
 SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
@@ -93,4 +93,4 @@ def _status(solver: Solver, series: dict[str, np.ndarray],
     finding = find(solver.scene, series, not_valid)
     if finding and finding.particle is None and error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
-    return status_of(solver, finding)
+    return solver.status(finding)

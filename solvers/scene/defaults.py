@@ -1,23 +1,53 @@
 """What holds for the scene of most problems, and what a problem that knows better replaces."""
 
+import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from solvers.scene.rules import SceneError, require_whole
+from solvers.scene.rules import require_whole
 
 MOST_PER_CELL = 64  # particles, along each direction
 
 
 class SceneDefaults:
-    """Rules and facts of a scene whose motion swings to and fro and whose cells hold whole numbers of particles."""
+    """Rules and facts of a scene whose motion swings to and fro, at a wave's speed, and whose cells hold whole numbers
+    of particles."""
 
     #: Fields that only single runs and sweeps have, each with the reason why no other command has them.
     RUN_ONLY: ClassVar[Mapping[str, str]] = {}
     DIMENSIONS: ClassVar[int]
+    STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
+    amplitude: float
+    modulus: float
+    density: float
+    body_force: str
     ppc: float
     arch: str
-    threads: int
-    plan: str  # of a problem that has several
+
+    @property
+    def wave_speed(self) -> float:
+        """c = sqrt(E/rho)."""
+        return math.sqrt(self.modulus / self.density)
+
+    @property
+    def angular_frequency(self) -> float:
+        """w = c pi/l of the exact solution, l = 1 (eq 32)."""
+        return self.wave_speed * math.pi
+
+    @property
+    def motion_amplitude(self) -> float:
+        """Largest displacement of the exact solution."""
+        return self.amplitude
+
+    def size_of(self, quantity: str) -> float:
+        """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""
+        A, w = self.motion_amplitude, self.angular_frequency
+        return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
+
+    @property
+    def solution_known(self) -> bool:
+        """Whether an exact solution is built in, so that there is a true error."""
+        return self.body_force != "two-tone"
 
     @property
     def for_gpu(self) -> bool:
@@ -37,15 +67,6 @@ class SceneDefaults:
     def _check_per_cell(self) -> None:
         """Refuse what is no number of particles in a cell."""
         require_whole("ppc", self.ppc, 1, MOST_PER_CELL)
-
-    def _check_plan(self) -> None:
-        """Refuse a plan that does not go with the threads or with a GPU."""
-        if self.plan == "serial" and self.threads > 1:
-            raise SceneError("threads", self.threads,
-                             "the serial plan runs on one; give 1, or the plan parallel or auto")
-        if self.for_gpu and self.plan != "auto":
-            raise SceneError("plan", self.plan, "is for processors, and a GPU has a plan of its own; give auto, or "
-                             "--arch cpu")
 
     def _check_combinations(self) -> None:
         """Refuse what does not go together."""

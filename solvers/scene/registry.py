@@ -1,15 +1,13 @@
-"""Every estimator there is, known once: how it is called and drawn, what it says of itself, and where it is built.
+"""Every estimator there is, known once: how it is called and drawn, and what it says of itself.
 
-A problem has the estimators of this list for which its folder has a file:
-``solvers/problems/bar/estimators/two_grid.py`` is the bar's "two-grid", and its ``HOOKS`` are what the solver calls. So
-an estimator is one file and one line here. Others can be registered from outside (:func:`register`), in modules that
-the environment variable ``MPM_LAB_EXTENSIONS`` names, which every process imports. Needs no Taichi, so that the command
-line and the page can ask.
+A problem's scene names those of this list that it has (``ESTIMATORS``), its ``state.py`` has their hooks, which the
+solver calls. Others can be registered from outside (:func:`register`), in modules that the environment variable
+``MPM_LAB_EXTENSIONS`` names, which every process imports. Needs no Taichi, so that the command line and the page can
+ask.
 """
 
 import functools
 import importlib
-import importlib.util
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -33,8 +31,8 @@ class Estimator:
     ``colour`` is a warm one, for the truth is blue, and differs from the others' in lightness too; ``dashes`` are
     pixels drawn and left out (none: unbroken), ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``,
     ``P``, ``X``, ``*``). ``summary`` is a line, ``page`` is html that explains it in full, by default that of the file
-    ``explanations/NAME.html``. ``hooks`` are given here only where they are not in a file of the problem's folder.
-    ``refusals`` tells of problems that it has no file for why not, as the end of a sentence: "is not ...".
+    ``explanations/NAME.html``. ``hooks`` are those of problems that do not have it themselves. ``refusals`` tells of
+    problems that have it not why not, as the end of a sentence: "is not ...".
     """
 
     name: str
@@ -60,22 +58,6 @@ class Estimator:
         path = EXPLANATIONS / f"{self.name}.html"
         return self.page or (path.read_text(encoding="utf-8") if path.exists() else f"<p>{self.summary}</p>")
 
-    def module(self, problem: str) -> str:
-        """Where a problem's own file is, or would be."""
-        return f"solvers.problems.{problem}.estimators.{self.name.replace('-', '_')}"
-
-    def exists_for(self, problem: str) -> bool:
-        return problem in self.hooks or _is_there(self.module(problem))
-
-    def hooks_for(self, problem: str) -> EstimatorHooks:
-        """What the problem's solver calls; imports Taichi."""
-        return self.hooks[problem] if problem in self.hooks else importlib.import_module(self.module(problem)).HOOKS
-
-
-@functools.cache  # every scene asks for all of them, and a look at the disk takes longer than all the rest of a scene
-def _is_there(module: str) -> bool:
-    return importlib.util.find_spec(module) is not None
-
 
 ESTIMATORS: dict[str, Estimator] = {}
 COLLECTED: set[str] = set()  # problems whose solvers have their hooks
@@ -90,27 +72,27 @@ def register(estimator: Estimator) -> None:
     names.cache_clear()
 
 
-@functools.cache
-def names(problem: str) -> tuple[str, ...]:
-    """The estimators that a problem has."""
+@functools.cache  # every scene asks
+def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
+    """The estimators that a problem has: its ``own``, and others from outside."""
     load_extensions()
-    return tuple(name for name, estimator in ESTIMATORS.items() if estimator.exists_for(problem))
+    return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
 
 
-def require_offered(chosen: object, problem: str) -> None:
+def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
     """Refuse, with a :class:`SceneError` in its own words, an estimator that other problems have and this has not."""
-    for name in chosen if isinstance(chosen, (tuple, list)) else ():
+    for name in chosen if isinstance(chosen, tuple) else ():
         estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
-        if estimator and not estimator.exists_for(problem) and problem in estimator.refusals:
+        if estimator and name not in offered and problem in estimator.refusals:
             raise SceneError("estimators", name, f"{estimator.refusals[problem]}; give one of "
-                             f"{', '.join((*names(problem), 'none'))}")
+                             f"{', '.join((*offered, 'none'))}")
 
 
-def hooks_of(problem: str) -> dict[str, EstimatorHooks]:
-    """The hooks of all estimators that a problem has, by name."""
-    found = names(problem)  # loads the extensions
+def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:
+    """The hooks of all estimators that a problem has, by name: its ``own``, and others from outside."""
+    found = names(problem, tuple(own))  # loads the extensions
     COLLECTED.add(problem)
-    return {name: ESTIMATORS[name].hooks_for(problem) for name in found}
+    return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}
 
 
 @functools.cache

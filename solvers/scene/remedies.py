@@ -4,16 +4,7 @@ Where an effect only looks, a remedy changes the method. It is compiled in only 
 (``solvers.scene.switches``). A problem names in its scene those that hold there.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from solvers.scene.scene import Scene
-
-TIME = 0.3  # tau c/h: how fast the filter and the coupling work, in the time that a wave takes through a cell
-EVERY = 4  # steps between two turns of them: they work at a rate, so that seldom does as well as often
 
 
 @dataclass(frozen=True)
@@ -43,9 +34,3 @@ REMEDIES: dict[str, Remedy] = {remedy.name: remedy for remedy in (
            "cell; cheaper too, but numerical fracture is impossible"),
 )}
 SWITCHES = {remedy.switch: name for name, remedy in REMEDIES.items()}
-
-
-def remedy_rates(scene: Scene) -> dict[str, float]:
-    """What a turn of the filter and of the coupling does: min(1, dt/tau), dt the time since the turn before."""
-    rate = min(1.0, EVERY * scene.time_step * scene.wave_speed / (TIME * scene.spacing))
-    return {"remedy_interval": EVERY, "remedy_rate": rate}

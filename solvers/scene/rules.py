@@ -40,15 +40,14 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
         raise SceneError(field, value, f"is not known; give {'one of ' if ',' in names else ''}{names}")
 
 
-def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> tuple[str, ...]:
-    """Several of the allowed names, each once, as a tuple; a list is welcome."""
-    if not isinstance(chosen, (tuple, list)):
+def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
+    """A tuple of several of the allowed names, each once."""
+    if not isinstance(chosen, tuple):
         raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
     for item in chosen:
         require_choice(field, item, allowed, also="none")
     if len(set(chosen)) != len(chosen):
         raise SceneError(field, " ".join(chosen), "names something twice; give each name once")
-    return tuple(chosen)
 
 
 def require_whole(field: str, value: object, least: int, most: int) -> None:

@@ -88,10 +88,10 @@ class Scene(SceneDefaults, ABC, Remembered):
     #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
     VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
     DIMENSIONS: ClassVar[int] = 1
-    STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
     GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
     HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map
     FEWEST_CELLS: ClassVar[int] = 4
+    ESTIMATORS: ClassVar[tuple[str, ...]] = ()  # that the problem has, of those in ``solvers.scene.registry``
     REMEDIES: ClassVar[tuple[str, ...]] = ()
     OWN_EFFECTS: ClassVar[tuple[str, ...]] = ()  # that not every problem has
     DEFAULT_PERIODS: ClassVar[float] = 5.0
@@ -101,7 +101,7 @@ class Scene(SceneDefaults, ABC, Remembered):
     def choices(cls, name: str) -> tuple[str, ...]:
         """What the field called ``name`` may be, one or several of; nothing where it is a number."""
         if name == "estimators":
-            return registry.names(cls.problem)
+            return registry.names(cls.problem, cls.ESTIMATORS)
         if name == "remedies":
             return cls.REMEDIES
         if name == "effects":
@@ -114,6 +114,8 @@ class Scene(SceneDefaults, ABC, Remembered):
         return tuple((method, False) for method in cls.choices("method"))
 
     def __post_init__(self) -> None:
+        for name, value in self._normalized().items():  # the one place where a scene is written to
+            object.__setattr__(self, name, value)
         self._check_choices()
         self._check_numbers()
         self._check_time()
@@ -130,6 +132,11 @@ class Scene(SceneDefaults, ABC, Remembered):
         """Number of particles."""
 
     @abstractmethod
+    def critical_time_step(self) -> float:
+        """The longest step in seconds that the motion ahead bears by linear theory, worked out anew: see
+        :attr:`step_bound`."""
+
+    @abstractmethod
     def _check_amplitude(self) -> None:
         """Refuse an amplitude for which there is no exact solution."""
 
@@ -144,26 +151,6 @@ class Scene(SceneDefaults, ABC, Remembered):
             sentences.append(f"body force {self.body_force}: no exact solution is built in, so the true error is "
                              "unknown")
         return sentences
-
-    @property
-    def wave_speed(self) -> float:
-        """c = sqrt(E/rho)."""
-        return math.sqrt(self.modulus / self.density)
-
-    @property
-    def angular_frequency(self) -> float:
-        """w = c pi/l of the exact solution, l = 1 (eq 32)."""
-        return self.wave_speed * math.pi
-
-    @property
-    def motion_amplitude(self) -> float:
-        """Largest displacement of the exact solution."""
-        return self.amplitude
-
-    def size_of(self, quantity: str) -> float:
-        """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""
-        A, w = self.motion_amplitude, self.angular_frequency
-        return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
 
     @functools.cached_property
     def period(self) -> float:
@@ -247,11 +234,6 @@ class Scene(SceneDefaults, ABC, Remembered):
             return ()
         return tuple(e for e in self.choices("estimators") if e in self.estimators and e not in self.not_valid)
 
-    @property
-    def solution_known(self) -> bool:
-        """Whether an exact solution is built in, so that there is a true error."""
-        return self.body_force != "two-tone"
-
     def has(self, effect: str) -> bool:
         """Whether the effect is switched on and can be: it has what it needs, and ``estimate`` has an estimator."""
         if effect not in self.effects:
@@ -268,11 +250,15 @@ class Scene(SceneDefaults, ABC, Remembered):
                   "periods": self.end_time / self.period, "sample_every": self.sample_interval}
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
+    def _normalized(self) -> dict[str, Any]:
+        """Inputs that are meant otherwise than they are given, before anything is checked: a scene must be hashable."""
+        return {name: tuple(given) for name in LISTS if isinstance(given := getattr(self, name), list)}
+
     def _check_choices(self) -> None:
-        registry.require_offered(self.estimators, type(self).problem)
+        registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))
         for name in self.__dataclass_fields__:
-            if name in LISTS:  # as tuples, for a scene must be hashable
-                object.__setattr__(self, name, require_names(name, getattr(self, name), self.choices(name)))
+            if name in LISTS:
+                require_names(name, getattr(self, name), self.choices(name))
             elif self.choices(name):
                 require_choice(name, getattr(self, name), self.choices(name))
         if not isinstance(self.linearity_preserving, bool):

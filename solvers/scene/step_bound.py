@@ -12,7 +12,6 @@ Berzins, "Nonlinear stability and time step selection for the MPM method", Comp.
 """
 
 import functools
-import importlib
 from dataclasses import replace
 from typing import Any
 
@@ -69,4 +68,4 @@ def of_scene(scene: Any) -> float:
 
 @functools.lru_cache(maxsize=64)
 def _of_motion(scene: Any) -> float:
-    return importlib.import_module(f"solvers.problems.{scene.problem}.step_bound").critical_time_step(scene)
+    return scene.critical_time_step()

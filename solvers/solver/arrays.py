@@ -20,6 +20,8 @@ from solvers.scene.switches import Switches
 from solvers.solver.samples import ROWS, column_count
 
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector, of eight numbers
+REMEDY_TIME = 0.3  # tau c/h: how fast filter and coupling work, in the time that a wave takes through a cell
+REMEDY_INTERVAL = 4  # steps between two turns of them: they work at a rate, so that seldom does as well as often
 
 
 @dataclass
@@ -82,6 +84,12 @@ def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: di
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
             "estimate_intervals": np.array(intervals or [NEVER], np.int32), "memory": allocate_memory(hooks, scene),
             "samples": np.full((ROWS, column_count(on.estimators)), np.nan), "verdict": np.zeros(3, np.int32)}
+
+
+def remedy_rates(scene: Scene) -> dict[str, float]:
+    """What a turn of the filter and of the coupling does: min(1, dt/tau), dt the time since the turn before."""
+    rate = min(1.0, REMEDY_INTERVAL * scene.time_step * scene.wave_speed / (REMEDY_TIME * scene.spacing))
+    return {"remedy_interval": REMEDY_INTERVAL, "remedy_rate": rate}
 
 
 def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:

@@ -6,7 +6,7 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,13 +14,11 @@ from solvers.estimators.memory import memory_parts
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
+from solvers.solver.arrays import Watch
 from solvers.solver.result import Snapshot
 from solvers.solver.samples import MARGIN, ROWS
+from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
 from solvers.solver.step_breakdown import Carried, StepBreakdown
-
-if TYPE_CHECKING:
-    from solvers.solver.arrays import Watch
-    from solvers.solver.soundness import Finding
 
 STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
@@ -161,6 +159,13 @@ class Solver(ABC):
                 CRUSHED: "was crushed to less than a thousandth of its size", ESCAPED: self._escape()}[kind]
         return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
                 f"(X = {self._place(p)}) {what}; {self._advice()}")
+
+    def status(self, finding: Finding | None) -> tuple[str, str | None, float | None]:
+        """Whether the run is "ok", "unstable" or "lost" if this was found, a sentence, and the time in s since when."""
+        since = None if finding is None else finding.time
+        if not self.sound:
+            return UNSTABLE, self.reason(), self.time if since is None else since
+        return (OK, None, None) if finding is None else (LOST, self.lost(finding), since)
 
     def lost(self, finding: Finding) -> str:
         """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""

@@ -11,16 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from solvers.scene import registry
+from solvers.scene.scene import Scene
 from solvers.solver.norms import UNBOUNDED, largest
-
-if TYPE_CHECKING:
-    from solvers.scene.scene import Scene
-    from solvers.solver.base import Solver
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
@@ -100,14 +96,6 @@ def earliest(found: Mapping[str, Finding], not_valid: Collection[str] = ()) -> F
     """The first of several findings, but for those of estimators that do not hold."""
     return min((finding for name, finding in found.items() if name.partition("/")[0] not in not_valid),
                key=lambda one: one.time, default=None)
-
-
-def status_of(solver: Solver, finding: Finding | None) -> tuple[str, str | None, float | None]:
-    """Status of a run of which this was found, its sentence, and the time in s since when."""
-    since = None if finding is None else finding.time
-    if not solver.sound:
-        return UNSTABLE, solver.reason(), solver.time if since is None else since
-    return (OK, None, None) if finding is None else (LOST, solver.lost(finding), since)
 
 
 def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, unit: float,

@@ -1,6 +1,5 @@
 """A stability map as one object and as Markdown (see ``solvers.study.stability``)."""
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -30,7 +29,7 @@ def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str],
         at, asked = f"{scene['amplitude']:g}", _scene(kind, row)
         if asked is not None and at not in line["automatic_cfl"]:
             line["automatic_cfl"][at] = SAFE * asked.step_bound * asked.wave_speed / asked.spacing
-            line["predicted"][at] = _predicted(asked)
+            line["predicted"][at] = PROBLEMS[problem].predicted_life(asked)
     order = {name: place for place, name in enumerate(TREATMENTS)}
     found = sorted(lines.values(), key=lambda line: (kind.choices("method").index(line["method"]),
                                                      order.get(line["treatment"], len(order))))
@@ -41,14 +40,6 @@ def _scene(kind: type[Scene], row: Mapping) -> Scene | None:
     """The scene of a row, without its length."""
     treated = scene_of(kind, row, treatment_of(row)) if treatment_of(row) in TREATMENTS else None
     return treated and replace(treated, amplitude=row["scene"]["amplitude"])
-
-
-def _predicted(scene: Scene) -> float | None:
-    """The life that the drift of FLIP's null space predicts, for a problem that has such a prediction."""
-    try:
-        return importlib.import_module(f"solvers.problems.{scene.problem}.drift").predicted_life(scene)
-    except ModuleNotFoundError:
-        return None
 
 
 def as_markdown(values: dict) -> str:

@@ -9,10 +9,9 @@ from app.problems.field import Place
 from app.problems.planar_stage import PlanarStage
 from app.problems.stage import Stage
 from app.scale import ColourScale
-from solvers.problems.planar.layout import Layout, half_edges
+from solvers.problems.planar.layout import Layout, half_edges, particle_layout
 from solvers.problems.ring import exact
 from solvers.problems.ring.exact import INNER, OUTER
-from solvers.problems.ring.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half

@@ -11,11 +11,10 @@ from app.problems.planar_stage import PlanarStage
 from app.problems.stage import Stage
 from app.scale import ColourScale
 from solvers.engine.frames import FrameArrays
-from solvers.problems.planar.layout import Layout, half_edges
+from solvers.problems.planar.layout import Layout, half_edges, particle_layout
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.exact import INNER, OUTER
 from solvers.problems.vortex.field import exact_field
-from solvers.problems.vortex.layout import particle_layout
 from solvers.problems.vortex.scene import VortexScene
 
 SPOKES, SPOKE_POINTS = 12, 41

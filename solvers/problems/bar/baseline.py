@@ -16,7 +16,7 @@ from solvers.solver.arrays import part_of, part_types
 from solvers.solver.base import SOUND
 from solvers.solver.loop import CHECK_EVERY
 
-StrippedBarState = part_types(WatchedBar, (
+BaselineState = part_types(WatchedBar, (
     "particles", "cells", "cells_per_length", "dt", "modulus", "density", "volume", "unstretched", "half_width",
     "farthest", "drift_velocity", "angular_frequency", "force_scale", "material_position", "position", "velocity",
     "deformation_gradient", "sine", "first_node", "weights", "node_sums", "node_motion", "verdict"))
@@ -75,7 +75,7 @@ def nodes_to_particles(bar: ti.template()):
 
 
 @ti.kernel
-def advance(start: ti.i32, steps: ti.i32, bar: StrippedBarState):
+def advance(start: ti.i32, steps: ti.i32, bar: BaselineState):
     ti.loop_config(serialize=True)
     for k in range(steps):
         if bar.verdict[0] == SOUND:
@@ -88,15 +88,12 @@ def advance(start: ti.i32, steps: ti.i32, bar: StrippedBarState):
                 check(bar, step + 1)
 
 
-class StrippedBar(BarSolver):
+class BarBaseline(BarSolver):
     """A bar that takes the baseline steps; its rows of samples hold nothing."""
 
     def __init__(self, scene):
         super().__init__(scene)
-        self._stripped = part_of(self._pack, StrippedBarState)
+        self._baseline = part_of(self._pack, BaselineState)
 
     def _run(self, steps: int) -> None:
-        advance(self.step, steps, self._stripped)
-
-
-SOLVER = StrippedBar
+        advance(self.step, steps, self._baseline)

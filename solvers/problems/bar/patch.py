@@ -11,19 +11,15 @@ has a modulus, a density and a deformation at rest as the solver sees them; of a
 Source: Bardenhagen & Kober (2004) for hats and GIMP; Steffen, Kirby & Berzins (2008) for B-splines.
 """
 
-from __future__ import annotations
-
 import functools
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.rules import SceneError, require_number
-
-if TYPE_CHECKING:
-    from solvers.problems.bar.scene import BarScene
+from solvers.scene.scene import Scene
 
 VIBRATE, PATCH = "vibrate", "patch"
 STRETCH, VELOCITY = 1.02, 1.0  # F0, and v0 in m/s, of a patch test that is told nothing else
@@ -38,16 +34,15 @@ MOST_EDGE_STEPS = 10_000  # that are looked ahead
 FAILED = 0.1  # of the stress: an error beyond which a patch test counts as failed
 
 
-def settle(scene: BarScene) -> None:
+def normalized(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
     """What a patch test's inputs mean: no body force where none was asked for, 2.3333333 particles in each of 30 cells
     are 70, and 4.0 are 4."""
-    if scene.body_force == "material":
-        object.__setattr__(scene, "body_force", "none")
-    if isinstance(scene.ppc, float) and math.isfinite(scene.ppc) and type(scene.cells) is int and scene.cells > 0:
-        count = round(scene.cells * scene.ppc)
-        if abs(scene.cells * scene.ppc - count) <= WHOLE:
-            whole = count % scene.cells == 0
-            object.__setattr__(scene, "ppc", count // scene.cells if whole else count / scene.cells)
+    meant: dict[str, Any] = {"body_force": "none"} if body_force == "material" else {}
+    if isinstance(ppc, float) and math.isfinite(ppc) and type(cells) is int and cells > 0:
+        count = round(cells * ppc)
+        if abs(cells * ppc - count) <= WHOLE:
+            meant["ppc"] = count // cells if count % cells == 0 else count / cells
+    return meant
 
 
 def check_per_cell(cells: int, ppc: object) -> None:
@@ -66,9 +61,9 @@ def check_per_cell(cells: int, ppc: object) -> None:
                          f"number; give {' or '.join(nearest)}, or other cells")
 
 
-def check_numbers(scene: BarScene) -> None:
+def check_numbers(stretch: float, velocity: float) -> None:
     """Refuse a stretch or a velocity that no patch test can have."""
-    stretch, velocity, (least, most) = scene.stretch, scene.initial_velocity, STRETCHES
+    least, most = STRETCHES
     allowed = f"give a number from {least:g} to {most:g}, but not 1"
     require_number("stretch", stretch, 0, math.inf, allowed)
     if not least <= stretch <= most:
@@ -82,7 +77,7 @@ def check_numbers(scene: BarScene) -> None:
         raise SceneError("initial_velocity", velocity, allowed)
 
 
-def check_alone(scene: BarScene) -> None:
+def check_alone(scene: Scene) -> None:
     """Refuse for a patch test what means nothing in it."""
     for name, alone in (("amplitude", type(scene).amplitude), ("body_force", "none")):
         if getattr(scene, name) != alone:
@@ -90,24 +85,24 @@ def check_alone(scene: BarScene) -> None:
                              "nothing vibrates and no force acts; leave it out")
 
 
-def check_absent(scene: BarScene) -> None:
+def check_absent(scene: Scene) -> None:
     """Refuse for a vibrating bar what only a patch test has."""
     for name in ("stretch", "initial_velocity"):
         if getattr(scene, name) != getattr(type(scene), name):
             raise SceneError(name, getattr(scene, name), "is for the patch test; give motion patch, or leave it out")
 
 
-def group(scene: BarScene) -> tuple[int, int]:
+def group(scene: Scene) -> tuple[int, int]:
     """The fewest cells after which particles stand in cells as before, and how many particles these hold."""
     times = math.gcd(scene.cells, scene.particles)
     return scene.cells // times, scene.particles // times
 
 
 @functools.lru_cache(maxsize=64)  # the page asks again and again
-def edge_step(scene: BarScene) -> int | None:
+def edge_step(scene: Scene, velocity: float) -> int | None:
     """The first step after which a particle stands on a cell boundary but for rounding, which then says in which cell
     it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
-    a_step = scene.initial_velocity * scene.time_step / scene.spacing  # in cells
+    a_step = velocity * scene.time_step / scene.spacing  # in cells
     places = group(scene)[1]  # in a cell, at which particles begin
     if scene.method != "mpm" or scene.linearity_preserving or scene.frozen or not a_step or places > MOST_PER_CELL:
         return None

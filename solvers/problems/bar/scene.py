@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from solvers.problems.bar import patch, validity
+from solvers.problems.bar import patch, step_bound, validity
 from solvers.problems.bar.patch import PATCH, VIBRATE
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
@@ -42,6 +43,7 @@ class BarScene(Scene):
     TITLE = "vibrating bar"
     SETTING = "The bar is 1 m long."
     EXTRA_ERROR = "sigma_log"
+    ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     VALIDITY = validity.RULES
     REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN)
     RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch.NOTHING_TO_SEARCH)
@@ -112,16 +114,18 @@ class BarScene(Scene):
         if "two-grid" in self.active_estimators and validity.noisy(self):
             sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
                              "each of the two grids has in other places")
-        if self.is_patch and (step := patch.edge_step(self)):
+        if self.is_patch and (step := patch.edge_step(self, self.initial_velocity)):
             sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
                              "says in which cell they are: hat functions show that even with whole particles per cell; "
                              f"another velocity moves them off, such as {0.9717 * self.initial_velocity:.4g} m/s")
         return sentences
 
-    def __post_init__(self) -> None:
-        if self.motion == PATCH:
-            patch.settle(self)
-        super().__post_init__()
+    def critical_time_step(self) -> float:
+        return step_bound.critical_time_step(self, self.initial_stretch, self.initial_velocity)
+
+    def _normalized(self) -> dict[str, Any]:
+        meant = patch.normalized(self.cells, self.ppc, self.body_force) if self.motion == PATCH else {}
+        return {**super()._normalized(), **meant}
 
     def _check_per_cell(self) -> None:
         if self.is_patch:
@@ -139,7 +143,7 @@ class BarScene(Scene):
 
     def _check_numbers(self) -> None:
         super()._check_numbers()
-        patch.check_numbers(self)
+        patch.check_numbers(self.stretch, self.initial_velocity)
 
     def _check_combinations(self) -> None:
         if self.is_patch:

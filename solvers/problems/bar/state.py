@@ -5,13 +5,17 @@ from dataclasses import dataclass
 import taichi as ti
 
 from solvers.estimators.memory import packing
+from solvers.problems.bar.estimators import companion, recovered, transport, two_grid
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.scene import BarScene
 from solvers.scene import registry
 from solvers.scene.switches import switches
 from solvers.solver.arrays import Watch, watch
 
-HOOKS = registry.hooks_of("bar")
+#: What the solver calls of each estimator that the bar has, by name.
+HOOKS = registry.hooks_of("bar", {
+    "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.HOOKS,
+    "two-grid": two_grid.HOOKS})
 
 
 @dataclass

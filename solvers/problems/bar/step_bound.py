@@ -4,16 +4,17 @@ V0."""
 import numpy as np
 
 from solvers.problems.bar import patch
-from solvers.problems.bar.scene import BarScene
+from solvers.scene.scene import Scene
 from solvers.scene.step_bound import INSTANTS, bound, stencil
 
 MOST_PARTICLES = 20_000  # of the bar that is looked at; a finer one has the same cells, only more of them
 
 
-def critical_time_step(scene: BarScene) -> float:
-    """The smallest bound, in seconds, over the bar's motion from one extreme to the other."""
-    if scene.is_patch:
-        return _of_patch(scene)
+def critical_time_step(scene: Scene, stretch: float, velocity: float) -> float:
+    """The smallest bound, in seconds, over the bar's motion from one extreme to the other. A patch test, which does not
+    swing, begins with this ``stretch``, no unit, and this ``velocity`` in m/s."""
+    if not scene.swings:
+        return _of_patch(scene, stretch, velocity)
     ppc = int(scene.ppc)
     cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
     X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
@@ -21,23 +22,23 @@ def critical_time_step(scene: BarScene) -> float:
     return min(_at(scene, cells, X, size) for size in sizes) * cells / scene.cells
 
 
-def _of_patch(scene: BarScene) -> float:
+def _of_patch(scene: Scene, stretch: float, velocity: float) -> float:
     """The smallest bound of a patch test while its particles pass through a cell; all spacings stay as they are."""
     cells, particles = patch.group(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
     X = (np.arange(particles) + 0.5) / particles
-    shifts = np.linspace(0, 1, INSTANTS) / cells if scene.initial_velocity and not scene.frozen else [0.0]
-    return min(_grid_bound(scene, cells, X + shift, np.ones_like(X)) for shift in shifts) * cells / scene.cells
+    shifts = np.linspace(0, 1, INSTANTS) / cells if velocity and not scene.frozen else [0.0]
+    return min(_grid_bound(scene, cells, X + shift, np.ones_like(X), stretch) for shift in shifts) * cells / scene.cells
 
 
-def _at(scene: BarScene, cells: int, X: np.ndarray, size: float) -> float:
+def _at(scene: Scene, cells: int, X: np.ndarray, size: float) -> float:
     """The bound where the displacement is ``size`` sin 2 pi X."""
     x = X if scene.frozen else X + size * np.sin(2 * np.pi * X)
     return _grid_bound(scene, cells, x, 1 + 2 * np.pi * size * np.cos(2 * np.pi * X))
 
 
-def _grid_bound(scene: BarScene, cells: int, x: np.ndarray, F: np.ndarray) -> float:
+def _grid_bound(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> float:
     """The bound with particles at x (P,) in metres, which have deformed by F (P,) since the start."""
     volume = 1 / len(x)
     half_width = np.full_like(x, 0.5 / scene.ppc)
@@ -45,6 +46,6 @@ def _grid_bound(scene: BarScene, cells: int, x: np.ndarray, F: np.ndarray) -> fl
         half_width = np.minimum(half_width * F, 0.5)
     first, S, dS = stencil(scene.method, x * cells, half_width)
     nodes = (first[:, None] + np.arange(3)) % cells
-    mass = np.bincount(nodes.ravel(), (scene.density / scene.initial_stretch * volume * S).ravel(), cells)
+    mass = np.bincount(nodes.ravel(), (scene.density / stretch * volume * S).ravel(), cells)
     tangent = np.ones_like(F) if scene.frozen else F * F
-    return bound(nodes, np.abs(dS) * cells, scene.modulus * scene.initial_stretch * tangent * volume, mass)
+    return bound(nodes, np.abs(dS) * cells, scene.modulus * stretch * tangent * volume, mass)

@@ -3,17 +3,13 @@
 What only a run can show is the business of the estimator's own ``verdict``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from solvers.estimators.phase_lag import out_of_step
 from solvers.scene.estimator_validity import FROZEN_REASON, REMEDIES_REASON
-
-if TYPE_CHECKING:
-    from solvers.problems.bar.scene import BarScene
+from solvers.scene.scene import Scene
 
 #: Two-grid: the error of a mapping or a force that is off by the displacement is a share of the motion, whatever the
 #: grid; from this many h^2 (per unit length) on it outweighs the error that falls like h^2. Measured: with uGIMP the
@@ -35,9 +31,9 @@ QUIET_HATS = 0.25
 LONGEST_NOISE = 6
 
 
-def two_grid(scene: BarScene) -> str | None:
+def two_grid(scene: Scene) -> str | None:
     """Richardson's argument needs an error that falls like h^2 on both grids."""
-    if scene.is_patch:
+    if not scene.swings:
         return ("the error of a patch test is round-off, or what cells of unequal count leave, and neither falls with "
                 "the cell size; take companion")
     if scene.remedies:
@@ -65,25 +61,25 @@ def two_grid(scene: BarScene) -> str | None:
     return out_of_step(scene, (4 if scene.body_force == "two-tone" else 2) * math.pi)
 
 
-def recovered(scene: BarScene) -> str | None:
+def recovered(scene: Scene) -> str | None:
     """Its tables repeat from cell to cell, and it fits what is smooth."""
-    if scene.is_patch:
+    if not scene.swings:
         return ("recovered fits a smooth motion to whole numbers of particles per cell, and with these a patch test "
                 "has no error but round-off; take companion")
     return None
 
 
-def noisy(scene: BarScene) -> bool:
+def noisy(scene: Scene) -> bool:
     """Whether two-grid can say nothing of a: crossings fill it with noise, which each grid has in other places."""
     return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
 
 
-def transport(scene: BarScene) -> str | None:
+def transport(scene: Scene) -> str | None:
     """Its defects are those of weights that follow the particles; of B-splines they are next to nothing.
 
     Measured with B-splines at 40 and 160 cells: indices .000-.006 for A = 2.5e-4, .005-.46 for .025, .08-.75 for .05.
     """
-    if scene.is_patch:
+    if not scene.swings:
         return ("transport reads zero in a patch test that is passed, and thousands of times the error of x in one "
                 "that is failed; take companion")
     if scene.frozen:

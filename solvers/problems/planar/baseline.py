@@ -57,10 +57,10 @@ def baseline(Own: type[PlanarSolver], state: type[WatchedBody], members: tuple[s
     class Baseline(Own):
         def __init__(self, scene: Scene):
             super().__init__(scene)
-            self._stripped: Any = part_of(self._pack, State)
+            self._baseline: Any = part_of(self._pack, State)
 
         def _run(self, steps: int) -> None:
-            advance(self.step, steps, self._stripped, NoSwitches())
+            advance(self.step, steps, self._baseline, NoSwitches())
 
     return Baseline
 

@@ -1,9 +1,10 @@
-"""Where the particles of a ring begin, what they weigh and which domain they stand for."""
+"""Where the particles of a plane body begin, what they weigh and which domain they stand for."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.scene import Scene
 
 CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))  # of a CPDI domain, in its edges from its middle
@@ -25,6 +26,14 @@ class Layout:
     radii: np.ndarray  # (K,)
     radius: np.ndarray  # (P,) int32
     neighbours: np.ndarray  # the next particles on the lattice in its two directions, -1 for none (P, 2)
+
+
+def particle_layout(scene: PlanarScene) -> Layout:
+    """The scene's layout: "polar" lattices fill the ring exactly, "cartesian" ones leave staircases at its rims."""
+    if scene.layout == "polar":
+        return polar(scene.INNER, scene.OUTER, scene.ANGLE, *scene.polar_counts(scene.cells, scene.ppc))
+    least = -scene.OUTER if scene.ANGLE >= 2 * np.pi else 0.0
+    return cartesian(scene.INNER, scene.OUTER, scene.spacing / scene.ppc, least)
 
 
 def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:

@@ -6,4 +6,6 @@ from solvers.problems.ring.solver import RingSolver
 from solvers.problems.ring.state import WatchedRing
 from solvers.problems.ring.step import has_escaped
 
-SOLVER = baseline(RingSolver, WatchedRing, ("material_position", "farthest_move", "radial_force"), TRAITS, has_escaped)
+MEMBERS = "material_position", "farthest_move", "radial_force"
+
+RingBaseline = baseline(RingSolver, WatchedRing, MEMBERS, TRAITS, has_escaped)

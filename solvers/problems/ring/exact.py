@@ -7,7 +7,7 @@ F_r = 1 + T w', F_theta = 1 + T w/R, and P = mu (F - 1/F) in each, mu = E/2 (neo
 
 import numpy as np
 
-from solvers.problems.ring.scene import RingScene
+from solvers.scene.scene import Scene
 
 INNER, OUTER = 0.4, 0.6
 SECOND_SIZE = 0.5  # of the force's second tone, in w^2 A
@@ -21,12 +21,12 @@ def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return ((C3 * R + C2) * R + C1) * R, (3 * C3 * R + 2 * C2) * R + C1, 6 * C3 * R + 2 * C2
 
 
-def _expansion(scene: RingScene, t: float) -> float:
+def _expansion(scene: Scene, t: float) -> float:
     """T(t) = A sin(wt)."""
     return scene.amplitude * np.sin(scene.angular_frequency * t)
 
 
-def time_factors(scene: RingScene, t: float) -> tuple[float, float, float]:
+def time_factors(scene: Scene, t: float) -> tuple[float, float, float]:
     """T, T' and T'' at the time t: with w(R) the radial displacement, velocity and acceleration."""
     w, T = scene.angular_frequency, _expansion(scene, t)
     return T, scene.amplitude * w * np.cos(w * t), -w * w * T
@@ -37,30 +37,30 @@ def _radially(X: np.ndarray, size: np.ndarray) -> np.ndarray:
     return X * (size / np.linalg.norm(X, axis=1))[:, None]
 
 
-def displacement(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """u (P, 2) in metres at the material positions X (P, 2)."""
     return _radially(X, _expansion(scene, t) * shape(np.linalg.norm(X, axis=1))[0])
 
 
-def velocity(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """v = u_t (P, 2) in m/s."""
     w = scene.angular_frequency
     return _radially(X, scene.amplitude * w * np.cos(w * t) * shape(np.linalg.norm(X, axis=1))[0])
 
 
-def acceleration(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """a = u_tt = -w^2 u (P, 2) in m/s^2."""
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
 
-def stretches(scene: RingScene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+def stretches(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
     """F_r and F_theta at the radii R."""
     w, slope, _ = shape(R)
     T = _expansion(scene, t)
     return 1 + T * slope, 1 + T * w / R
 
 
-def deformation_gradient(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+def deformation_gradient(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """F (P, 2, 2) at the material positions X (P, 2)."""
     R = np.linalg.norm(X, axis=1)
     radial, hoop = stretches(scene, R, t)
@@ -68,14 +68,14 @@ def deformation_gradient(scene: RingScene, X: np.ndarray, t: float) -> np.ndarra
     return hoop[:, None, None] * np.eye(2) + (radial - hoop)[:, None, None] * outward
 
 
-def principal_stresses(scene: RingScene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+def principal_stresses(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
     """Cauchy stress along and across e_R at the radii R, in pascals: mu/J (F F^T - I), the paper's eq 37 corrected."""
     radial, hoop = stretches(scene, R, t)
     scale = 0.5 * scene.modulus / (radial * hoop)
     return scale * (radial**2 - 1), scale * (hoop**2 - 1)
 
 
-def stress(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
+def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3) in pascals."""
     R = np.linalg.norm(X, axis=1)
     along, across = principal_stresses(scene, R, t)
@@ -83,7 +83,7 @@ def stress(scene: RingScene, X: np.ndarray, t: float) -> np.ndarray:
     return np.stack([along * c * c + across * s * s, (along - across) * c * s, along * s * s + across * c * c], axis=1)
 
 
-def field(scene: RingScene, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
+def field(scene: Scene, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
     """The radial component at the radii R of a quantity by its key (``samples.QUANTITIES``), u for x, as a method has
     it after the time t: its acceleration is the one that its last step used, which began a step before."""
     if quantity == "sigma":
@@ -92,7 +92,7 @@ def field(scene: RingScene, quantity: str, R: np.ndarray, t: float) -> np.ndarra
     return shape(R)[0] * factors["xva".index(quantity)]
 
 
-def body_force(scene: RingScene, R: np.ndarray, t: float) -> np.ndarray:
+def body_force(scene: Scene, R: np.ndarray, t: float) -> np.ndarray:
     """Radial body force per mass, in m/s^2, that makes u the solution: rho b = rho u_tt - P_r' - (P_r - P_theta)/R.
     With two tones w^2 A/2 cos(pi (R - a)/(b - a)) sin(1.7 wt) beside it; zero for the free ring."""
     if scene.body_force == "none":

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
-from solvers.problems.planar.layout import Layout
+from solvers.problems.planar.layout import Layout, particle_layout
 from solvers.problems.planar.reference import SLACK, PlanarReference
 from solvers.problems.reference import Texts
 from solvers.problems.ring import exact
-from solvers.problems.ring.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 
 FINE, COARSE = (2, 4, 5), (2, 3, 4)  # of the companion: elements across the ring and around it, their order

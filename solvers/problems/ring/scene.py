@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from solvers.problems.ring import validity
+from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.ring import exact, step_bound, validity
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
-from solvers.scene.rules import SceneError, require_number, require_whole
-from solvers.scene.scene import Scene, option
+from solvers.scene.rules import SceneError, require_number
+from solvers.scene.scene import option
 
 INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A min w' reaches 0
 RESONANCE = 0.115  # amplitude from which on the ring's own motion is unstable: a disturbance grows with every period
@@ -21,7 +22,7 @@ LARGE_ERROR = 0.1  # and the one that is called the end
 
 
 @dataclass(frozen=True)
-class RingScene(Scene):
+class RingScene(PlanarScene):
     """One run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
 
     ``plan`` says how the step is spread over threads: one serial kernel, slabs side by side, or whichever is faster.
@@ -44,37 +45,36 @@ class RingScene(Scene):
 
     TITLE = "expanding ring"
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
-    EXTRA_ERROR = "a_nodes"
+    ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     VALIDITY = validity.RULES
     REMEDIES = (FILTER, COUPLED, FROZEN)
     STRAIN_PER_AMPLITUDE = 1 / INVERSION
     GENTLE_AMPLITUDE = 1e-2
     HARD_AMPLITUDES = (0.05, 0.1, 0.15)
-    DIMENSIONS = 2
+    SIDE, INNER, OUTER, ANGLE = 1.2, exact.INNER, exact.OUTER, 0.5 * math.pi
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0
     SAMPLES_A_PERIOD = 50  # a sample of a ring costs more than a step
 
-    @property
-    def solution_known(self) -> bool:
-        """The manufactured solution needs its own force: without it the ring swings freely, nobody knows how."""
-        return self.body_force == "material"
+    # Measured at 48 cells, A = 0.1: everywhere, the internal forces no longer cancel (0.4 of their sum, all at the
+    # surface) and uGIMP blows up within a period; at nodes full of material alone, x gets 21 % better for uGIMP and
+    # 15 % worse for CPDI, whose parallelograms tile and leave nothing to correct.
+    NOT_LINEARITY_PRESERVING = ("is not offered for the ring: at the free surface it breaks action and reaction and "
+                                "the run blows up, and away from it CPDI gains nothing; leave it off")
+    MENDS = "the others mend"
 
-    @property
-    def spacing(self) -> float:
-        """Cell size h."""
-        return 1.2 / self.cells
+    @staticmethod
+    def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
+        return max(1, round(2 * cells * ppc / 3)), max(1, round(cells * ppc / 6))
 
-    @property
-    def particles(self) -> int:
-        """Number of particles in the polar layout; close to it in the Cartesian one."""
-        return math.prod(polar_counts(self.cells, self.ppc))
+    def critical_time_step(self) -> float:
+        return step_bound.critical_time_step(self)
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()
         if self.amplitude >= RESONANCE and self.solution_known:
             sentences.append(self._resonance())
-        if "recovered" in self.active_estimators and validity.uneven(self):
+        if "recovered" in self.active_estimators and self.uneven:
             sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
                              "particles that are one per cell or move with their own velocity")
         if "two-grid" in self.active_estimators:
@@ -111,25 +111,8 @@ class RingScene(Scene):
                              f"the exact ring turns inside out from {INVERSION} on; {allowed}")
 
     def _check_combinations(self) -> None:
-        require_whole("ppc", self.ppc, 1, 6)
-        if self.cells > 10_000:
-            raise SceneError("cells", self.cells, "give a whole number from 8 to 10,000")
-        if self.linearity_preserving:
-            # Measured at 48 cells, A = 0.1: everywhere, the internal forces no longer cancel (0.4 of their sum, all at
-            # the surface) and uGIMP blows up within a period; at nodes full of material alone, x gets 21 % better for
-            # uGIMP and 15 % worse for CPDI, whose parallelograms tile and leave nothing to correct.
-            raise SceneError("linearity_preserving", True,
-                             "is not offered for the ring: at the free surface it breaks action and reaction and the "
-                             "run blows up, and away from it CPDI gains nothing; leave it off")
-        if self.frozen and len(self.remedies) > 1:
-            raise SceneError("remedies", " ".join(self.remedies), "frozen-weights stands alone: the others mend what "
-                             "comes of particles that move through the grid; leave one of the two out")
+        super()._check_combinations()
         if COUPLED in self.remedies and self.method == "cpdi":
             raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
                              "follow the deformation; give null-space-filter or frozen-weights")
         self._check_plan()
-
-
-def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
-    """Particles around the quarter and across the ring: as many as make their domains about h/ppc wide."""
-    return max(1, round(2 * cells * ppc / 3)), max(1, round(cells * ppc / 6))

@@ -8,16 +8,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.step_bound import boxes, corners
 from solvers.problems.ring import exact
-from solvers.problems.ring.layout import particle_layout
-from solvers.problems.ring.scene import RingScene
 from solvers.scene.step_bound import INSTANTS, bound
 
 MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
 
 
-def critical_time_step(scene: RingScene) -> float:
+def critical_time_step(scene: PlanarScene) -> float:
     """The smallest bound, in seconds, over the ring's motion from one extreme to the other."""
     fine = scene
     while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
@@ -27,7 +27,7 @@ def critical_time_step(scene: RingScene) -> float:
     return min(_at(scene, layout, size) for size in sizes) * fine.spacing / scene.spacing
 
 
-def _at(scene: RingScene, layout, size: float) -> float:
+def _at(scene: PlanarScene, layout, size: float) -> float:
     """The bound where the radial displacement is ``size`` w(R)."""
     X, R = layout.position, layout.radii[layout.radius]
     w, slope, _ = exact.shape(R)

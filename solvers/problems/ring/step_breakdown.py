@@ -4,7 +4,7 @@ import numpy as np
 
 from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.step_breakdown import nodes_of, weights_of
-from solvers.problems.ring.layout import GHOSTS
+from solvers.problems.ring.method.phases import GHOSTS
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.state import WatchedRing
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link

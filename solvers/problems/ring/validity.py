@@ -9,14 +9,14 @@ from collections.abc import Callable
 from typing import Any
 
 from solvers.estimators.phase_lag import out_of_step
-from solvers.scene.estimator_validity import FROZEN_REASON, REMEDIES_REASON
+from solvers.problems.planar.validity import off_lattice, too_few_across, transport
+from solvers.scene.estimator_validity import REMEDIES_REASON
 
 FEWEST_CELLS = {"material": 12, "none": 48, "two-tone": 48}  # two move in waves across it; with 24 x is .7
 COMPANION_LIMIT = 0.25  # amplitude: the index of the stress is 1.05 there (CPDI, 48 cells, one period), 5.7 at 0.3
 RECOVERED_LIMIT = 0.2  # amplitude: good to 0.19 (stress index 1.08), 4 for the acceleration at 0.22, nothing at 0.25
 MOST_GROWTH = 4.0  # two-grid, of a disturbance after the first period: measured at 7.7, .68 of the error of x
 WIDTH = 0.2  # of the ring, in metres: the half wavelength of the longest wave across it
-FEWEST_ACROSS = 4  # particles, for a cubic
 
 
 def two_grid(scene: Any) -> str | None:
@@ -53,29 +53,12 @@ def companion(scene: Any) -> str | None:
 
 def recovered(scene: Any) -> str | None:
     """The fits need a polar lattice with enough particles, and a motion that is not unstable."""
-    if scene.layout == "cartesian":
-        return ("recovered fits the particles along the lines of a polar lattice, and could not see the error that a "
-                "staircase for a boundary makes; take the polar layout")
+    if reason := off_lattice(scene):
+        return reason
     if scene.amplitude > RECOVERED_LIMIT:
         return (f"at an amplitude above {RECOVERED_LIMIT:g} the compressed ring is so unstable that recovered's own "
                 "equation of motion breaks down")
-    if round(scene.cells * scene.ppc / 6) < FEWEST_ACROSS:
-        return ("recovered fits a cubic across the ring, which needs four particles there; take more cells or more "
-                "particles per cell")
-    return None
-
-
-def uneven(scene: Any) -> bool:
-    """Whether particles stand so unevenly that recovered's fits follow them, and no more than x and v can be told.
-
-    Measured on 14 such runs: sigma 1.06 to 5.6 times the error, x .97 to 1.06 while the verdict does not doubt it.
-    """
-    return scene.ppc == 1 or scene.velocity == "particle"
-
-
-def transport(scene: Any) -> str | None:
-    """Its defects are those of weights that follow the particles."""
-    return FROZEN_REASON if scene.frozen else None
+    return too_few_across(scene)
 
 
 RULES: dict[str, Callable[[Any], str | None]] = {

@@ -6,4 +6,6 @@ from solvers.problems.vortex.solver import VortexSolver
 from solvers.problems.vortex.state import WatchedVortex
 from solvers.problems.vortex.step import has_escaped
 
-SOLVER = baseline(VortexSolver, WatchedVortex, ("lame_modulus", "volumetric", "polar_force"), TRAITS, has_escaped)
+MEMBERS = "lame_modulus", "volumetric", "polar_force"
+
+VortexBaseline = baseline(VortexSolver, WatchedVortex, MEMBERS, TRAITS, has_escaped)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
-from solvers.problems.planar.layout import Layout
+from solvers.problems.planar.layout import Layout, particle_layout
 from solvers.problems.planar.reference import PlanarReference
 from solvers.problems.reference import Texts
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.exact import force_at_rest, on_axis, turned
-from solvers.problems.vortex.layout import particle_layout
 from solvers.problems.vortex.scene import SIDE, VortexScene
 
 FINE, COARSE = (8, 6), (6, 5)  # of the companion: elements across the ring, their order

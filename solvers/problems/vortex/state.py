@@ -5,13 +5,18 @@ from dataclasses import dataclass
 import taichi as ti
 
 from solvers.estimators.memory import packing
+from solvers.problems.planar.estimators import transport
 from solvers.problems.planar.state import WatchedBody, watched
+from solvers.problems.vortex.estimators import companion, recovered
 from solvers.problems.vortex.method.body import VortexBody, body, farthest
+from solvers.problems.vortex.method.phases import TRAITS
 from solvers.problems.vortex.scene import VortexScene
 from solvers.scene import registry
 from solvers.scene.switches import switches
 
-HOOKS = registry.hooks_of("vortex")
+#: What the solver calls of each estimator that the vortex has, by name.
+HOOKS = registry.hooks_of("vortex", {
+    "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.hooks(TRAITS)})
 
 
 @dataclass

@@ -5,24 +5,24 @@ is V0 [mu (g . b h) I + lambda g h^T + mu h g^T], b = F F^T. Its norm is at most
 mu b + (lambda + mu) I. A sheared material is stiff along one direction alone: taken as large along all, as bar and ring
 do with their stretches, the bound would be up to four times too strict here. In material form, for frozen weights, the
 metric is mu I + (lambda + mu) C^-1. Lattice, grid and motion look the same after a quarter of a turn: a quarter of the
-particles is enough, if a node has one number with the three where it then comes to lie.
+particles is enough, if a node has one number with the three where it then comes to lie. A scene is a ``VortexScene``,
+whose file imports this one.
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.layout import box_stretch
+from solvers.problems.planar.layout import box_stretch, particle_layout
 from solvers.problems.planar.step_bound import boxes, corners
 from solvers.problems.vortex import exact
-from solvers.problems.vortex.layout import particle_layout
-from solvers.problems.vortex.scene import VortexScene
 from solvers.scene.step_bound import INSTANTS, bound
 
 MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
 
 
-def critical_time_step(scene: VortexScene) -> float:
+def critical_time_step(scene: Any) -> float:
     """The smallest bound, in seconds, over the motion from rest to the largest turn; the other way is its mirror."""
     fine = scene
     while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
@@ -33,7 +33,7 @@ def critical_time_step(scene: VortexScene) -> float:
     return min(_at(scene, X, volume, edges, t) for t in instants) * fine.spacing / scene.spacing
 
 
-def _at(scene: VortexScene, X: np.ndarray, volume: np.ndarray, edges: np.ndarray, t: float) -> float:
+def _at(scene: Any, X: np.ndarray, volume: np.ndarray, edges: np.ndarray, t: float) -> float:
     """The bound at the time t of the exact motion, from the particles of a quarter."""
     lam, mu = exact.lame(scene)
     F = exact.deformation_gradient(scene, X, t)

@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from solvers.problems.planar.validity import off_lattice, too_few_across, transport
 from solvers.problems.vortex.exact import INNER, OUTER, shape
-from solvers.scene.estimator_validity import FROZEN_REASON
 
-FEWEST_ACROSS = 4  # particles, for a cubic
 FEWEST_CELLS = 24  # on which a fit over four cells is as wide as the ring; with 12 the index of x is .7, that of a .5
 LONGEST_STEP = 0.75  # of recovered, as the way of a wave over an element: from 0.8 on its method may be unstable
 LOOKED_AT = 101  # circles, for the fastest wave
@@ -32,12 +31,8 @@ def crossing_rate(scene: Any) -> float:
 
 def recovered(scene: Any) -> str | None:
     """The fits need a polar lattice with enough particles, and its steps cannot be shorter than the run's."""
-    if scene.layout == "cartesian":
-        return ("recovered fits the particles along the lines of a polar lattice, and could not see the error that a "
-                "staircase for a boundary makes; take the polar layout")
-    if round(scene.cells * scene.ppc / 6) < FEWEST_ACROSS:
-        return ("recovered fits a cubic across the ring, which needs four particles there; take more cells or more "
-                "particles per cell")
+    if reason := off_lattice(scene) or too_few_across(scene):
+        return reason
     if scene.cells < FEWEST_CELLS:
         return (f"recovered fits the particles over four cells, which is more than the whole width of the ring; give "
                 f"{FEWEST_CELLS} cells or more")
@@ -46,16 +41,6 @@ def recovered(scene: Any) -> str | None:
         return (f"recovered has an equation of motion of its own, which such steps would make unstable in a material "
                 f"sheared so much; give a cfl of {bearable:.2g} or less")
     return None
-
-
-def uneven(scene: Any) -> bool:
-    """Whether particles stand so unevenly that recovered's fits follow them, as on the ring."""
-    return scene.ppc == 1 or scene.velocity == "particle"
-
-
-def transport(scene: Any) -> str | None:
-    """Its defects are those of weights that follow the particles."""
-    return FROZEN_REASON if scene.frozen else None
 
 
 RULES: dict[str, Callable[[Any], str | None]] = {"recovered": recovered, "transport": transport}

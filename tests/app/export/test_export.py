@@ -19,7 +19,7 @@ from app.export.page import scene_page
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
 from app.export.record import Wanted, recording
 from app.lessons.reading import parse
-from solvers.problems.ring.layout import particle_layout
+from solvers.problems.planar.layout import particle_layout
 from tests.app.lessons.test_lesson_format import TEXT
 
 BAR = "bar cells=10 periods=0.25 estimators=recovered,transport"

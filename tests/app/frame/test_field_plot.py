@@ -13,7 +13,7 @@ from app.problems.bar.stage import FIELD as BAR_FIELD
 from app.problems.field import FieldPlot, seen
 from app.problems.ring.stage import FIELD as RING_FIELD
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.layout import particle_layout
+from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES

@@ -25,7 +25,7 @@ from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.layout import particle_layout
+from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 from solvers.scene.registry import ESTIMATORS
 from solvers.scene.rules import SceneError

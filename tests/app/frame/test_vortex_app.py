@@ -14,7 +14,7 @@ from app.page.visit.session import first_scene
 from app.problems.vortex.view import ANGLES, FIFTHS, VORTEX
 from app.words import choices, unit_of
 from solvers.problems import PROBLEMS
-from solvers.problems.vortex.layout import particle_layout
+from solvers.problems.planar.layout import particle_layout
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build
 from solvers.scene.effects import EFFECTS

@@ -141,7 +141,7 @@ def test_the_first_step_onto_a_boundary_is_known(ppc, cells_a_step, step):
     """Of particles at odd parts of a cell too, which no decimal number is: 5/6 + 2/12 = 1; 1/8 + n/12 is never whole.
     """
     scene = replace(PATCH, method="mpm", ppc=ppc)
-    assert patch.edge_step(replace(scene, initial_velocity=cells_a_step * scene.spacing / scene.time_step)) == step
+    assert patch.edge_step(scene, cells_a_step * scene.spacing / scene.time_step) == step
 
 
 def test_a_bar_of_many_cells_is_looked_at_in_few():

@@ -20,7 +20,6 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import run
-from solvers.scene.registry import names
 from solvers.scene.scene import Scene
 from solvers.solver.result import Result
 from solvers.solver.samples import QUANTITIES
@@ -34,11 +33,12 @@ CELLS = (20, 40, 80, 160)
 ALL = tuple(QUANTITIES)
 XV, XVS = ALL[:2], ALL[:3]
 
-BAR = BarScene(estimators=names("bar"), linearity_preserving=True, dt=2.5e-5, t_end=1.0)
+BAR = BarScene(estimators=BarScene.choices("estimators"), linearity_preserving=True, dt=2.5e-5, t_end=1.0)
 FREE_STEP = {"dt": None, "t_end": None}  # the usual one, and the usual time unless another is given
 PLAIN = {**FREE_STEP, "linearity_preserving": False}
-RING = RingScene(estimators=names("ring"), cells=24, dt=2e-5, periods=1)
-VORTEX = VortexScene(estimators=names("vortex"), cfl=0.1, t_end=1.0)  # A = 1: the middle turns by 57 degrees
+RING = RingScene(estimators=RingScene.choices("estimators"), cells=24, dt=2e-5, periods=1)
+#: A = 1: the middle turns by 57 degrees.
+VORTEX = VortexScene(estimators=VortexScene.choices("estimators"), cfl=0.1, t_end=1.0)
 LARGE = {name: TABLE["large"][name] for name in ("modulus", "amplitude")}
 KINDS = {"bar": BAR, "ring": RING, "vortex": VORTEX}
 

@@ -120,15 +120,15 @@ import json, sys
 from app.pictures.run import png_bytes, run_figure
 from app.pictures.study import FIGURES
 from solvers.problems.bar.scene import BarScene
-from solvers.scene.registry import names
 from solvers.running.run import run
 from solvers.study import row
 from solvers.study.grid import plan
+names = BarScene.choices("estimators")
 inputs = {"ppc": 2, "amplitude": 0.004, "periods": 0.2, "linearity_preserving": True}
-scene = BarScene(cells=20, estimators=names("bar"), **inputs)
+scene = BarScene(cells=20, estimators=names, **inputs)
 figure = run_figure(run(scene, prices=False))
 assert png_bytes(figure).startswith(b"\\x89PNG")
-axes = {"cells": [16, 20], "estimator": [names("bar")], **{name: [value] for name, value in inputs.items()}}
+axes = {"cells": [16, 20], "estimator": [names], **{name: [value] for name, value in inputs.items()}}
 rows = [row.measure(task) for task in plan("bar", axes, repeats=1)]
 assert all(png_bytes(make(rows)).startswith(b"\\x89PNG") for make in FIGURES.values())
 print(json.dumps([[line.get_label(), str(line.get_color())] for axes in figure.axes for line in axes.get_lines()]))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build
@@ -18,7 +19,7 @@ VORTEX = VortexScene(estimators=("transport",), cells=24, amplitude=0.25, cfl=0.
 
 
 def test_what_there_is():
-    assert set(registry.names("vortex")) == {"companion", "recovered", "transport"}
+    assert set(VortexScene.choices("estimators")) == {"companion", "recovered", "transport"}
 
 
 def test_two_grid_is_refused_in_words():
@@ -26,7 +27,7 @@ def test_two_grid_is_refused_in_words():
     with pytest.raises(SceneError, match=r"estimator two-grid: is not built for the vortex.*; give one of") as refused:
         replace(VORTEX, estimators=("two-grid",))
     assert "companion" in refused.value.sentence and refused.value.field == "estimators"
-    registry.require_offered(("two-grid",), "ring")
+    registry.require_offered(("two-grid",), "ring", RingScene.choices("estimators"))
 
 
 def test_recovered_meets_companion_where_no_solution_is_built_in():
@@ -52,7 +53,7 @@ def test_where_recovered_is_refused(change, word):
 @pytest.mark.parametrize("chosen", ["transport", ("nobody",), (3,), None])
 def test_what_is_no_estimator_is_left_to_others(chosen):
     """A list of names that has none of them, and what is no list, is not this rule's business but the scene's."""
-    registry.require_offered(chosen, "vortex")
+    registry.require_offered(chosen, "vortex", VortexScene.choices("estimators"))
     with pytest.raises(SceneError):
         replace(VORTEX, estimators=chosen)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import exact
-from solvers.problems.ring.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 
 SCENE = RingScene(amplitude=0.15, density=1300.0, modulus=3e6)

@@ -9,9 +9,8 @@ import taichi as ti
 from solvers.kernels.kinds import quads
 from solvers.problems.planar.method import phases
 from solvers.problems.ring import exact
-from solvers.problems.ring.layout import GHOSTS
 from solvers.problems.ring.method.material import radial_forces
-from solvers.problems.ring.method.phases import TRAITS
+from solvers.problems.ring.method.phases import GHOSTS, TRAITS
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
 from solvers.problems.ring.state import RingState

@@ -9,9 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.problems.planar.layout import CORNERS
+from solvers.problems.planar.layout import CORNERS, particle_layout
 from solvers.problems.vortex import exact, step_bound
-from solvers.problems.vortex.layout import particle_layout
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build
 from solvers.scene.rules import SceneError
@@ -97,7 +96,7 @@ def test_bound_on_the_step(cells, amplitude):
     cells has none of its nodes in the middle."""
     scene = VortexScene(method="cpdi", cells=cells, ppc=2, amplitude=amplitude)
     limit = min(exact_limit(scene, t) for t in (0.25, 0.5))
-    assert 0.5 * limit < step_bound.least(scene) < limit
+    assert 0.5 * limit < step_bound.critical_time_step(scene) < limit
 
 
 @pytest.mark.parametrize("change", [
@@ -106,12 +105,12 @@ def test_bound_on_the_step(cells, amplitude):
 def test_a_quarter_of_the_ring_has_the_bound_of_the_whole(change, monkeypatch):
     """To rounding; and it is a matter of some hundredths of a second, for every new scene waits for it."""
     scene = VortexScene(**{"cells": 24, "amplitude": 0.5, **change})
-    quarter, layout = step_bound.least(scene), particle_layout(scene)
+    quarter, layout = step_bound.critical_time_step(scene), particle_layout(scene)
     X, turned = layout.position, layout.position @ [[0, 1], [-1, 0]]
     assert np.abs(np.sort(turned, axis=0) - np.sort(X, axis=0)).max() < 1e-12  # the lattice, turned by 90 degrees
     monkeypatch.setattr(step_bound, "image_in_a_quarter", lambda i, j, n: 4 * n + i + 8 * n * (4 * n + j))
     monkeypatch.setattr(step_bound, "a_quarter", lambda X: np.ones(len(X), bool))
-    assert step_bound.least(scene) == pytest.approx(quarter, rel=1e-9)
+    assert step_bound.critical_time_step(scene) == pytest.approx(quarter, rel=1e-9)
 
 
 def exact_limit(scene: VortexScene, t: float) -> float:

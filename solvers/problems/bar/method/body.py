@@ -8,9 +8,8 @@ from solvers.kernels.kinds import Integer, Integers, Pairs, Quads, Real, Reals
 from solvers.problems.bar import exact
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
-from solvers.scene.remedies import remedy_rates
 from solvers.scene.switches import Switches
-from solvers.solver.arrays import Members, zeros
+from solvers.solver.arrays import Members, remedy_rates, zeros
 
 
 @dataclass

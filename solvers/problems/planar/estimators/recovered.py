@@ -31,6 +31,7 @@ from solvers.estimators.recovery import BEGUN, MOVED, NEW, TAU, TURNS, H
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.method.phases import gather
+from solvers.scene.estimator_hooks import EstimatorHooks
 
 SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
 WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed
@@ -236,29 +237,43 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
         op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, problem.closed)
 
 
-def lines(scene, inner, outer, counts, turn, ends):
-    """The lattice's lines, around by the angle ``turn`` and across the ring between two radii, with elements a cell
-    wide at the inner one. ``counts`` are the particles on each.
+def hooks(problem: Problem, side: Callable, velocity: Callable, most_rough: float) -> EstimatorHooks:
+    """The estimator of a problem. ``side(scene, angle)`` is the shortest way of a wave along an element of a circle, in
+    metres at rest; ``velocity(scene, R)`` the initial one along e_R and e_angle."""
+    @ti.func
+    def its_step(body: ti.template(), base, step, on: ti.template()):
+        after_step(body, step, problem, on)
+
+    @ti.func
+    def its_report(body: ti.template(), base, step, on: ti.template()):
+        report(body, base, step, problem, on)
+
+    def interval(scene):
+        angle, radius = lines(scene)
+        return recovery.steps_between(scene, WAVE_CFL * min(side(scene, angle), 1 / radius.per_element))
+
+    return EstimatorHooks(
+        memory=MEMORY, allocate=lambda scene: allocate(scene, velocity, interval(scene)), interval=interval,
+        after_step=its_step, report=its_report, verdict=lambda scene, memory: verdict(scene, memory, most_rough))
+
+
+def lines(scene):
+    """The lattice's lines, around and across the ring, with elements a cell wide at the inner rim.
 
     With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
     """
     width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
-    elements = round(turn * inner / width), round((outer - inner) / width)
-    return (Line(counts[0], max(3, elements[0]), turn, ends),
-            Line(counts[1], max(1, elements[1]), outer - inner, "free"))
+    turn, across, counts = scene.ANGLE, scene.OUTER - scene.INNER, scene.polar_counts(scene.cells, scene.ppc)
+    ends = "periodic" if turn >= 2 * np.pi else "mirror"
+    return (Line(counts[0], max(3, round(turn * scene.INNER / width)), turn, ends),
+            Line(counts[1], max(1, round(across / width)), across, "free"))
 
 
-def shortest_side(angle, radius, inner):
-    """Of an element, in metres."""
-    return min(inner / angle.per_element, 1 / radius.per_element)
-
-
-def allocate(scene, angle, radius, inner, velocity, steps, uneven):
-    """Operators along both lines, and the reference in the initial configuration.
-
-    ``velocity`` are the initial ones along e_R and e_angle at the particles' radii, ``steps`` those of the run to one
-    of the estimator's.
-    """
+def allocate(scene, initial_velocity, steps):
+    """Operators along both lines, and the reference in the initial configuration. ``steps`` are those of the run to one
+    of the estimator's."""
+    (angle, radius), inner = lines(scene), scene.INNER
+    velocity = initial_velocity(scene, inner + radius.particles() / radius.per_point)
     width, R = recovery.fit_width(scene), inner + radius.quadrature()[0] / radius.per_point
     angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
     radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
@@ -271,7 +286,7 @@ def allocate(scene, angle, radius, inner, velocity, steps, uneven):
     nodes[op.DIRECTION, :angle.nodes] = np.concatenate([direction, across], axis=1)
     return {"recovered_numbers": recovery.numbers(scene, steps), **recovery.table_values(tables),
             "recovered_count": angle.nodes * radius.nodes, "recovered_across": radius.nodes,
-            "recovered_uneven": int(uneven), "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_uneven": int(scene.uneven), "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_particles": np.zeros((fields, 4))}
 
 

@@ -25,6 +25,8 @@ import taichi as ti
 from solvers.estimators.transport import doubt
 from solvers.kernels.kinds import quads, real
 from solvers.problems.planar.method import cpdi, gimp
+from solvers.problems.planar.method.traits import Traits
+from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_INTERVAL = 20  # steps of the run between two of the estimator's
 
@@ -34,6 +36,16 @@ MEMORY = {
     "transport_moments": quads,  # sums of D_x, D_y, D_x r_x, D_y r_y
     "transport_error": quads,  # nodal error of a, and two zeros
 }
+
+
+def hooks(traits: Traits) -> EstimatorHooks:
+    """The estimator of a problem with these traits."""
+    @ti.func
+    def its_step(body: ti.template(), base, on: ti.template()):
+        in_step(body, base, traits, on)
+
+    return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=interval, in_step=its_step, report=report,
+                          verdict=verdict)
 
 
 @ti.func

@@ -10,10 +10,9 @@ import numpy as np
 from solvers.kernels.kinds import Integer, IntegerQuads, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.problems.planar.layout import Layout
 from solvers.problems.planar.method.phases import TOTALS
-from solvers.scene.remedies import remedy_rates
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
-from solvers.solver.arrays import Members, zeros
+from solvers.solver.arrays import Members, remedy_rates, zeros
 
 
 @dataclass

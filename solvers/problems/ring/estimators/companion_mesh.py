@@ -7,8 +7,8 @@ import numpy as np
 
 from solvers.estimators.companion import LAYERS, highest_frequency
 from solvers.estimators.spectral import Elements
+from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring.exact import INNER, OUTER
-from solvers.problems.ring.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 
 #: Up to so many cells: elements across, elements around, order p.

@@ -4,12 +4,9 @@ F^-T)."""
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import recovery
 from solvers.problems.planar.estimators import recovered
-from solvers.problems.ring import exact, validity
+from solvers.problems.ring import exact
 from solvers.problems.ring.method.material import kirchhoff_stress, radial_force_at
-from solvers.problems.ring.scene import polar_counts
-from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_ROUGH = 7.0  # from 7.7 on x was .99 to 30 times the error in 45 random runs, below it .96 to 1.06
 
@@ -37,40 +34,14 @@ def stress_error(ring: ti.template(), p, a, b, c, d):
                       own[2] - scale * (c * c + d * d - 1), 0.0])
 
 
-PROBLEM = recovered.Problem(force, stress, stress_error, closed=False)
+def side(scene, angle):
+    """Of an element at the inner rim."""
+    return exact.INNER / angle.per_element
 
 
-@ti.func
-def after_step(ring: ti.template(), base, step, on: ti.template()):
-    """Its turn."""
-    recovered.after_step(ring, step, PROBLEM, on)
+def velocity(scene, R):
+    """At the start, along e_R and e_angle: radial."""
+    return scene.amplitude * scene.angular_frequency * exact.shape(R)[0], np.zeros_like(R)
 
 
-@ti.func
-def report(ring: ti.template(), base, step, on: ti.template()):
-    """Its estimates."""
-    recovered.report(ring, base, step, PROBLEM, on)
-
-
-def lines(scene):
-    """The lattice's lines, around the quarter and across the ring."""
-    return recovered.lines(scene, exact.INNER, exact.OUTER, polar_counts(scene.cells, scene.ppc), 0.5 * np.pi, "mirror")
-
-
-def interval(scene):
-    """Steps of the run to one of the estimator's."""
-    return recovery.steps_between(scene, recovered.WAVE_CFL * recovered.shortest_side(*lines(scene), exact.INNER))
-
-
-def allocate(scene):
-    """Operators along both lines, and the reference, whose initial velocity is radial."""
-    angle, radius = lines(scene)
-    R = exact.INNER + radius.particles() / radius.per_point
-    speed = scene.amplitude * scene.angular_frequency * exact.shape(R)[0]
-    return recovered.allocate(scene, angle, radius, exact.INNER, (speed, np.zeros_like(R)), interval(scene),
-                              validity.uneven(scene))
-
-
-HOOKS = EstimatorHooks(
-    memory=recovered.MEMORY, allocate=allocate, interval=interval, after_step=after_step, report=report,
-    verdict=lambda scene, memory: recovered.verdict(scene, memory, MOST_ROUGH))
+HOOKS = recovered.hooks(recovered.Problem(force, stress, stress_error, closed=False), side, velocity, MOST_ROUGH)

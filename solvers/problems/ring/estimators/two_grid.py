@@ -21,7 +21,7 @@ from solvers.problems.planar.method.phases import nodes_to_particles, update_gri
 from solvers.problems.ring.method.body import RingBody, body
 from solvers.problems.ring.method.material import kirchhoff_stress
 from solvers.problems.ring.method.phases import TRAITS
-from solvers.problems.ring.scene import RingScene, polar_counts
+from solvers.problems.ring.scene import RingScene
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.switches import switches
 
@@ -206,7 +206,7 @@ def coarse_scene(scene):
 
 def all_stencils(scene, second):
     """The six tables, and the numbers of points (around, across) of the run's, the second's and the common lattice."""
-    fine, coarse = (polar_counts(s.cells, s.ppc) for s in (scene, second))
+    fine, coarse = (s.polar_counts(s.cells, s.ppc) for s in (scene, second))
     common = coarse[0], max(coarse[1], lattice.CUBIC)
     windows, cubic = two_grid.windows(scene.ppc), (lattice.CUBIC, lattice.CUBIC)
     tables = {}

@@ -3,8 +3,9 @@
 import taichi as ti
 
 from solvers.problems.planar.method.traits import Traits
-from solvers.problems.ring.layout import GHOSTS
 from solvers.problems.ring.method.material import body_force_on, radial_forces, stress_of, tangent
+
+GHOSTS = 2  # rows of nodes beyond each symmetry plane
 
 
 @ti.func

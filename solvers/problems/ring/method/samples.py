@@ -5,8 +5,8 @@ import taichi as ti
 from solvers.kernels.elementary import cos, log, sin
 from solvers.problems.planar.method.samples import Measures
 from solvers.problems.ring.exact import C1, C2, C3, INNER
-from solvers.problems.ring.layout import GHOSTS
 from solvers.problems.ring.method.material import kirchhoff_stress
+from solvers.problems.ring.method.phases import GHOSTS
 from solvers.problems.ring.method.soundness import look
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five

@@ -29,10 +29,10 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals, rows
+from solvers.problems.planar.layout import particle_layout
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.estimators.companion_mesh import masses, mesh, read_radii, unit_frequency
 from solvers.problems.vortex.estimators.companion_standalone import VortexCompanionBody
-from solvers.problems.vortex.layout import particle_layout
 from solvers.problems.vortex.method.material import cauchy_stress, force_at
 from solvers.scene.estimator_hooks import EstimatorHooks
 

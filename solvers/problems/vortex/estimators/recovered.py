@@ -9,12 +9,9 @@ are as much shorter: in a vortex with A = 1 hardly longer than the run's, and th
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import recovery
 from solvers.problems.planar.estimators import recovered
 from solvers.problems.vortex import exact, validity
 from solvers.problems.vortex.method.material import cauchy_stress, force_at
-from solvers.problems.vortex.scene import polar_counts
-from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_ROUGH = 7.0  # as on the ring
 
@@ -36,41 +33,14 @@ def stress_error(vortex: ti.template(), p, a, b, c, d):
                       own[2] - mu * (c * c + d * d - 1) - bulk, 0.0])
 
 
-PROBLEM = recovered.Problem(force_at, stress, stress_error, closed=True)
+def side(scene, angle):
+    """Of an element, as a wave takes it along the circle where it is fastest."""
+    return 1 / angle.per_element / validity.crossing_rate(scene)
 
 
-@ti.func
-def after_step(vortex: ti.template(), base, step, on: ti.template()):
-    """Its turn."""
-    recovered.after_step(vortex, step, PROBLEM, on)
+def velocity(scene, R):
+    """At the start, along e_R and e_angle: along the circles."""
+    return np.zeros_like(R), R * exact.turn(scene, R, 0.0).rate
 
 
-@ti.func
-def report(vortex: ti.template(), base, step, on: ti.template()):
-    """Its estimates."""
-    recovered.report(vortex, base, step, PROBLEM, on)
-
-
-def lines(scene):
-    """The lattice's lines, around and across the ring."""
-    return recovered.lines(scene, exact.INNER, exact.OUTER, polar_counts(scene.cells, scene.ppc), 2 * np.pi, "periodic")
-
-
-def interval(scene):
-    """Steps of the run to one of the estimator's."""
-    angle, radius = lines(scene)
-    side = min(1 / angle.per_element / validity.crossing_rate(scene), 1 / radius.per_element)
-    return recovery.steps_between(scene, recovered.WAVE_CFL * side)
-
-
-def allocate(scene):
-    """Operators along both lines, and the reference, whose initial velocity is along the circles."""
-    angle, radius = lines(scene)
-    R = exact.INNER + radius.particles() / radius.per_point
-    return recovered.allocate(scene, angle, radius, exact.INNER, (np.zeros_like(R), R * exact.turn(scene, R, 0.0).rate),
-                              interval(scene), validity.uneven(scene))
-
-
-HOOKS = EstimatorHooks(
-    memory=recovered.MEMORY, allocate=allocate, interval=interval, after_step=after_step, report=report,
-    verdict=lambda scene, memory: recovered.verdict(scene, memory, MOST_ROUGH))
+HOOKS = recovered.hooks(recovered.Problem(force_at, stress, stress_error, closed=True), side, velocity, MOST_ROUGH)

@@ -6,9 +6,9 @@ Nodes lie at (-1.5, -1.5) m + (i, j) h. Nothing is fixed: both rims are free.
 from dataclasses import dataclass
 
 from solvers.kernels.kinds import Octets, Pairs, Real, Reals
+from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.body import PlanarBody, common
 from solvers.problems.vortex import exact
-from solvers.problems.vortex.layout import particle_layout
 from solvers.problems.vortex.scene import SIDE, VortexScene
 from solvers.scene.switches import Switches
 from solvers.solver.arrays import zeros

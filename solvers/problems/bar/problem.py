@@ -1,0 +1,39 @@
+"""The bar as one object: its scene, and where the rest is, which waits until it is asked for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.descriptor import Problem
+
+if TYPE_CHECKING:
+    from solvers.problems.reference import ProblemReference
+    from solvers.solver.base import Solver
+
+
+class BarProblem(Problem):
+    scene = BarScene
+
+    @property
+    def solver(self) -> type[Solver]:
+        from solvers.problems.bar.solver import BarSolver
+
+        return BarSolver
+
+    @property
+    def baseline(self) -> type[Solver]:
+        from solvers.problems.bar.baseline import BarBaseline
+
+        return BarBaseline
+
+    @property
+    def reference(self) -> ProblemReference:
+        from solvers.problems.bar.reference import REFERENCE
+
+        return REFERENCE
+
+    def predicted_life(self, scene: BarScene) -> float | None:
+        from solvers.problems.bar.drift import predicted_life
+
+        return predicted_life(scene)

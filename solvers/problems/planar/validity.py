@@ -1,0 +1,23 @@
+"""Where estimators are known, before anything has run, not to hold in the plane, whatever the problem."""
+
+from solvers.problems.planar.scene import PlanarScene
+from solvers.scene.estimator_validity import FROZEN_REASON
+
+FEWEST_ACROSS = 4  # particles, for a cubic
+
+
+def transport(scene: PlanarScene) -> str | None:
+    """Its defects are those of weights that follow the particles."""
+    return FROZEN_REASON if scene.frozen else None
+
+
+def off_lattice(scene: PlanarScene) -> str | None:
+    """Why recovered cannot fit the particles along the lines of their lattice: it needs a polar one."""
+    return ("recovered fits the particles along the lines of a polar lattice, and could not see the error that a "
+            "staircase for a boundary makes; take the polar layout") if scene.layout == "cartesian" else None
+
+
+def too_few_across(scene: PlanarScene) -> str | None:
+    """Why recovered cannot fit them across the ring."""
+    return ("recovered fits a cubic across the ring, which needs four particles there; take more cells or more "
+            "particles per cell") if round(scene.cells * scene.ppc / 6) < FEWEST_ACROSS else None

@@ -1,0 +1,34 @@
+"""The ring as one object: its scene, and where the rest is, which waits until it is asked for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from solvers.problems.descriptor import Problem
+from solvers.problems.ring.scene import RingScene
+
+if TYPE_CHECKING:
+    from solvers.problems.reference import ProblemReference
+    from solvers.solver.base import Solver
+
+
+class RingProblem(Problem):
+    scene = RingScene
+
+    @property
+    def solver(self) -> type[Solver]:
+        from solvers.problems.ring.solver import RingSolver
+
+        return RingSolver
+
+    @property
+    def baseline(self) -> type[Solver]:
+        from solvers.problems.ring.baseline import RingBaseline
+
+        return RingBaseline
+
+    @property
+    def reference(self) -> ProblemReference:
+        from solvers.problems.ring.reference import REFERENCE
+
+        return REFERENCE

@@ -1,0 +1,34 @@
+"""The vortex as one object: its scene, and where the rest is, which waits until it is asked for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from solvers.problems.descriptor import Problem
+from solvers.problems.vortex.scene import VortexScene
+
+if TYPE_CHECKING:
+    from solvers.problems.reference import ProblemReference
+    from solvers.solver.base import Solver
+
+
+class VortexProblem(Problem):
+    scene = VortexScene
+
+    @property
+    def solver(self) -> type[Solver]:
+        from solvers.problems.vortex.solver import VortexSolver
+
+        return VortexSolver
+
+    @property
+    def baseline(self) -> type[Solver]:
+        from solvers.problems.vortex.baseline import VortexBaseline
+
+        return VortexBaseline
+
+    @property
+    def reference(self) -> ProblemReference:
+        from solvers.problems.vortex.reference import REFERENCE
+
+        return REFERENCE
