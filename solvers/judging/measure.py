@@ -15,7 +15,6 @@ import numpy as np
 from solvers.estimators.standalone import ElasticBody
 from solvers.judging.frames import Frame, Grid
 from solvers.judging.handout import solution
-from solvers.judging.placing import check_origin
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.solver.norms import error_index, finite, summary
@@ -221,10 +220,14 @@ def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray]) -> dict
     return {q: error_index(estimated[q], true[q]) for q in QUANTITIES}
 
 
+def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[Errors]:
+    """Estimates minus true errors, particle by particle."""
+    return [{q: mine[q] - theirs[q] for q in mine} for mine, theirs in zip(estimates, errors, strict=True)]
+
+
 def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
     """How far estimates are from the truth particle by particle, over the size of the truth."""
-    between = series([{q: mine[q] - theirs[q] for q in mine} for mine, theirs in zip(estimates, errors, strict=True)])
-    true = series(errors)
+    between, true = series(differences(estimates, errors)), series(errors)
     return {q: error_index(between[q], true[q]) for q in QUANTITIES}
 
 
@@ -239,9 +242,3 @@ def law_kept(scene: Scene, grid: Grid) -> float | None:
         size = rms(own)
         worst = max(worst or 0.0, rms(frame.stress - own) / size if size > 0 else 0.0)
     return worst
-
-
-def checked(scene: Scene, grid: Grid, errors: Sequence[Errors]) -> None:
-    """Refuse particles that are shifted as a whole."""
-    for frame, error in zip(grid.frames, errors, strict=True):
-        check_origin(frame, error["x"], scene)

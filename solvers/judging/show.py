@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.frames import FileError, Frame, Grid, Raw
-from solvers.judging.measure import Companions, Errors, apart, checked, crossed, listed, series, sizes, stress, truth
+from solvers.judging.measure import Companions, Errors, crossed, differences, listed, series, sizes, stress
 from solvers.judging.placing import grids
 from solvers.judging.reading import read
+from solvers.judging.verdict import GridJudgement
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -86,8 +87,6 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
 
 
 def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
-    from solvers.judging.verdict import GridJudgement  # after the first picture: it takes a while
-
     raw = replace(read(asked.file, LARGEST_UNPACKED), file=asked.name)
     _check_amount(raw)
     scene = Task(**asked.task).scene()
@@ -95,35 +94,21 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     del raw
     own = replace(scene, cells=grid.cells)
     _check_watched(own, grid, asked)
-    true = [truth(own, frame) for frame in grid.frames] if own.solution_known else []
-    if true:
-        checked(own, grid, true)
+    judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
+    judged.check()  # where no truth is known only the companion can tell whether the origin is right
+    true = judged.true
     table = _Table(own, grid, asked.table)
     table.put_frames()
-    if true:
-        table.put("error", true)
-    else:  # whether its origin is right cannot be told before
-        companions, estimated = _estimated(own, grid)
-        checked(own, grid, estimated)
+    table.put("error", true)
     counts = [len(frame.number) for frame in grid.frames]
     missing = [q for q in ("v", "sigma") if any(_lacks(own, frame, q) for frame in grid.frames)]
     tell({"frames": asdict(Shown(task_of(_shown(own)).to_dict(), grid.times.tolist(), counts, table.crossed,
                                  listed(series(true)) if true else None, missing))})
     if true:
-        companions, estimated = _estimated(own, grid)
-        table.put("difference", [{q: mine[q] - theirs[q] for q in mine}
-                                 for mine, theirs in zip(estimated, true, strict=True)])
-    table.put("estimate", estimated)
-    tell({"estimate": listed(series(estimated))})
-    doubts = [companions.doubt(frame) for frame in grid.frames]
-    doubt = {q: np.array([one[q] for one in doubts]) for q in doubts[0]}
-    alone = apart(own, grid.frames, true or estimated)
-    tell({"verdict": GridJudgement(own, grid, true, estimated, doubt, alone).to_dict()})
-
-
-def _estimated(scene: Scene, grid: Grid) -> tuple[Companions, list[Errors]]:
-    companions = Companions(scene, tuple(frame.time for frame in grid.frames))
-    return companions, [companions.errors(frame) for frame in grid.frames]
+        table.put("difference", differences(judged.estimated, true))
+    table.put("estimate", judged.estimated)
+    tell({"estimate": listed(series(judged.estimated))})
+    tell({"verdict": judged.to_dict()})
 
 
 def _lacks(scene: Scene, frame: Frame, quantity: str) -> bool:
@@ -181,7 +166,7 @@ class _Table:
 
     def put(self, name: str, errors: Sequence[Errors]) -> None:
         """The sizes of errors."""
-        for rows, error in zip(self._rows, errors, strict=True):
+        for rows, error in zip(self._rows, errors, strict=False):  # there may be none
             for q, values in error.items():
                 self._values[rows, self._columns[name].start + QUANTITIES.index(q)] = sizes(values)
         self._values.flush()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,6 @@ from solvers.judging.measure import (
     Errors,
     WorstParticle,
     apart,
-    checked,
     crossings,
     distances,
     index,
@@ -28,7 +28,7 @@ from solvers.judging.measure import (
     truth,
     worst,
 )
-from solvers.judging.placing import SAME, grids
+from solvers.judging.placing import SAME, check_origin, grids
 from solvers.judging.reading import from_arrays, read
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -46,15 +46,27 @@ Particles = str | os.PathLike | Mapping[str, Any] | Raw
 
 @dataclass(frozen=True)
 class GridJudgement:
-    """One grid's particles, judged. Errors are in the order of the frames; ``true`` is empty where none is known."""
+    """One grid's particles, judged when it is asked for. Errors are in the order of the frames."""
 
     scene: Scene
     grid: Grid
-    true: list[Errors]
-    estimated: list[Errors]
-    doubt: dict[str, np.ndarray]  # of the companion, over time
-    apart: Apart | None
+    companions: Companions
     ours: list[Ours] = field(default_factory=list)
+
+    @functools.cached_property
+    def true(self) -> list[Errors]:
+        """The true errors; empty where none is known."""
+        return [truth(self.scene, frame) for frame in self.grid.frames] if self.scene.solution_known else []
+
+    @functools.cached_property
+    def estimated(self) -> list[Errors]:
+        """The errors as the companion sees them."""
+        return [self.companions.errors(frame) for frame in self.grid.frames]
+
+    @functools.cached_property
+    def apart(self) -> Apart | None:
+        """The frame in which most particles are not where their neighbours are."""
+        return apart(self.scene, self.grid.frames, self.best)
 
     @property
     def best(self) -> list[Errors]:
@@ -65,6 +77,11 @@ class GridJudgement:
     def norms(self) -> dict[str, np.ndarray]:
         return series(self.best)
 
+    def check(self) -> None:
+        """Refuse particles that are shifted as a whole."""
+        for frame, error in zip(self.grid.frames, self.best, strict=True):
+            check_origin(frame, error["x"], self.scene)
+
     def worst(self, quantity: str) -> WorstParticle | None:
         return worst(self.grid.frames, self.best, quantity)
 
@@ -72,13 +89,14 @@ class GridJudgement:
         times, frames = self.grid.times, self.grid.frames
         estimates = series(self.estimated)
         true = series(self.true) if self.true else None
+        doubts = [self.companions.doubt(frame) for frame in frames]
         return {
             "cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
             "particles": len(frames[-1].number), "times": times.tolist(), "notes": list(self.notes()),
             "error": None if true is None else summarised(times, true),
             "norms": None if true is None else listed(true),
             "estimate": {"companion": summarised(times, estimates), "norms": listed(estimates),
-                         "own_error": {q: finite(float(np.max(self.doubt[q]))) for q in QUANTITIES},
+                         "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
                          "index": None if true is None else index(estimates, true),
                          "distance": None if true is None else distances(self.estimated, self.true)},
             "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
@@ -94,8 +112,7 @@ class GridJudgement:
         broken = law_kept(self.scene, self.grid)
         if broken is not None and broken > OTHER_LAW:
             notes.append(f"the stress in the files is up to {broken:.2g} of itself off what their F gives by the "
-                         f"problem's "
-                         "law: another material, or another measure of stress")
+                         "problem's law: another material, or another measure of stress")
         return notes
 
 
@@ -181,30 +198,28 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     found = grids([_raw(source, k) for k, source in enumerate(sources)], scene, cells or [scene.cells], times)
     every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
     companions = Companions(scene, every)
-    judged = []
+    judged: list[GridJudgement] = []
     for k, grid in enumerate(found):
-        own = replace(scene, cells=grid.cells)
+        one = GridJudgement(replace(scene, cells=grid.cells), grid, companions)
         on_progress(k / len(found), f"{grid.cells} cells: companion")
-        true = [truth(own, frame) for frame in grid.frames] if own.solution_known else []
-        if true:
-            checked(own, grid, true)
-        estimated = [companions.errors(frame) for frame in grid.frames]
-        if not true:
-            checked(own, grid, estimated)
-        doubts = [companions.doubt(frame) for frame in grid.frames]
-        doubt = {q: np.array([d[q] for d in doubts]) for q in QUANTITIES}
-        ours = []
-        scenes: list[Scene] = []
+        one.check()
+        assert one.estimated  # worked out here, where it may fail and is waited for
         if compare:
-            from solvers.judging.ours import compared, of_scene  # here: nobody else waits for Taichi
-            scenes = of_scene(own)
-        for n, one in enumerate(scenes):
-            def tell(part: float, n: int = n, k: int = k, one: Scene = one, count: int = len(scenes)) -> None:
-                on_progress((k + (n + part) / count) / len(found), f"{one.cells} cells: our {one.method}")
-            ours.append(compared(one, grid.times.tolist(), None if true else companions, tell))
-        alone = apart(own, grid.frames, true or estimated)
-        judged.append(GridJudgement(own, grid, true, estimated, doubt, alone, ours))
+            one.ours.extend(_compared(one, lambda part, what: on_progress((len(judged) + part) / len(found), what)))
+        judged.append(one)
     return Judgement(scene, judged)
+
+
+def _compared(one: GridJudgement, on_progress: Progress) -> Iterator[Ours]:
+    """Our own methods on a grid, at the same times."""
+    from solvers.judging.ours import compared, of_scene  # here: nobody else waits for Taichi
+
+    scenes = of_scene(one.scene)
+    for n, scene in enumerate(scenes):
+        def tell(part: float, n: int = n, method: str = scene.method) -> None:
+            on_progress((n + part) / len(scenes), f"{one.grid.cells} cells: our {method}")
+
+        yield compared(scene, one.grid.times.tolist(), None if one.true else one.companions, tell)
 
 
 def _raw(source: Particles, k: int) -> Raw:
