@@ -37,7 +37,6 @@ class Export:
     """No progress bar."""
 
     def execute(self) -> int:
-        """Record the runs and write the file."""
         require_whole("processes", self.processes, 1, 64)
         is_scene = begins(self.what)
         name = "" if is_scene else lesson_called(self.what)

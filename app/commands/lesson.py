@@ -44,7 +44,6 @@ class LessonList:
     """
 
     def execute(self) -> int:
-        """List them; a file with a mistake is told on standard error."""
         from app.lessons import shelf
         from app.lessons.lesson import LessonError
         status, width = OK, max(map(len, shelf.names()), default=0)
@@ -78,7 +77,6 @@ class LessonCheck:
     """No progress bar."""
 
     def execute(self) -> int:
-        """Check them all; each claim that does not hold is a line on standard error."""
         require_whole("processes", self.processes, 1, 64)
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
@@ -118,7 +116,6 @@ class LessonGuide:
     """No progress bar."""
 
     def execute(self) -> int:
-        """Run what the answers need, then write."""
         from app.lessons import guide
         ending = "" if self.out is None else next((kind for kind in guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
@@ -151,7 +148,6 @@ class LessonGrade:
     """No progress bar."""
 
     def execute(self) -> int:
-        """Read them all first, then mark."""
         if not self.files:
             raise BadInput("", "", "give the files that students have handed in")
         target = None if self.out is None else Target("out", self.out, ending=".csv")

@@ -35,7 +35,6 @@ class Serve:
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
     def execute(self) -> int:
-        """Serve until stopped."""
         if not self.host:
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:

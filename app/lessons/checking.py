@@ -46,7 +46,6 @@ def _judged(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: 
 
 
 def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Iterator[Check]:
-    """That a question has one right answer."""
     asked = step.question
     assert asked is not None
     if not expressions(asked, numbers):

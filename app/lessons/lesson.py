@@ -95,7 +95,6 @@ class Lesson:
 
     @property
     def runs(self) -> dict[str, LessonRun]:
-        """All runs by their names."""
         return {run.name: run for step in self.steps for run in step.runs}
 
     def main_run(self, step: Step) -> str:

@@ -30,7 +30,6 @@ class Outcomes:
         self._runs: dict[str, Future[dict[str, Any]]] = {}
 
     def close(self) -> None:
-        """End all processes."""
         self._pool.close()
 
     def result(self, text: str) -> dict[str, Any]:
@@ -52,7 +51,6 @@ class Outcomes:
             return run
 
     def outcome(self, run: LessonRun, numbers: Numbers) -> Outcome:
-        """What comes of a run with these numbers."""
         return Outcome([self.result(filled(text, numbers)) for text in run.texts], run.varied)
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> Scope:

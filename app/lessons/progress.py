@@ -54,7 +54,6 @@ class Progress:
 
 
 def begun(lesson: Lesson) -> Progress:
-    """The beginning of a lesson."""
     return Progress(lesson.name, lesson.fingerprint)
 
 

@@ -38,7 +38,6 @@ def find() -> Path | None:
 
 
 def measure(question: dict, answer: Callable[[dict], None]) -> None:
-    """What the fresh process does."""
     ti = runtime.ti
     start = ti.init
     ti.init = lambda **_: start(arch=ti.cpu, cpu_max_num_threads=1, verbose=False, log_level=ti.ERROR)

@@ -52,7 +52,6 @@ def gpu(quick: bool) -> dict:
 
 
 def measure(question: dict, answer: Callable[[dict], None]) -> None:
-    """What the fresh process does: the first ``sizes``, or all."""
     answer(measured(devices.place(devices.GPU), {name: cells[:question["sizes"]] for name, cells in CELLS.items()}))
 
 
@@ -103,7 +102,6 @@ def bandwidth(vectors: int) -> float:
 
 @ti.kernel
 def copy(one: quads, other: quads):
-    """The one into the other."""
     for k in range(one.shape[0]):
         other[k] = one[k]
 

@@ -52,7 +52,6 @@ QUICK = Effort({1: (40, 160), 2: (24,)}, {1: 40, 2: 24}, 3, 3, 5, 0.02)
 
 
 def bare(problem: str, cells: int, **inputs: Any) -> Scene:
-    """A scene with nothing but the method."""
     kind = PROBLEMS[problem].scene
     return kind(**{"cells": cells, "effects": (), "estimators": (), "amplitude": kind.GENTLE_AMPLITUDE, **inputs})
 
@@ -126,7 +125,6 @@ def _ratios(pairs: Mapping[str, tuple[Scene, Scene]], turns: int) -> dict[str, f
 
 
 def _call_seconds(solver: Solver) -> float:
-    """Seconds of a call that takes no step."""
     took = []
     for _ in range(50):
         begun = time.thread_time()

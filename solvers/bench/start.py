@@ -33,7 +33,6 @@ def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
 
 
 def seconds(command: Sequence[str]) -> float:
-    """Wall time from the start of a process to its end."""
     begun = time.perf_counter()
     try:
         subprocess.run(command, cwd=ROOT, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, check=True)
@@ -43,7 +42,6 @@ def seconds(command: Sequence[str]) -> float:
 
 
 def measure(question: dict, answer: Callable[[dict], None]) -> None:
-    """What the fresh process does."""
     begun = time.perf_counter()
     from solvers.kernels import runtime
     from solvers.problems import PROBLEMS

@@ -181,12 +181,10 @@ class Stepper:
 
     @property
     def _unseen(self) -> bool:
-        """Whether the page has yet to copy the last frame."""
         return frames.unseen(self._block)
 
     @property
     def running(self) -> bool:
-        """Whether it is to step and can."""
         return self.wish.pace.playing and self.solver.sound and self.solver.step < self._last_step
 
     @property

@@ -26,7 +26,6 @@ def texts(scene: Scene) -> Texts:
 
 
 def initial(scene: Scene) -> Frame:
-    """The particles at the time 0."""
     reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     return Frame("", 0.0, np.arange(len(X)), X, X.copy(), reference.velocity(scene, X, 0.0),
                  reference.initial_deformation_gradient(scene, X))

@@ -27,7 +27,6 @@ NEIGHBOURS = 8  # particles of a group that share their error, at least about
 
 
 def truth(scene: Scene, frame: Frame) -> Errors:
-    """The true errors of a frame."""
     reference, X, t = PROBLEMS[scene.problem].reference, frame.material_position, frame.time
     return _errors(scene, frame, reference.displacement(scene, X, t), reference.velocity(scene, X, t),
                    reference.exact_stress(scene, X, t))
@@ -47,7 +46,6 @@ def sizes(error: np.ndarray) -> np.ndarray:
 
 
 def rms(error: np.ndarray) -> float:
-    """The root of the mean square of the sizes."""
     return float(np.sqrt(np.sum(error**2) / len(error)))
 
 
@@ -216,7 +214,6 @@ def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
 
 
 def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray]) -> dict[str, float | None]:
-    """The error index of each quantity (eq 35)."""
     return {q: error_index(estimated[q], true[q]) for q in QUANTITIES}
 
 

@@ -54,9 +54,8 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         raise FileError(raw.file, f"has no positions ({spelled('x', D)} or position); its columns are "
                                   f"{', '.join(raw.names[:12])}")
     if "id" not in columns and "X" not in columns:
-        raise FileError(raw.file, f"says of no particle which it is: give id, from 0 in the order of `mpm-lab "
-                                  f"problem`, or "
-                                  f"the material position ({spelled('X', D)})")
+        raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
+                                  f"or the material position ({spelled('X', D)})")
     times = _times(raw, given)
     x, notes = _in_plane(raw, "x", D)
     whole = {"x": x, "X": _in_plane(raw, "X", D)[0] if "X" in columns else None}
@@ -91,8 +90,7 @@ def _times(raw: Raw, given: float | None) -> np.ndarray:
     said += [("--time", given)] if given is not None else []
     if not said:
         raise FileError(raw.file, "says no time; give a column t, or # t = ... in a .csv, t in a .npz, TimeValue in "
-                                  "VTK's "
-                                  "formats, or the flag --time with one time for each file")
+                                  "VTK's formats, or the flag --time with one time for each file")
     first = np.broadcast_to(np.asarray(said[0][1], float), (n,))
     for name, value in said[1:]:
         if not np.all(np.abs(first - np.asarray(value)) <= 1e-9 * np.maximum(np.abs(first), 1e-300)):
@@ -150,8 +148,7 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
     if number.min() < 0 or number.max() >= count:
         raise FileError(raw.file, f"has ids from {number.min()} to {number.max()}, and {scene.cells} cells with "
                                   f"{scene.ppc} particles each way have 0 to {count - 1}; give those of `mpm-lab "
-                                  f"problem`, the "
-                                  "right --cells and --ppc, or material positions")
+                                  "problem`, the right --cells and --ppc, or material positions")
     return start.material_position[number], number
 
 
@@ -163,22 +160,18 @@ def _where(scene: Scene, reference: ProblemReference) -> str:
 
 
 def _check_once(frame: Frame) -> None:
-    """Every particle is there once."""
     number, counts = np.unique(frame.number, return_counts=True)
     if counts.max() > 1:
         raise FileError(frame.file, f"has particle {number[np.argmax(counts)]} {counts.max()} times at t = "
-                                    f"{frame.time:g} s; "
-                                    "give each once at each time")
+                                    f"{frame.time:g} s; give each once at each time")
     _, first, counts = np.unique(frame.material_position, axis=0, return_index=True, return_counts=True)
     if counts.max() > 1:
         place = ", ".join(f"{c:.6g}" for c in frame.material_position[first[np.argmax(counts)]])
         raise FileError(frame.file, f"has {counts.max()} particles with the material position {place} at t = "
-                                    f"{frame.time:g} s; "
-                                    "give each its own")
+                                    f"{frame.time:g} s; give each its own")
 
 
 def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
-    """By time, each time once."""
     frames = sorted(frames, key=lambda frame: frame.time)
     for one, other in itertools.pairwise(frames):
         if other.time - one.time <= SAME * scene.period:
@@ -196,5 +189,4 @@ def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
     if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):
         told = ", ".join(f"{c:.4g}" for c in mean)
         raise FileError(frame.file, f"has all positions shifted by {told} m at t = {frame.time:g} s: its origin is "
-                                    f"another; give "
-                                    "positions from the same origin as the material positions")
+                                    "another; give positions from the same origin as the material positions")

@@ -33,8 +33,7 @@ def read(path: str, most: int = MOST_BYTES) -> Raw:
         if size == 0:
             raise FileError(path, "is empty; give a file with particles in it")
         if size > most:
-            raise FileError(path, f"has {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB, fewer times for "
-                                  f"example")
+            raise FileError(path, f"has {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB, fewer times for example")
         return read_npz(path, most) if kind == ".npz" else _readers()[kind](path)
     except OSError as error:
         raise FileError(path, f"cannot be read: {(error.strerror or str(error)).lower()}; give a file that exists and "

@@ -73,7 +73,6 @@ def columns(dimensions: int) -> dict[str, slice]:
 
 
 def show(question: dict, tell: Callable[[dict], None]) -> None:
-    """What the process does."""
     asked = ShowRequest(**question)
     _limit_memory()
     try:

@@ -10,24 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from solvers.judging import measure
 from solvers.judging.frames import FileError, Grid, Raw
-from solvers.judging.measure import (
-    QUANTITIES,
-    Apart,
-    Companions,
-    Errors,
-    WorstParticle,
-    apart,
-    crossings,
-    distances,
-    index,
-    law_kept,
-    listed,
-    series,
-    summarised,
-    truth,
-    worst,
-)
+from solvers.judging.measure import QUANTITIES, Apart, Companions, Errors, WorstParticle
 from solvers.judging.placing import SAME, check_origin, grids
 from solvers.judging.reading import from_arrays, read
 from solvers.scene.rules import SceneError
@@ -56,7 +41,7 @@ class GridJudgement:
     @functools.cached_property
     def true(self) -> list[Errors]:
         """The true errors; empty where none is known."""
-        return [truth(self.scene, frame) for frame in self.grid.frames] if self.scene.solution_known else []
+        return [measure.truth(self.scene, frame) for frame in self.grid.frames] if self.scene.solution_known else []
 
     @functools.cached_property
     def estimated(self) -> list[Errors]:
@@ -66,7 +51,7 @@ class GridJudgement:
     @functools.cached_property
     def apart(self) -> Apart | None:
         """The frame in which most particles are not where their neighbours are."""
-        return apart(self.scene, self.grid.frames, self.best)
+        return measure.apart(self.scene, self.grid.frames, self.best)
 
     @property
     def best(self) -> list[Errors]:
@@ -75,7 +60,7 @@ class GridJudgement:
 
     @property
     def norms(self) -> dict[str, np.ndarray]:
-        return series(self.best)
+        return measure.series(self.best)
 
     def check(self) -> None:
         """Refuse particles that are shifted as a whole."""
@@ -83,33 +68,33 @@ class GridJudgement:
             check_origin(frame, error["x"], self.scene)
 
     def worst(self, quantity: str) -> WorstParticle | None:
-        return worst(self.grid.frames, self.best, quantity)
+        return measure.worst(self.grid.frames, self.best, quantity)
 
     def to_dict(self) -> dict:
         times, frames = self.grid.times, self.grid.frames
-        estimates = series(self.estimated)
-        true = series(self.true) if self.true else None
+        estimates = measure.series(self.estimated)
+        true = measure.series(self.true) if self.true else None
         doubts = [self.companions.doubt(frame) for frame in frames]
         return {
             "cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
             "particles": len(frames[-1].number), "times": times.tolist(), "notes": list(self.notes()),
-            "error": None if true is None else summarised(times, true),
-            "norms": None if true is None else listed(true),
-            "estimate": {"companion": summarised(times, estimates), "norms": listed(estimates),
+            "error": None if true is None else measure.summarised(times, true),
+            "norms": None if true is None else measure.listed(true),
+            "estimate": {"companion": measure.summarised(times, estimates), "norms": measure.listed(estimates),
                          "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
-                         "index": None if true is None else index(estimates, true),
-                         "distance": None if true is None else distances(self.estimated, self.true)},
+                         "index": None if true is None else measure.index(estimates, true),
+                         "distance": None if true is None else measure.distances(self.estimated, self.true)},
             "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
             **dict.fromkeys(("neighbour_gap", "apart"),  # the second is the former name, kept for a version
                             None if self.apart is None else self.apart.to_dict(self.scene)),
-            "crossings_at_least": crossings(self.scene, frames), "ours": [run.to_dict() for run in self.ours]}
+            "crossings_at_least": measure.crossings(self.scene, frames), "ours": [run.to_dict() for run in self.ours]}
 
     def notes(self) -> list[str]:
         """Sentences about what was found in the files."""
         missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
         notes = [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
                                      for q in missing)]
-        broken = law_kept(self.scene, self.grid)
+        broken = measure.law_kept(self.scene, self.grid)
         if broken is not None and broken > OTHER_LAW:
             notes.append(f"the stress in the files is up to {broken:.2g} of itself off what their F gives by the "
                          "problem's law: another material, or another measure of stress")

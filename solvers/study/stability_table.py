@@ -58,9 +58,8 @@ def as_markdown(values: dict) -> str:
             f"that it held to the end. {scene['cells']} cells, {' x '.join([str(scene['ppc'])] * kind.DIMENSIONS)} "
             f"particles per cell. In each column the lives at cfl {' / '.join(f'{cfl:g}' for cfl in steps)}, then the "
             "cfl that --dt auto takes. Price: seconds of a step over the plain method's. Error in period 1: of x, in "
-            "amplitudes, at the smallest A and "
-            "step. Predicted: periods until the drift of the velocity that no node sees reaches A w, by theory alone, "
-            "at each A; other causes may come first.",
+            "amplitudes, at the smallest A and step. Predicted: periods until the drift of the velocity that no node "
+            "sees reaches A w, by theory alone, at each A; other causes may come first.",
             grid(heads, [_line(line, amplitudes, steps) for line in values["lines"]])]
     return "\n\n".join(text) + "\n"
 

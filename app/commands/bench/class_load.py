@@ -135,7 +135,6 @@ def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[st
 
 
 def class_table(found: dict[str, Any]) -> str:
-    """The same for a person."""
     def seconds(value: float | None) -> str:
         return "none" if value is None else f"{value:.1f} s"
 

@@ -35,7 +35,6 @@ class Bench:
     """No progress bar on standard error."""
 
     def execute(self) -> int:
-        """Measure, then write or print."""
         target = json_target(self.json)
         if self.visitors is not None:
             return self._attend(target)
@@ -46,7 +45,6 @@ class Bench:
         return 0
 
     def _attend(self, target: Target | None) -> int:
-        """The class instead."""
         require_whole("class", self.visitors, 1, MOST_VISITORS)
         require_number("minutes", self.minutes, 0, MOST_MINUTES)
         with working(self.quiet) as show:

@@ -46,7 +46,6 @@ class Judge(SceneFlags):
     """No progress bar and no summary on standard output."""
 
     def execute(self) -> int:
-        """Read and check everything, judge, then write the report."""
         if not self.files:
             raise BadInput("", "", "give one or several files of particles")
         if len(self.files) > MOST_FILES:

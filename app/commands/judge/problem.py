@@ -56,7 +56,6 @@ class ProblemCommand(SceneFlags):
     """Times of the exact solution, s."""
 
     def execute(self) -> int:
-        """Check everything, then write the files."""
         scene = self.scene()
         times = sorted(set(times_of(self.times, "times"))) or _quarters(scene)
         if len(times) > MOST_TIMES or len(times) * scene.particles > MOST_ROWS:
@@ -75,7 +74,6 @@ def _quarters(scene: Scene) -> list[float]:
 
 
 def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
-    """Every file by its name."""
     from solvers.judging import handout, writing  # here: bad input must not wait for them
     from solvers.judging.vtk import write_vtu
 

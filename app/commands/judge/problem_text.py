@@ -19,8 +19,7 @@ def page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> s
         "a spectral-element solution of the same problem (companion), for none is known exactly,"
     files = grid(("file", "what is in it"), [
         ("`particles.csv`, `particles.vtu`", f"particles of the {title(scene)} at $t = 0$: id, material position and "
-                                             f"position, "
-         "velocity, F, volume and mass (of a thickness of 1 m)"),
+                                             "position, velocity, F, volume and mass (of a thickness of 1 m)"),
         ("`body_force.csv`", f"the body force per mass in m/s² over two periods. {texts.table}"),
         (f"`{solution}.csv`", f"{known} at {len(times)} times at the same particles, in the form that the judge reads"),
         ("`problem.json`", "the numbers of this page, for programs")], words=("file", "what is in it"))

@@ -106,7 +106,6 @@ def _verdict(g: dict, values: dict) -> str:
 
 
 def _grid(g: dict, values: dict, several: bool) -> str:
-    """Everything about one grid."""
     parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g), _worst(g, values["problem"])]
     parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
     if g["ours"]:
@@ -151,7 +150,6 @@ def _ours(g: dict) -> str:
 
 
 def _order(values: dict) -> str:
-    """Order in h over the times that all grids have."""
     common = values["common_times"]
     if not any(t > 0 for t in common):
         return "## Order in h\n\nThe grids have no time in common after the start, so that no order can be found."

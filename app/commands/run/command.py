@@ -70,7 +70,6 @@ class Run(Output, SceneFlags):
     OUTPUT: ClassVar[frozenset[str]] = frozenset(Output.__dataclass_fields__)
 
     def execute(self) -> int:
-        """Run, then write what was asked for."""
         return self.run_and_write(self.scene())
 
 
@@ -86,7 +85,6 @@ class RunText(Output):
     """The scene: a problem, and what differs from its defaults."""
 
     def execute(self) -> int:
-        """Run, then write what was asked for."""
         try:
             scene = state.read(self.text.rpartition("#")[2]).scene  # a whole link does as well
         except state.StateError as error:

@@ -40,7 +40,6 @@ class ParticleWriter:
             self._frames.append(frame)
 
     def write(self) -> None:
-        """Write what was kept."""
         from solvers.judging import writing
         if self._target.path.lower().endswith(".npz"):
             content = writing.npz(self._frames, self._scene)

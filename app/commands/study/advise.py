@@ -155,7 +155,6 @@ def _reason(advice: Advice, tolerance: float, relative: bool) -> str:
 
 
 def as_text(values: dict) -> str:
-    """The advice for a reader."""
     got, predicted = values["verified"] or values["predicted"], values["predicted"]
     said = "by its own estimate" if values["verified"] else "expected, not run"
     rows = [("run" if values["status"] == "ok" else "closest", values["command"]),

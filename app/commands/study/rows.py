@@ -85,7 +85,6 @@ class Study:
         return drawn, status
 
     def put(self, name: str, content: bytes) -> None:
-        """Write a file into the directory."""
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
     def _place(self) -> Place:
@@ -133,7 +132,6 @@ class Study:
 
 
 def _told(row: dict, tasks: Sequence[Task]) -> str:
-    """A row in one line of progress."""
     inputs = ", ".join(f"{name.replace('_', '-')} {_words(value)}" for name, value in row["asked"].items()
                        if len({str(task.inputs.get(name)) for task in tasks}) > 1)
     if row["status"] in (OK, UNSTABLE, LOST):

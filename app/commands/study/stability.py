@@ -45,7 +45,6 @@ class Stability(Study):
     """Longest life that is looked for, in periods."""
 
     def execute(self) -> int:
-        """Run what is not there yet, then write table and picture of all rows."""
         from app.pictures.stability import stability_figure
 
         problem, inputs = self.SCENE.problem, combinations(self.axes())

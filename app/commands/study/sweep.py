@@ -59,7 +59,6 @@ class Sweep(Study, SceneFlags):
         return axes | {"linearity_preserving": [True] * on + [False] * (self.no_linearity_preserving or not on)}
 
     def _write(self, problem: str, rows: list[dict]) -> int:
-        """Tables, pictures and summary."""
         from app.pictures.study import FIGURES
 
         drawn, status = self.draw(FIGURES, rows)

@@ -38,7 +38,6 @@ class Tables:
     """No progress bar and no remarks on standard error."""
 
     def execute(self) -> int:
-        """Run what is not finished yet, then write every table."""
         if self.table not in (*plan.NUMBERS, "all"):
             raise BadInput("", self.table, f"is not a table of the paper; give {', '.join(plan.NUMBERS)} or all")
         numbers = plan.NUMBERS if self.table == "all" else (self.table,)

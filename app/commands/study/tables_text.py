@@ -15,7 +15,6 @@ Footnotes = dict[str, int]  # sentences under the table, each once, with their n
 
 
 def markdown(table: dict) -> str:
-    """The whole file."""
     notes: Footnotes = {}
     blocks = [f"# {table['title']}", *table["setup"]]
     for part, rows in parts(table).items():
@@ -34,7 +33,6 @@ def _mark(sentence: str, notes: Footnotes) -> str:
 
 
 def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
-    """Ours, the paper's and the ratio, one line a row."""
     heads = list(INPUTS[number])
     for key, heading in COMPARED[number].items():
         ours = [f"{heading} to {rows[0]['inputs'][end]:g} s" for end in ("t_end_crossings", "t_end")] \
