@@ -38,14 +38,15 @@ def masses(scene: Scene) -> np.ndarray:
 
 
 def exact(scene: Scene, t: float) -> Frame:
-    """The particles at a time where they should be."""
+    """The particles at the time ``t`` in s where they should be, of a scene whose solution is known."""
     reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     return Frame("", t, np.arange(len(X)), X, X + reference.displacement(scene, X, t), reference.velocity(scene, X, t),
                  reference.deformation_gradient(scene, X, t), reference.exact_stress(scene, X, t))
 
 
 def companion(scene: Scene, times: Sequence[float]) -> list[Frame]:
-    """The particles where a companion has them: for problems that have no exact solution."""
+    """The particles at the times (T,) in s, which grow, where a companion has them: for problems without an exact
+    solution. :class:`~solvers.scene.rules.SceneError` where it is lost."""
     reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     (body, solved), frames = solution(scene, True, times), []
     for t, (u, v) in zip(times, solved, strict=True):
@@ -69,7 +70,8 @@ def solution(scene: Scene, fine: bool,
 
 
 def force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
-    """The body force on a line of material points over the first two periods of its vibration."""
+    """The body force on a line of material points over the first two periods of its vibration: columns (n,) of t in s,
+    X in m and b in m/s^2, about ``points`` at each of so many ``times``."""
     reference = PROBLEMS[scene.problem].reference
     X, instants = reference.table_points(scene, points), np.linspace(0, 2 * scene.period, times)
     b = np.concatenate([reference.body_force(scene, X, t) for t in instants])

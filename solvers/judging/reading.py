@@ -21,8 +21,20 @@ TIME, CELLS = ("t", "time"), ("cells",)
 
 
 def read(path: str, most: int = MOST_BYTES) -> Raw:
-    """What is in a file of at most so many bytes, packed and unpacked; :class:`FileError` where it holds no particles
-    that can be judged."""
+    """Read a file of particles.
+
+    Parameters
+    ----------
+    path
+        .csv, .npz, .vtk, .vtu or .vtp; names of columns as in ``solvers.judging.columns``.
+    most
+        Bytes that it may have, packed and unpacked.
+
+    Raises
+    ------
+    FileError
+        Where it holds no particles that can be judged.
+    """
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
         raise FileError(path, f"is of no kind that is known; give a file that ends in {', '.join(KINDS)}")

@@ -20,7 +20,8 @@ SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enou
 
 
 def build(scene: Scene) -> Solver:
-    """The solver of a scene's problem, with its particles in place and nothing run."""
+    """The solver of a scene's problem, with its particles in place and nothing run; :class:`SceneError` where the scene
+    names a GPU that is not there."""
     return PROBLEMS[scene.problem].solver(scene)
 
 
@@ -28,10 +29,28 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
         mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
-    ``on_progress`` is called several times a second with the part done, 0 to 1. With ``prices`` the estimators' shares
-    of the time are measured half way, which takes a few tenths of a second beside the run. With ``mid_run`` the
-    particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`). ``on_sample`` is
-    given the particles whenever their norms are sampled, from the start to the end; the run stops there each time.
+    Parameters
+    ----------
+    scene
+        What to run: a ``BarScene``, ``RingScene`` or ``VortexScene``.
+    on_progress
+        Called several times a second with the part done, 0 to 1.
+    prices
+        Whether the estimators' shares of the time are measured half way: a few tenths of a second beside the run.
+    mid_run
+        Whether particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`).
+    on_sample
+        Given the particles whenever their norms are sampled, from start to end; the run stops there each time.
+
+    Returns
+    -------
+    Result
+        Errors, estimates, status and times; ``to_dict()`` is the object of ``mpm-lab run --json``.
+
+    Raises
+    ------
+    SceneError
+        Where the scene names a GPU that is not there.
     """
     solver = build(scene)
     begun = time.perf_counter()

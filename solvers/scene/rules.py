@@ -35,13 +35,14 @@ def field_label(field: str) -> str:
 
 
 def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
+    """:class:`SceneError` for anything but an allowed name; ``also`` is named in its sentence too."""
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
         raise SceneError(field, value, f"is not known; give {'one of ' if ',' in names else ''}{names}")
 
 
 def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
-    """A tuple of several of the allowed names, each once."""
+    """:class:`SceneError` for anything but a tuple of allowed names, each once."""
     if not isinstance(chosen, tuple):
         raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
     for item in chosen:
@@ -51,11 +52,14 @@ def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
 
 
 def require_whole(field: str, value: object, least: int, most: int) -> None:
+    """:class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
         raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
+    """:class:`SceneError` for anything but a number above ``above`` and up to ``most``; ``allowed`` says so in other
+    words."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
         upper = "" if math.isinf(most) else f" and up to {most:g}"

@@ -69,10 +69,20 @@ class Solver(ABC):
             self._find_margin()
 
     def advance(self, steps: int) -> np.ndarray:
-        """Take ``steps`` steps and return the rows of samples (``solvers.solver.samples``) taken on the way.
+        """Take steps.
 
         A run that goes bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell. With the margin of
         the step asked for, stretches end where it is looked at, so that a run is the same however its steps are taken.
+
+        Parameters
+        ----------
+        steps
+            0 to :attr:`longest_advance`.
+
+        Returns
+        -------
+        (n, columns) array
+            The rows of samples (``solvers.solver.samples``) taken on the way.
         """
         interval, end, rows = self.scene.margin_interval, self.step + steps, []
         while True:
@@ -90,13 +100,13 @@ class Solver(ABC):
         return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
 
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
-        """Take one ordinary step; return its rows of samples and what it did around a particle."""
+        """Take one ordinary step around a particle (its number); return its rows of samples and what it did there."""
         before = self._carried()
         rows = self.advance(1)
         return rows, self._breakdown(particle, before)
 
     def measure(self) -> np.ndarray:
-        """Check the state and sample it now: one row."""
+        """Check the state and sample it now: one row (1, columns)."""
         self._measure()
         return self._with_margin(self._arrays.samples[:1].copy())
 
@@ -192,8 +202,15 @@ class Solver(ABC):
 
     @abstractmethod
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        """The particles as they are now, with their true and estimated errors; on request how far these differ, and
-        the field of the quantity with the key ``plotted``."""
+        """The particles as they are now, with their true and estimated errors.
+
+        Parameters
+        ----------
+        differences
+            Whether to say how far these differ, too.
+        plotted
+            Key of the quantity (``samples.QUANTITIES``) whose field is wanted.
+        """
 
     @abstractmethod
     def _carried(self) -> Carried:

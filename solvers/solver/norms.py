@@ -1,7 +1,7 @@
 """Norms of errors over a run: summaries, the paper's error index, the pointwise distance, and the drift of the energy.
 
-All take series over the sampled times of a run (``solvers.solver.samples``), mostly RMS norms over particles. A run
-that went bad leaves numbers up to the largest there are, and beyond: what they add up to may be no number, which is
+All take series (T,) over the sampled times of a run (``solvers.solver.samples``), mostly RMS norms over particles. A
+run that went bad leaves numbers up to the largest there are, and beyond: what they add up to may be no number, which is
 None.
 """
 
@@ -21,8 +21,18 @@ UNBOUNDED = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 
 @UNBOUNDED
 def summary(series: np.ndarray) -> dict[str, float | None]:
-    """Final, largest and mean value over the sampled times after the start; None where there is none. The largest and
-    the mean pass over what a run that went bad left unrepresentable."""
+    """Sum up a series.
+
+    Parameters
+    ----------
+    series : (T,) array
+
+    Returns
+    -------
+    dict
+        ``final``, ``max`` and ``mean`` over the times after the start, in the series' unit; None where there is none.
+        The last two pass over what a run that went bad left unrepresentable.
+    """
     values = series[1:]
     known = values[np.isfinite(values)]
     if not len(known):
@@ -38,8 +48,19 @@ def largest(values: np.ndarray) -> float | None:
 
 @UNBOUNDED
 def error_index(norms: np.ndarray, true: np.ndarray) -> float | None:
-    """The paper's eq 35: the sum over time of norms, one of :data:`RATIOS`, over that of the true error's norms; None
-    where there was no error, or nothing is known of it."""
+    """The paper's eq 35: the sum over time of norms over that of the true error's norms.
+
+    Parameters
+    ----------
+    norms : (T,) array
+        One of :data:`RATIOS`.
+    true : (T,) array, in the same unit
+
+    Returns
+    -------
+    float or None
+        None where there was no error, or nothing is known of it.
+    """
     return finite(float(_over(np.sum(norms), np.sum(true))))
 
 
@@ -70,7 +91,8 @@ def energy_drift(series: Mapping[str, np.ndarray]) -> float | None:
 
 @UNBOUNDED
 def angular_momentum_drift(series: Mapping[str, np.ndarray], against: np.ndarray) -> float | None:
-    """What the angular momentum has gained at the end beyond what ``against`` has, over what it was at the start."""
+    """What the angular momentum has gained at the end beyond what ``against`` (T,) has, over what it was at the
+    start."""
     momentum = series["angular_momentum"]
     gained = float(momentum[-1] - momentum[0]) - float(against[-1] - against[0])
     return finite(gained / float(momentum[0])) if momentum[0] else None

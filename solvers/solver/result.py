@@ -7,16 +7,8 @@ import numpy as np
 
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
-from solvers.solver.norms import (
-    RATIOS,
-    UNBOUNDED,
-    angular_momentum_drift,
-    energy_drift,
-    error_index,
-    finite,
-    largest,
-    summary,
-)
+from solvers.solver import norms
+from solvers.solver.norms import UNBOUNDED, finite, largest, summary
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
 
@@ -106,32 +98,41 @@ class Result:
         return [effect for effect in ALL if scene.has(effect)] + [name for name, on in extra.items() if on]
 
     def errors(self) -> dict:
-        """``{"x": {"final", "max", "mean"}, ...}`` of the true errors, nulls where the truth was off."""
+        """The true errors over the run.
+
+        Returns
+        -------
+        dict
+            ``["x"]["max"]`` and so on: RMS over particles of x (m), v (m/s), sigma (Pa), a (m/s^2) and the problem's
+            own norm, each as :func:`solvers.solver.norms.summary` has it; None where the truth was off.
+        """
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return {**{q: summary(self.series[f"error_{q}"]) for q in QUANTITIES}, **extra}
 
     def estimates(self, estimator: str) -> dict:
+        """What an estimator of the scene says of them, in the same form, without the problem's own norm."""
         return {q: summary(self.series[f"{estimator}/estimate_{q}"]) for q in QUANTITIES}
 
     def index(self, estimator: str) -> dict:
-        """The error index of each quantity (eq 35)."""
+        """The error index (eq 35) of each quantity: estimated over true, 1 is perfect."""
         return self._ratio("index", estimator)
 
     def distance(self, estimator: str) -> dict:
-        """How far the estimate is from the truth particle by particle, over the size of the truth."""
+        """How far the estimate is from the truth particle by particle, over the size of the truth: 0 is perfect."""
         return self._ratio("distance", estimator)
 
     def _ratio(self, ratio: str, estimator: str) -> dict:
-        norm = f"{estimator}/{RATIOS[ratio]}"
-        return {q: error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
+        norm = f"{estimator}/{norms.RATIOS[ratio]}"
+        return {q: norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
 
     @UNBOUNDED
     def energy(self) -> dict | None:
-        """Kinetic plus strain energy, and the drift (E - W - E0)/E0 with the body force's work W."""
+        """Kinetic plus strain energy E in J (``initial``, ``final``) and its ``drift`` (E - W - E0)/E0, W the work of
+        the body force; None where the effect is off."""
         if not self.scene.has("energy"):
             return None
         total = self.series["kinetic"] + self.series["strain"]
-        return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": energy_drift(self.series)}
+        return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": norms.energy_drift(self.series)}
 
     def angular_momentum(self) -> dict | None:
         """The angular momentum; what it has gained beyond the torque of the body force ("drift"), and beyond the exact
@@ -141,8 +142,8 @@ class Result:
         series = self.series
         momentum = series["angular_momentum"]
         return {"initial": finite(momentum[0]), "final": finite(momentum[-1]),
-                "drift": angular_momentum_drift(series, series["torque"]),
-                "error": angular_momentum_drift(series, series["exact_angular_momentum"])}
+                "drift": norms.angular_momentum_drift(series, series["torque"]),
+                "error": norms.angular_momentum_drift(series, series["exact_angular_momentum"])}
 
     @UNBOUNDED
     def life(self) -> dict[str, float | None]:

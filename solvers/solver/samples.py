@@ -25,6 +25,7 @@ ROWS = 512  # that fit before the host has to collect them
 
 
 def column_count(estimators: tuple[str, ...]) -> int:
+    """Numbers in a row."""
     return len(BASE) + len(EACH) * len(estimators)
 
 
@@ -36,8 +37,20 @@ def column(name: str) -> int:
 def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: float) -> dict[str, np.ndarray]:
     """Rows of samples as named series.
 
-    Keys: ``time``, ``error_x`` ... (RMS over particles), ``kinetic``, ``strain``, ``work``, ``crossings`` and,
-    for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too).
+    Parameters
+    ----------
+    rows : (T, :func:`column_count`) array
+    estimators
+        Those of the run, in its order.
+    particles
+        Over how many the rows are sums.
+    dt : float, s
+
+    Returns
+    -------
+    dict of (T,) arrays
+        ``time`` in s, ``error_x`` ... (RMS over particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings``
+        and, for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too).
     """
     names = [*BASE, *(f"{e}/{name}" for e in estimators for name in EACH)]
     series = dict(zip(names, rows.T.copy(), strict=True))

@@ -65,7 +65,21 @@ class Finding:
 
 
 def find(scene: Scene, series: Mapping[str, np.ndarray], not_valid: Collection[str] = ()) -> Finding | None:
-    """The first finding in the samples of a run, or None. ``not_valid`` are the estimators that do not hold here."""
+    """Look for the sample from which on a run is lost.
+
+    Parameters
+    ----------
+    scene
+    series
+        Of the run, from :func:`solvers.solver.samples.read`.
+    not_valid
+        Estimators that do not hold here, and are not heard.
+
+    Returns
+    -------
+    Finding or None
+        None where nothing is found, which is no proof.
+    """
     return earliest(findings(scene, series), not_valid)
 
 

@@ -73,7 +73,8 @@ class Advice:
 
 def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterable[int],
              courant_numbers: Iterable[float], quantity: str) -> list[Family]:
-    """Every combination that makes a valid scene. ``methods`` pairs a method with linearity preservation."""
+    """Every combination that makes a valid scene; ``methods`` are names, each with whether it preserves linearity, and
+    ``quantity`` is x, v, sigma or a."""
     found = []
     multiple = 6 if base.DIMENSIONS == 2 else 2  # so that the ring's lattice divides evenly
     for (method, preserving), ppc, cfl in product(methods, per_cell, courant_numbers):
@@ -85,8 +86,16 @@ def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterabl
 
 def advise(choices: list[Family], goal: Goal,
            on_look: Callable[[int, Scene], None] = lambda looks, scene: None) -> Advice:
-    """Search for the cheapest run that meets the goal; the best within reach if none does. ``on_look`` is told of every
-    run before it is made: its number and its scene."""
+    """Search for the cheapest run that meets a goal; the best within reach if none does.
+
+    Parameters
+    ----------
+    choices
+        What may be run (:func:`families`), one at least.
+    goal
+    on_look
+        Told of every run before it is made: its number and its scene.
+    """
     looks = 0
 
     def look(family: Family, cells: int) -> None:

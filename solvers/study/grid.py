@@ -59,19 +59,28 @@ class Task:
 
 
 def task_of(scene: Scene, **options) -> Task:
-    """The task that asks for a scene. ``options`` are the other fields of :class:`Task`."""
+    """The task that asks for a scene; ``options`` as of :func:`plan`."""
     given = {field.name: getattr(scene, field.name) for field in fields(scene) if field.name != "problem"}
     return Task(scene.problem, {field_key(name): _plain(value) for name, value in given.items() if value is not None},
                 **options)
 
 
 def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
-    """Every combination of one value from each axis; the last axis varies fastest."""
+    """Every combination of one value from each axis, the last varying fastest."""
     return [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
 
 
 def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
-    """A task for every combination, each scene once. ``options`` are the other fields of :class:`Task`."""
+    """A task for every combination, each scene once.
+
+    Parameters
+    ----------
+    problem : "bar", "ring" or "vortex"
+    axes
+        The values of each input by the name of its flag; those of the last vary fastest.
+    options
+        The other fields of :class:`Task`.
+    """
     tasks: dict[str, Task] = {}
     for inputs in combinations(axes):
         task = Task(problem, {name: _plain(value) for name, value in inputs.items()}, **options)

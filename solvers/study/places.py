@@ -51,8 +51,21 @@ class Place(Protocol):
 
 
 def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None]) -> None:
-    """Measure every task at a place, and hand each row over as it comes, in the caller's thread. A lost worker is
-    replaced; a row that keeps losing its workers is marked as failed."""
+    """Measure every task at a place. A lost worker is replaced; a row that keeps losing workers is marked as failed.
+
+    Parameters
+    ----------
+    tasks
+    place
+        :class:`Here` or a :class:`Cluster`.
+    on_row
+        Given each row (``solvers.study.row``) as it comes, in the caller's thread.
+
+    Raises
+    ------
+    PlaceLost
+        Where the place can measure no more.
+    """
     lost: Counter[str] = Counter()
     waiting = {place.submit(task): task for task in tasks}
     while waiting:

@@ -51,7 +51,7 @@ BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particle
 
 
 def measure(task: Task) -> dict:
-    """The row of a task. Whatever goes wrong in its scene is a row too."""
+    """The row of a task, with the keys above. Whatever goes wrong in its scene is a row too, and never an exception."""
     if refusal := task.refusal():
         return refused(task, refusal)
     try:
@@ -96,8 +96,8 @@ def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
 
 
 def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tuple[list[float], Result]:
-    """Seconds of the runs of a warmed-up scene with these effects alone: ``repeats``, and more of a short one, until
-    together they have taken long enough to time; and the last run. The shortest is the one to believe."""
+    """Seconds of the runs of a warmed-up scene with these effects alone, the shortest of which is the one to believe;
+    and the last run. There are ``repeats``, and more of a short one, until together they took long enough to time."""
     from solvers.running.run import run
 
     scene = replace(scene, effects=effects, estimators=())

@@ -35,7 +35,18 @@ def whole(content: bytes, fault: Callable[[Any], str | None]) -> dict:
 
 
 class Store:
-    """The rows of a study in a directory. A row with the key of an earlier one replaces it."""
+    """The rows of a study in a directory. A row with the key of an earlier one replaces it.
+
+    Parameters
+    ----------
+    directory
+        Made if it is not there; to be empty, or with ``resume`` to hold rows of the ``problem``.
+
+    Raises
+    ------
+    StoreError
+        Where the directory cannot be used.
+    """
 
     def __init__(self, directory: str | os.PathLike, problem: str, resume: bool = False):
         self._path = Path(directory) / NAME
