@@ -12,6 +12,7 @@ from app.export import lattice, plan
 from app.export.plan import Plan, described, planned
 from app.export.recorders import recordings
 from app.export.vocabulary import vocabulary
+from app.words import title
 
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
@@ -28,7 +29,7 @@ def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping
     one = planned(shown, (), quantities(shown))
     one = planned(one.state, lattice.around(one.scene, counts), one.quantities)
     recorded = record([one], processes, on_progress)
-    return assembled(one.scene.TITLE.capitalize(), [one], recorded, None)
+    return assembled(title(one.scene).capitalize(), [one], recorded, None)
 
 
 def quantities(shown: state.State) -> tuple[str, ...]:
@@ -45,18 +46,20 @@ def record(plans: Sequence[Plan], processes: int, on_progress: Progress) -> dict
     return {key: found[one] for key, one in wanted.items()}
 
 
-def assembled(title: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
+def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
               lesson: Mapping[str, Any] | None) -> str:
     """The page, of a lesson where one is given."""
     runs = list({id(run): run for run in recorded.values()}.values())
     places = {id(run): number for number, run in enumerate(runs)}
     stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs})
               for k, one in enumerate(plans)]
-    data = {**vocabulary(), "stages": stages, "lesson": lesson,
-            "runs": [{"head": run["head"], "tracks": run["tracks"]} for run in runs]}
+    texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # most runs say the same
+    data = {**vocabulary(), "stages": stages, "lesson": lesson, "texts": texts,
+            "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
+                     for run in runs]}
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
                        for k, run in enumerate(runs))
-    parts = {"title": escape(title), "version": __version__, "kind": "lesson" if lesson else "scene",
+    parts = {"title": escape(heading), "version": __version__, "kind": "lesson" if lesson else "scene",
              "style": _file("player.css"), "data": _json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
                        + "\n".join(_file(f"{name}.js") for name in SCRIPTS)}

@@ -9,7 +9,7 @@ from app.export.lattice import Axis
 from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
-from app.words import METHODS, OF_SOME, differing, moving, per_cell, unit_of, with_unit
+from app.words import METHODS, OF_SOME, differing, moving, per_cell, title, unit_of, with_unit
 from solvers.scene.scene import Scene
 
 LABELS = {field: name for name, field in lattice.CONTROLS.items()}
@@ -122,6 +122,7 @@ def _title(text: str) -> str:
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
     plain = type(scene)(**{name: getattr(scene, name) for name in said})
     more = differing(scene, plain)
-    return f"{scene.TITLE.capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
-           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {moving(scene)}" \
+    motion = moving(scene).removeprefix("patch test, ")  # which the title says
+    return f"{title(scene).capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
+           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {motion}" \
            + f", {more}" * bool(more)

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from app import state
+from app import drawing, state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
+from app.export.texts import texts
+from app.frame.silences import why_no_field
 from app.problems.views import VIEWS
 from app.scale import LEAST_REACH, LEAST_TOP
 from solvers.running.run import build
@@ -56,11 +58,18 @@ def recording(wanted: Wanted) -> dict[str, Any]:
         shots.append({key: solver.snapshot(wanted.difference, key) for key in wanted.quantities})
         if not solver.sound:
             break
-    tracks = _tracks(wanted, scene, solver, shots)
+    kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
+    marked = kept[::drawing.one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
+    tracks = _tracks(wanted, scene, kept, marked, shots)
     regular, pictures = (samples.read(np.concatenate(some), scene.active_estimators, _count(shots), scene.time_step)
                          for some in (rows, own))
     tracks += _norms(scene, regular, pictures)
-    return {"head": _head(wanted, scene, solver, shots, regular, pictures),
+    not_valid = solver.not_valid()
+    silent = {key: [name for name in scene.active_estimators if not any(
+        np.isfinite(shot[key].estimate[name][:, samples.QUANTITIES.index(key)]).any() for shot in shots)]
+        for key in wanted.quantities}
+    said = texts(scene, not_valid, silent, wanted.difference, round(_count(shots) / len(marked)))
+    return {"head": _head(wanted, scene, solver, not_valid, len(kept), shots, regular, pictures), "texts": said,
             "tracks": [track.header for track in tracks], "data": base64.b64encode(packed(tracks)).decode()}
 
 
@@ -82,21 +91,26 @@ def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
         else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
-def _tracks(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Snapshot]]) -> list[Track]:
-    """Everything of particles: places, errors and estimates of each quantity, exact curves, crossings."""
-    kept, instants = _shown(scene.DIMENSIONS, _count(shots), wanted.particles), [_first(shot) for shot in shots]
+def _tracks(wanted: Wanted, scene: Scene, kept: np.ndarray, marked: np.ndarray,
+            shots: list[dict[str, Snapshot]]) -> list[Track]:
+    """Everything of the particles that are kept: places, errors and estimates of each quantity, exact curves and lines,
+    crossings of those that are marked."""
+    instants, view = [_first(shot) for shot in shots], VIEWS[scene.problem]
     rest = _flat(instants[0].material_position[kept])
     position = np.stack([_flat(shot.position[kept]) for shot in instants])
     farthest = FARTHEST if scene.swings else np.inf  # the player brings back what moves on and on
     with np.errstate(invalid="ignore"):
         position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
-    if wanted.domains and (edges := VIEWS[scene.problem].domains):
+    if wanted.domains and (edges := view.domains):
         half = [edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
         tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
     for key in wanted.quantities:
         tracks += _quantity(wanted, scene, key, [shot[key] for shot in shots], kept)
-    return tracks + _crossings(scene, instants, kept)
+    if scene.solution_known and view.stage.LINES:
+        lines = [_flat(view.stage.exact_lines(scene, shot.time, 1)[0]) for shot in instants]
+        tracks.append(Track("line", PLACE, np.stack(lines)))
+    return tracks + _crossings(scene, instants, kept, marked)
 
 
 def _flat(points: np.ndarray) -> np.ndarray:
@@ -111,6 +125,9 @@ def _quantity(wanted: Wanted, scene: Scene, key: str, shots: list[Snapshot], kep
     column, known = samples.QUANTITIES.index(key), scene.solution_known
     fields = np.stack([shot.plotted[kept, int(known)] for shot in shots if shot.plotted is not None])
     tracks = [Track(f"deviation.{key}", SIGNED, fields)]
+    unknown = [[np.count_nonzero(~np.isfinite(shot.plotted[:, 0]))] for shot in shots if shot.plotted is not None]
+    if np.any(unknown) and not why_no_field(scene, key):
+        tracks.append(Track(f"unknown.{key}", NUMBER, np.array(unknown)))
     errors = [shot.error for shot in shots]
     if all(error is not None for error in errors):
         sizes = np.abs(np.stack([error[kept, column] for error in errors if error is not None]))
@@ -129,15 +146,16 @@ def _quantity(wanted: Wanted, scene: Scene, key: str, shots: list[Snapshot], kep
     return tracks
 
 
-def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
-    """When a particle that is kept, counted among those, crossed a cell boundary: of several times between two pictures
-    the last. In the order of time."""
+def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np.ndarray) -> list[Track]:
+    """When a particle that is marked, counted among those that are kept, crossed a cell boundary: of several times
+    between two pictures the last. In the order of time."""
+    numbers = np.searchsorted(kept, marked)
     found = []
     for before, shot in itertools.pairwise(shots):
         if shot.last_crossing is not None:
-            steps = shot.last_crossing[kept]
-            who = np.flatnonzero(steps > before.step)
-            found.append(np.stack([who, steps[who] * scene.time_step], axis=1))
+            steps = shot.last_crossing[marked]
+            crossed = steps > before.step
+            found.append(np.stack([numbers[crossed], steps[crossed] * scene.time_step], axis=1))
     events = np.concatenate(found) if found else np.empty((0, 2))
     events = events[np.argsort(events[:, 1], kind="stable")]
     return [Track("crossings.who", PLACE, events[:, :1]), Track("crossings.time", PLACE, events[:, 1:])]
@@ -170,17 +188,16 @@ def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     return np.stack([series[name.format(key)] for key in samples.QUANTITIES], axis=1)
 
 
-def _head(wanted: Wanted, scene: Scene, solver: Solver, shots: list[dict[str, Snapshot]],
-          *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
-    """What the player says of a run beside its numbers."""
-    not_valid = solver.not_valid()
+def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
+          shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """What the player must know of a run beside its numbers."""
     found = [finding for one in series if (finding := find(scene, one, not_valid))]
     status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None))
-    count = _count(shots)
-    shown = len(_shown(scene.DIMENSIONS, count, wanted.particles))
-    return {"problem": scene.problem, "particles": count, "shown": shown,
-            "spacing": scene.spacing, "step": scene.time_step, "steps": solver.step, "period": scene.period,
-            "end": scene.end_time, "outermost": VIEWS[scene.problem].outermost(scene), "ppc": scene.ppc,
+    view = VIEWS[scene.problem]
+    return {"problem": scene.problem, "particles": _count(shots), "shown": shown,
+            "spacing": scene.spacing, "first_line": view.stage.first_line(scene), "step": scene.time_step,
+            "steps": solver.step, "period": scene.period,
+            "end": scene.end_time, "outermost": view.outermost(scene), "ppc": scene.ppc,
             "known": scene.solution_known,
             "moves_on": not scene.swings, "least": {} if scene.swings else {
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},

@@ -1,28 +1,28 @@
 // The bar: two lanes of particles, the estimate above the truth, crossings between them, and the field plot below.
 
 function drawBar(pen, run, pinned, view, scene) {
-  const {width, height, at, sizes, scale, flashed} = scene;
+  const {width, height, at, sizes, scale, said, flashed} = scene;
   const left = 66, right = width - 22, across = right - left, top = 66;
   const lane = Math.max(30, 0.085 * height), gap = Math.max(26, 0.05 * height);
   const first = top + 24, second = first + lane + gap, low = second + lane;
   const x = (place) => left + across * Math.min(Math.max(place, -0.04), 1.04);
-  drawColourBar(pen, scale, scene.measures, scene.unit, left, right, 24);
-  words(pen, scene.titles[0], left, first - 9, "left", "bottom");
+  drawColourBar(pen, scale, said.measures, scene.unit, left, right, 24);
+  words(pen, said.titles[0], left, first - 9, "left", "bottom");
   drawCells(pen, run, x, first - 8, low + 8);
   const places = row(run.tracks.position, at).map((place) => run.moves_on ? place - Math.floor(place) : place);
-  drawLane(pen, run, places, sizes[0], scale, x, across, first, lane, scene.silences[0]);
-  drawLane(pen, run, places, sizes[1], scale, x, across, second, lane, scene.silences[1]);
+  drawLane(pen, run, places, sizes[0], scale, x, across, first, lane, said.silences[0]);
+  drawLane(pen, run, places, sizes[1], scale, x, across, second, lane, said.silences[1]);
   for (const [p, ago] of flashed) {
     pen.fillStyle = faded(ago);
     pen.beginPath();
     pen.arc(x(places[p]), first + lane + gap / 2, 4, 0, 7);
     pen.fill();
   }
-  words(pen, scene.titles[1], left, low + 10, "left", "top");
-  const note = pen.measureText(scene.note).width + pen.measureText(scene.titles[1]).width + 30 < across;
-  words(pen, scene.note, right, low + (note ? 10 : 26), "right", "top", 0, "#8a0052");
+  words(pen, said.titles[1], left, low + 10, "left", "top");
+  const note = pen.measureText(run.texts.marks).width + pen.measureText(said.titles[1]).width + 30 < across;
+  words(pen, run.texts.marks, right, low + (note ? 10 : 26), "right", "top", 0, "#8a0052");
   const start = low + (note ? 40 : 56), narrow = across < NARROW;
-  drawField(pen, run, pinned, view, at, {x: left, y: start, width: across, height: height - start - (narrow ? 58 : 30)},
+  drawField(pen, run, pinned, view, at, said.field, {x: left, y: start, width: across, height: height - start - (narrow ? 58 : 30)},
     flashed.map(([p]) => p));
 }
 

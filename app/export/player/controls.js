@@ -10,7 +10,7 @@ function buildControls() {
   if (plan.estimators.length > 1) looks.push(select("On the stage", plan.estimators.map((name) => [name, name]), "estimator"));
   looks.push(select("Magnify error", DATA.magnifications.map((factor) => [factor, `× ${factor}`]), "magnified"),
     select("Colours", [[false, "linear"], [true, "logarithmic"]], "logarithmic"));
-  if (plan.compares) looks.push(select("Compare", [[false, "estimate | truth"], [true, "estimate − truth | truth"]], "difference"));
+  if (plan.compares) looks.push(select("Compare", DATA.compare.map((name, k) => [k === 1, name]), "difference"));
   if (plan.outlines) looks.push(select("Domains", [[true, "outlined"], [false, "not outlined"]], "domains"));
   const speeds = [...new Set([...SPEEDS, view.speed])].sort((a, b) => a - b);
   looks.push(select("Speed", speeds.map((speed) => [speed, `${number(speed)} periods/s`]), "speed"));

@@ -42,8 +42,8 @@ function axisTop(run, view) {
 }
 
 // Particles as dots on the exact curve within a box; those in `flashed` in magenta; a pinned run's in grey.
-function drawField(pen, run, pinned, view, at, box, flashed) {
-  const {ends, component} = DATA.problems[run.problem].plot, quantity = DATA.quantities[view.quantity];
+function drawField(pen, run, pinned, view, at, caption, box, flashed) {
+  const {ends} = DATA.problems[run.problem].plot, quantity = DATA.quantities[view.quantity];
   const own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own;
   const middle = box.y + box.height / 2, half = box.height / 2 / ROOM;
   const x = (share) => box.x + share * box.width;
@@ -56,7 +56,7 @@ function drawField(pen, run, pinned, view, at, box, flashed) {
   words(pen, unit, box.x - 6, y(top), "right", "middle");
   words(pen, "0", box.x - 6, middle, "right", "middle");
   words(pen, `−${unit.split(" ")[0]}`, box.x - 6, y(-top), "right", "middle");
-  if (pinned) drawDots(pen, pinned.run, fieldValues(pinned.run, view, pinned.at), x, y, () => FAINT, 2);
+  if (pinned) drawDots(pen, pinned.run, fieldValues(pinned.run, view, pinned.at), x, y, () => FAINT, 2.6);
   const curve = run.tracks[`curve.${view.quantity}`];
   if (curve) {
     const exact = row(curve, at);
@@ -65,11 +65,9 @@ function drawField(pen, run, pinned, view, at, box, flashed) {
     stroke(pen, Array.from(exact, (value, k) => [x(k / (exact.length - 1)), y(value)]));
   }
   const lit = new Set(flashed);
-  drawDots(pen, run, fieldValues(run, view, at), x, y, (p) => lit.has(p) ? `rgb(${FLASH})` : DOT, Math.min(1.8, Math.max(0.8, 0.28 * box.width / run.shown)));
-  const name = `${component} ${view.quantity === "x" ? "displacement u" : `${quantity.noun} ${quantity.symbol}`}`.trim();
-  const told = !curve ? `${name} of the particles (no exact curve is known)`
-    : view.magnified > 1 ? `${name}: particles' deviation from exact × ${view.magnified}`
-    : `${name}: particles (dots) on the exact curve`;
+  drawDots(pen, run, fieldValues(run, view, at), x, y, (p) => lit.has(p) ? `rgb(${FLASH})` : DOT, Math.min(2.4, Math.max(1.4, 0.28 * box.width / run.shown + 0.6)));
+  const unknown = run.tracks[`unknown.${view.quantity}`], count = unknown ? unknown.values[Math.floor(at)] : 0;
+  const told = count ? fill(DATA.unknown, {caption, unknown: count}) : caption;
   const below = box.y + box.height + 8, narrow = box.width < NARROW;
   words(pen, ends[0], box.x, below, "left", "top");
   words(pen, ends[1], box.x + box.width, below, "right", "top");
@@ -81,8 +79,7 @@ function drawDots(pen, run, values, x, y, colour, size) {
   for (let p = 0; p < values.length; p++) {
     if (!Number.isFinite(values[p])) continue;
     pen.fillStyle = colour(p);
-    const grown = pen.fillStyle === DOT ? size : size + 0.6;
-    pen.fillRect(x(shares[p]) - grown, y(values[p]) - grown, 2 * grown, 2 * grown);
+    pen.fillRect(x(shares[p]) - size, y(values[p]) - size, 2 * size, 2 * size);
   }
 }
 

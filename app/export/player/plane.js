@@ -2,21 +2,22 @@
 // the field plot below.
 
 function drawPlane(pen, run, pinned, view, scene) {
-  const {width, height, at, sizes, scale} = scene, {plot: {end: outer}, mirrors} = DATA.problems[run.problem];
+  const {width, height, at, sizes, scale, said} = scene, {plot: {end: outer}, mirrors, lines} = DATA.problems[run.problem];
   const room = width - 88, narrow = room < NARROW || height < 640, plot = Math.max(80, 0.15 * height);
   const top = 84, start = height - plot - (narrow ? 58 : 30), size = Math.max(60, Math.min(room, start - 34 - top));
   const across = Math.min(room, Math.max(1.35 * size, 480)), left = 66 + (room - across) / 2, right = left + across;
   const middle = [(left + right) / 2, top + size / 2];
   const reach = 1.05 * run.outermost, metre = size / 2 / reach;
-  drawColourBar(pen, scale, scene.measures, scene.unit, left, right, 24);
-  words(pen, scene.titles[0], left, 60, "left", "top");
-  words(pen, scene.titles[1], right, 60, "right", "top");
+  drawColourBar(pen, scale, said.measures, scene.unit, left, right, 24);
+  words(pen, said.titles[0], left, 60, "left", "top");
+  words(pen, said.titles[1], right, 60, "right", "top");
   drawSquares(pen, run, middle, metre, reach);
   const places = row(run.tracks.position, at), n = run.shown;
   const dot = Math.max(1.2, 0.56 * run.spacing / run.ppc * metre * Math.sqrt(run.particles / n));
   drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, dot);
   const outlined = mirrors.length > 1 ? [[1, 1], [-1, 1]] : mirrors;
   if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
+  if (run.tracks.line) drawLines(pen, row(run.tracks.line, at), lines, middle, metre);
   pen.fillStyle = `rgb(${FLASH})`;
   for (const [p] of scene.flashed) {
     for (const [sx, sy] of mirrors) {
@@ -25,23 +26,33 @@ function drawPlane(pen, run, pinned, view, scene) {
       pen.fill();
     }
   }
-  if (scene.silences[0]) words(pen, scene.silences[0], middle[0] - 6, middle[1], "right", "middle", 0.6 * outer * metre);
-  if (scene.silences[1]) words(pen, scene.silences[1], middle[0] + 6, middle[1], "left", "middle", 0.6 * outer * metre);
+  if (said.silences[0]) words(pen, said.silences[0], middle[0] - 6, middle[1], "right", "middle", 0.6 * outer * metre);
+  if (said.silences[1]) words(pen, said.silences[1], middle[0] + 6, middle[1], "left", "middle", 0.6 * outer * metre);
   const low = top + size + 6;
-  words(pen, `outer radius ${outer} m at rest, h = ${number(run.spacing)} m`, left, low, "left", "top");
-  words(pen, scene.note, right, low + (narrow ? 15 : 0), "right", "top", 0, "#8a0052");
-  drawField(pen, run, pinned, view, at, {x: left, y: start, width: right - left, height: plot},
+  words(pen, run.texts.note, left, low, "left", "top");
+  words(pen, run.texts.marks, right, low + (narrow ? 15 : 0), "right", "top", 0, "#8a0052");
+  drawField(pen, run, pinned, view, at, said.field, {x: left, y: start, width: right - left, height: plot},
     scene.flashed.map(([p]) => p));
 }
 
 function drawSquares(pen, run, middle, metre, reach) {
-  const count = Math.floor(reach / run.spacing);
-  for (let k = -count; k <= count; k++) {
-    const at = k * run.spacing * metre, end = reach * metre;
-    pen.strokeStyle = k ? "rgb(225,229,234)" : CELL;
-    pen.lineWidth = k ? 1 : 1.5;
+  const {spacing, first_line: start} = run, end = reach * metre;
+  const cross = (at, colour, thickness) => {
+    Object.assign(pen, {strokeStyle: colour, lineWidth: thickness});
     stroke(pen, [[middle[0] + at, middle[1] - end], [middle[0] + at, middle[1] + end]]);
-    stroke(pen, [[middle[0] - end, middle[1] + at], [middle[0] + end, middle[1] + at]]);
+    stroke(pen, [[middle[0] - end, middle[1] - at], [middle[0] + end, middle[1] - at]]);
+  };
+  for (let k = Math.ceil((-reach - start) / spacing); k <= (reach - start) / spacing; k++) cross((k * spacing + start) * metre, "rgb(225,229,234)", 1);
+  cross(0, CELL, 1.5);
+}
+
+// Lines of material as the exact solution has them: one is recorded, the others are that one, turned.
+function drawLines(pen, line, count, middle, metre) {
+  const n = line.length / 2;
+  Object.assign(pen, {strokeStyle: TRUTH, lineWidth: 1.5});
+  for (let k = 0; k < count; k++) {
+    const c = Math.cos(2 * Math.PI * k / count), s = Math.sin(2 * Math.PI * k / count);
+    stroke(pen, Array.from({length: n}, (_, p) => [middle[0] + metre * (c * line[p] - s * line[n + p]), middle[1] - metre * (s * line[p] + c * line[n + p])]));
   }
 }
 

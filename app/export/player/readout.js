@@ -22,16 +22,14 @@ function readout() {
   const rows = [tableRow(`error of ${quantity.symbol}`, "norm", "index", "distance")];
   rows[0].className = "head";
   const norm = (track, of = run, when = at) => known(cell(of, track, when, view.quantity), withUnit, quantity.unit);
-  rows.push(marked(tableRow("true", run.known ? norm("norm.true") : "unknown", "", ""), TRUTH, []));
-  for (const name of run.estimators) {
-    const valid = !(name in run.not_valid);
-    const last = valid ? ["index", "distance"].map((kind) => short(cell(run, `${kind}.${name}`, at, view.quantity))) : ["", ""];
-    rows.push(marked(tableRow(name, valid ? norm(`norm.${name}`) : "not valid", ...last), ...lookOf(name)));
+  for (const [name, silence] of Object.entries(saidOf(run, view).rows)) {
+    const own = name === "true", ratios = own ? ["", ""] : ["index", "distance"].map((kind) => short(cell(run, `${kind}.${name}`, at, view.quantity)));
+    const made = silence ? silentRow(name, silence) : tableRow(name, norm(`norm.${name}`), ...ratios);
+    rows.push(DATA.estimators[name] ? marked(made, ...lookOf(name)) : own ? marked(made, TRUTH, []) : made);
   }
   if (stage.pinned) {
     const other = pictureAt(stage.pinned, time);
-    rows.push(marked(tableRow("pinned", norm("norm.true", stage.pinned, other), "", ""),
-      PINNED, []));
+    rows.push(marked(tableRow("pinned", norm("norm.true", stage.pinned, other), "", ""), PINNED, []));
   }
   document.getElementById("norms").replaceChildren(...rows);
   status(run);
@@ -52,6 +50,14 @@ function tableRow(...texts) {
   return made;
 }
 
+// A row that says why there is no number.
+function silentRow(name, silence) {
+  const made = tableRow(name, silence);
+  made.className = "silent";
+  made.lastChild.colSpan = 3;
+  return made;
+}
+
 // A row with the line that stands for it in the chart.
 function marked(row, colour, dashes) {
   const line = document.createElementNS("http://www.w3.org/2000/svg", "svg");
@@ -68,9 +74,7 @@ function marked(row, colour, dashes) {
 // What has become of the run, and in a sentence what is seen.
 function status(run) {
   const box = document.getElementById("status"), broken = isBroken(run);
-  const why = Object.entries(run.not_valid).map(([name, reason]) => `${name}: ${reason}.`).join(" ");
-  put(box, stage.refusal ? "" : broken ? capital(run.reason) + "." : why ? capital(why) : "");
-  box.className = broken ? "broken" : "note";
+  put(box, !stage.refusal && broken ? capital(run.reason) + "." : "");
   box.hidden = !box.textContent;
   put(document.getElementById("title"), stage.plan.says[flatNumber(stage.plan, stage.chosen)] || "");
   put(document.getElementById("summary"), summary(run));
@@ -85,14 +89,20 @@ function put(box, text) {
 
 function summary(run) {
   if (stage.refusal) return capital(stage.refusal) + ".";
-  if (run.status === "unstable" && stage.time >= endOf(run)) return `The run went unstable and has stopped at t = ${number(stage.time)} s.`;
-  if (isBroken(run)) return `The run is lost from t = ${number(run.since)} s on.`;
-  const {view} = stage, at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity];
-  const of = `error of ${quantity.noun} ${quantity.symbol}`, index = cell(run, `index.${view.estimator}`, at, view.quantity);
-  if (Number.isFinite(index) && !(view.estimator in run.not_valid))
-    return `So far the estimate by ${view.estimator} is ${ratio(index)} ${index >= 1 ? "times" : "of"} the true ${of}.`;
-  const size = cell(run, "norm.true", at, view.quantity);
-  return Number.isFinite(size) ? `The true ${of} is ${withUnit(size, quantity.unit)}.` : `The true ${of} is not known.`;
+  const {unstable, lost, paused} = DATA.sentences, now = {time: number(stage.time)};
+  if (run.status === "unstable" && stage.time >= endOf(run)) return capital(fill(unstable, now)) + ".";
+  const parts = [...isBroken(run) ? [fill(lost, {since: number(run.since)})] : [], errors(run, stage.view)];
+  return capital((stage.playing ? "" : fill(paused, now)) + parts.join("; ") + ".");
+}
+
+// How large the estimate is beside the truth, as app/frame/sentence.py says it.
+function errors(run, view) {
+  const said = saidOf(run, view).errors, at = pictureAt(run, stage.time), {unit} = DATA.quantities[view.quantity];
+  const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), index = of(`index.${view.estimator}`);
+  const size = (value) => Number.isFinite(value) ? withUnit(value, unit, 2) : DATA.sentences.nothing_yet;
+  if (truth <= said.least) return fill(said.still, {true: truth ? size(truth) : "zero"});
+  if (said.told.includes("{index}") && !Number.isFinite(index)) return said.unmeasured;
+  return fill(said.told, {true: size(truth), estimate: size(of(`norm.${view.estimator}`)), index: times(index)});
 }
 
 // Norms over time: the truth broad, estimates with their dashes, and a line where the time is.

@@ -15,7 +15,7 @@ const flatNumber = (plan, chosen) => plan.axes.reduce((sum, axis, k) => sum * ax
 // Put one of the stages of the file on it, from its beginning.
 async function putOnStage(id, play) {
   const plan = DATA.stages[id];
-  Object.assign(stage, {plan, chosen: plan.axes.map((axis) => axis.start), view: {...plan.view}, time: 0, playing: false});
+  Object.assign(stage, {plan, run: null, chosen: plan.axes.map((axis) => axis.start), view: {...plan.view}, time: 0, playing: false});
   stage.pinned = plan.pinned === null ? null : await recording(plan.pinned);
   document.body.classList.add("has-stage");
   buildControls();
@@ -31,7 +31,6 @@ async function choose() {
     const run = await recording(found);
     if (stage.plan.runs[flatNumber(stage.plan, stage.chosen)] !== found) return;  // another one has been chosen since
     stage.run = run;
-    if (!run.estimators.includes(stage.view.estimator)) stage.view.estimator = run.estimators[0] || stage.view.estimator;
     stage.time = Math.min(stage.time, endOf(run));
   }
   changed();
@@ -76,17 +75,10 @@ function changed() {
   for (const act of stage.onChange) act();
 }
 
-// What each half says instead of sizes, where there are none.
-function silencesOf(run, view) {
-  const truth = run.known ? "" : "true error unknown here: no exact solution is built in";
-  if (!run.estimators.length) {
-    const [name, why] = Object.entries(run.not_valid)[0] || [];
-    return [name ? `${name}: ${why}` : "no estimator is chosen", truth];
-  }
-  if (view.estimator in run.not_valid) return [`${view.estimator}: ${run.not_valid[view.estimator]}`, truth];
-  const known = run.tracks[`${view.difference ? "difference" : "estimate"}.${view.estimator}.${view.quantity}`];
-  return [known && known.values.some(Number.isFinite) ? "" : `${view.estimator} does not estimate the `
-    + DATA.quantities[view.quantity].noun, truth];
+// What is said of a run as it is looked at (app/export/texts.py).
+function saidOf(run, view) {
+  const {rows, field, by} = run.texts.of[view.quantity], {captions, errors} = by[view.estimator] || Object.values(by)[0];
+  return {rows, field: field[DATA.magnifications.indexOf(view.magnified)], ...captions[+view.difference], errors};
 }
 
 // Particles that have just crossed a cell boundary, with seconds of the screen since.
@@ -109,18 +101,14 @@ function draw() {
   pen.scale(pixels, pixels);
   pen.font = "12.5px system-ui, sans-serif";
   if (stage.refusal) return words(pen, capital(stage.refusal), box.width / 2, box.height / 2, "center", "middle", 0.7 * box.width);
-  const quantity = DATA.quantities[view.quantity], silences = silencesOf(run, view);
-  const estimated = silences[0] ? null : estimatedSizes(run, view.quantity, view.estimator, view.difference, at);
+  const said = saidOf(run, view), {silences} = said;
   const pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
+  const sizes = [estimatedSizes(run, view.quantity, view.estimator, view.difference, at), trueSizes(run, view.quantity, at)];
   (run.problem === "bar" ? drawBar : drawPlane)(pen, run, pinned, view, {
-    width: box.width, height: box.height, at, silences,
-    sizes: [estimated, trueSizes(run, view.quantity, at)],
+    width: box.width, height: box.height, at, said,
+    sizes: sizes.map((each, half) => !silences[half] && each && each.some(Number.isFinite) ? each : null),
     scale: {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic},
-    measures: `size of the error${view.difference ? ", and of estimate − truth," : ""} of ${quantity.noun} ${quantity.symbol}`,
-    unit: quantity.unit,
-    titles: [silences[0] ? "" : view.difference ? `estimate by ${view.estimator} − truth` : `estimated error by ${view.estimator}`,
-      "true error"],
-    note: "magenta: crossing a cell boundary", flashed: flashedAt(run, view, stage.time)});
+    unit: DATA.quantities[view.quantity].unit, flashed: flashedAt(run, view, stage.time)});
 }
 
 stage.onChange.push(draw);

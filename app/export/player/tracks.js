@@ -47,7 +47,7 @@ async function recording(id) {
   if (!unpacked.has(id)) {
     const run = DATA.runs[id];
     const view = await inflated(document.getElementById(`run-${id}`).textContent);
-    unpacked.set(id, {id, ...run.head, tracks: tracksOf(view, run.tracks)});
+    unpacked.set(id, {id, ...run.head, texts: DATA.texts[run.texts], tracks: tracksOf(view, run.tracks)});
     if (unpacked.size > KEPT) unpacked.delete(unpacked.keys().next().value);
   }
   return unpacked.get(id);

@@ -63,6 +63,11 @@ function roundUp(value, steps) {
   return [10 * power, 1];
 }
 
+// A text with numbers in the places of their names in braces.
+function fill(text, numbers) {
+  return text.replace(/\{(\w+)\}/g, (place, name) => numbers[name] ?? place);
+}
+
 function capital(text) {
   return text.slice(0, 1).toUpperCase() + text.slice(1);
 }

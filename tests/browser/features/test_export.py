@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -11,17 +12,21 @@ import numpy as np
 import pytest
 
 import app.export
-from app import words
+from app import state, words
+from app.colours import TRUTH
 from app.export.lesson import lesson_page
-from app.export.page import scene_page
+from app.export.page import quantities, scene_page
 from app.export.record import recording
 from app.export.vocabulary import formats
+from app.frame.captions import captions, field_caption
+from app.frame.silences import not_estimated, why_no_estimate, why_no_truth
 from app.lessons import progress
 from app.lessons.marks import mark
 from app.lessons.outcomes import Outcomes
 from app.lessons.reading import parse
 from app.lessons.variants import drawn
 from app.page.features.lesson.answer import _number
+from app.problems.views import VIEWS
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import SIZE
 
@@ -43,10 +48,24 @@ def silent(part, what):
     """Nobody looks at the progress."""
 
 
+#: Keeps what the player draws: texts, and lines with their colour, width and points.
+WATCH = """
+const pens = CanvasRenderingContext2D.prototype, {fillText, beginPath, moveTo, lineTo, stroke} = pens;
+let path = [];
+window.drawn = {texts: [], lines: []};
+pens.fillText = function(text, ...at) { drawn.texts.push(text); fillText.call(this, text, ...at); };
+pens.beginPath = function() { path = []; beginPath.call(this); };
+pens.moveTo = function(...at) { path.push(at); moveTo.apply(this, at); };
+pens.lineTo = function(...at) { path.push(at); lineTo.apply(this, at); };
+pens.stroke = function() { drawn.lines.push([this.strokeStyle, this.lineWidth, path]); stroke.call(this); };
+"""
+
+
 @contextmanager
 def opened(chromium, path):
     """A file from disk, in a browser that is offline; any error fails the test."""
     context = chromium.new_context(viewport=SIZE, offline=True, accept_downloads=True, reduced_motion="reduce")
+    context.add_init_script(WATCH)
     page, errors, asked = context.new_page(), [], []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -92,8 +111,7 @@ def test_a_slider_shows_another_run(chromium, tmp_path, text):
     path = tmp_path / "scene.html"
     path.write_text(scene_page(text, 1, silent, {"cells": 2}), encoding="utf-8")
     with opened(chromium, path) as page:
-        page.get_by_label("Time", exact=True).press("End")
-        page.wait_for_function("document.querySelector('#play').textContent === 'Again'")
+        ended(page)
         cells, before, drawn_before = page.get_by_label("Cells"), norm(page), page.locator("#stage").screenshot()
         first = page.locator("#title").inner_text()
         cells.press("ArrowRight" if cells.input_value() == "0" else "ArrowLeft")
@@ -103,6 +121,92 @@ def test_a_slider_shows_another_run(chromium, tmp_path, text):
         assert norm(page).endswith("Pa")
         page.get_by_role("button", name="Again").click()
         page.wait_for_function("document.querySelector('#play').textContent === 'Pause'")
+
+
+def ended(page):
+    """Wait until the file's run is at its end."""
+    page.get_by_label("Time", exact=True).press("End")
+    page.wait_for_function("document.querySelector('#play').textContent === 'Again'")
+
+
+def look(page, choices):
+    """Look at something else by some of the choices; returns the texts that are drawn, and the lines."""
+    page.evaluate("window.drawn = {texts: [], lines: []}")
+    for name, label in choices.items():
+        page.get_by_role("combobox", name=name).select_option(label=label)
+    found = page.evaluate("window.drawn")
+    return " ".join(found["texts"]), found["lines"]
+
+
+FILES = {"bar": "bar cells=10 periods=0.25;difference", "ring": "ring cells=12 periods=0.1 cfl=0.3",
+         "vortex": "vortex cells=13 periods=0.05", "patch": "bar motion=patch cells=10 modulus=1000 periods=0.5",
+         "two tones": "bar cells=10 periods=0.25 body-force=two-tone;error-of=a",
+         "an effect off": "bar cells=10 periods=0.25 effects=truth,estimate;error-of=a"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_whatever_is_looked_at_is_said_as_on_the_page(chromium, tmp_path, name):
+    """Titles, captions, notes and reasons for silence, of every quantity by every estimator."""
+    text, path = f"{FILES[name]};estimators=companion,transport", tmp_path / "scene.html"
+    scene, apart = state.read(text).scene, state.read(text).difference
+    stage = VIEWS[scene.problem].stage
+    path.write_text(scene_page(text, 1, silent, {}), encoding="utf-8")
+    with opened(chromium, path) as page:
+        ended(page)
+        assert page.locator("h1").inner_text() == words.title(scene).capitalize()
+        for key in quantities(state.read(text)):
+            no_truth = why_no_truth(scene, key)
+            for estimator, magnified in zip(scene.estimators, words.MAGNIFICATIONS[1:], strict=False):
+                drawn, _ = look(page, {"Error of": str(words.QUANTITIES[key]), "On the stage": estimator,
+                                       "Magnify error": f"× {magnified}"})
+                no_estimate = why_no_estimate(scene, scene.not_valid, estimator, key)
+                row = page.locator("#norms tr").filter(has=page.get_by_role("rowheader", name=estimator)).inner_text()
+                if not no_estimate and row.endswith(not_estimated(key)):
+                    no_estimate = f"{estimator} {not_estimated(key)}"
+                said = captions(key, estimator, apart, no_estimate, no_truth)
+                for part in (*said.titles, *said.silences, said.measures, stage.note(scene), stage.MARKED,
+                             field_caption(scene, stage.PLOT.component, key, magnified)):
+                    assert part in drawn, (key, estimator)
+                seen = page.locator("#summary").inner_text()
+                assert scene.swings is False or (words.brief(no_estimate) in seen and no_truth in seen)
+
+
+def test_a_vortex_has_its_exact_lines(chromium, tmp_path):
+    text, path = "vortex cells=12 periods=0.05 estimators=none", tmp_path / "vortex.html"
+    scene, stage = state.read(text).scene, VIEWS["vortex"].stage
+    path.write_text(scene_page(text, 1, silent, {}), encoding="utf-8")
+    with opened(chromium, path) as page:
+        ended(page)
+        drawn, lines = look(page, {"Colours": "logarithmic"})
+    spokes = np.array([points for colour, width, points in lines if (colour, width) == (TRUTH.lower(), 1.5)])
+    exact = stage.exact_lines(scene, scene.steps * scene.time_step, stage.LINES) * (1, -1)
+    assert spokes.shape == exact.shape and ", blue: exact lines" in drawn
+    middle = spokes[:, 0].mean(axis=0)
+    metre = np.linalg.norm(spokes[0, 0] - middle) / np.linalg.norm(exact[0, 0])
+    assert np.abs((spokes - middle) / metre - exact).max() < 1e-3
+    assert np.abs(exact - stage.exact_lines(scene, 0.0, stage.LINES) * (1, -1)).max() > 0.05
+
+
+def test_a_patch_test_that_is_passed_says_so(chromium, tmp_path):
+    path = tmp_path / "patch.html"
+    path.write_text(scene_page("bar motion=patch cells=10 modulus=1000 periods=0.5 estimators=companion,transport", 1,
+                               silent, {}), encoding="utf-8")
+    with opened(chromium, path) as page:
+        ended(page)
+        assert "exactly nothing happens, as it should" in page.locator("#summary").inner_text()
+        assert page.locator("#title").inner_text().startswith("Patch test of the bar: ")
+        assert "not valid here: " in page.locator("#norms .silent", has_text="transport").inner_text()
+
+
+def test_a_run_gone_bad_counts_what_has_no_number(chromium, tmp_path):
+    path = tmp_path / "bad.html"
+    path.write_text(scene_page("vortex cells=12 cfl=5 periods=1", 1, silent, {}), encoding="utf-8")
+    with opened(chromium, path) as page:
+        ended(page)
+        drawn, _ = look(page, {"Error of": "stress σ"})
+        assert re.search(r"angular stress σ: .*; \d+ without a number", drawn)
+        assert page.locator("#summary").inner_text().endswith("; this is its last picture.")
+        assert page.locator("#status").inner_text().startswith("The run went unstable")
 
 
 def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_path):
