@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -183,14 +182,9 @@ def _answers(file: str) -> tuple[str, Progress] | None:
         return None
 
 
-@contextlib.contextmanager
-def _running(processes: int) -> Iterator[Outcomes]:
+def _running(processes: int) -> contextlib.closing[Outcomes]:
     from app.lessons.outcomes import Outcomes
-    outcomes = Outcomes(processes)
-    try:
-        yield outcomes
-    finally:
-        outcomes.close()
+    return contextlib.closing(Outcomes(processes))
 
 
 def _read(names: tuple[str, ...]) -> tuple[list[Lesson], int]:

@@ -8,11 +8,12 @@ import statistics
 import subprocess
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from time import monotonic
-from typing import IO, Any
+from typing import Any
 
 from app.commands.bench.visitor import Visitor
 from solvers.workers.processes import LINUX, descendants, free_port, proportional_bytes
@@ -47,19 +48,13 @@ def serving(*arguments: str) -> Iterator[tuple[str, int]]:
         if not line.startswith("mpm-lab is at"):
             raise RuntimeError(f"the server did not start: {line.strip()}")
         # A pipe that nobody reads fills up, and the server would stand still at its next warning.
-        threading.Thread(target=_drain, args=(process.stderr,), daemon=True).start()
+        threading.Thread(target=deque, args=(process.stderr, 0), daemon=True).start()
         yield f"127.0.0.1:{port}", process.pid
     finally:
         process.send_signal(signal.SIGINT)
         with suppress(subprocess.TimeoutExpired):
             process.wait(GOODBYE)
         process.kill()
-
-
-def _drain(lines: IO[str]) -> None:
-    with lines:
-        for _ in lines:
-            pass
 
 
 def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:

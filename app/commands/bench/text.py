@@ -31,15 +31,11 @@ def _rates(rates: list[dict], example: dict) -> str:
         lines.append(_line("  particles", *(f"{n:,}" for n in sizes.values())))
         lines += [_line(f"  {method}", *(_rate(cells[method, n]) for n in sizes))
                   for method in dict.fromkeys(row["method"] for row in rows)]
-    return "\n".join([*lines, *_example(example)])
-
-
-def _example(example: dict) -> list[str]:
     name = f"Taichi's own example {example['name']}"
-    if example["missing"]:
-        return [f"{name}: {example['missing']}"]
-    return [f"{name}, {example['particles']:,} particles: {_rate(example['rate'])}",
-            f"  a yardstick, not a rival: {example['precision']} precision, another method ({example['method']})"]
+    lines += [f"{name}: {example['missing']}"] if example["missing"] else [
+        f"{name}, {example['particles']:,} particles: {_rate(example['rate'])}",
+        f"  a yardstick, not a rival: {example['precision']} precision, another method ({example['method']})"]
+    return "\n".join(lines)
 
 
 def _gpu(gpu: dict) -> str:

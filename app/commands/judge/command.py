@@ -8,15 +8,14 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
-from app.commands.folder import Folder
+from app.commands.folder import Folder, draw
 from app.commands.judge.problem import times_of
-from app.commands.output import json_text, say, working
+from app.commands.output import json_text, working
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import FileError
 from solvers.problems.reference import OF_METHODS
 from solvers.scene.scene import Scene
 
-OK, FAILED = 0, 1
 MOST_FILES = 10_000
 
 
@@ -83,18 +82,8 @@ class Judge(SceneFlags):
         """The report in three forms, and its pictures; one that fails costs nothing else."""
         from app.commands.judge.text import as_html, as_markdown
         from app.pictures.judge import FIGURES
-        from app.pictures.run import png_bytes
 
-        status, drawn = OK, []
-        for name, figure in FIGURES.items():
-            try:
-                if (picture := figure(judged)) is not None:
-                    folder.put(f"{name}.png", png_bytes(picture))
-                    drawn.append(f"{name}.png")
-            except Exception as error:
-                say(f"--out {folder.text}: the picture {name} failed ({type(error).__name__}: {error}); "
-                    "the rest is fine")
-                status = FAILED
+        drawn, status = draw(FIGURES, judged, folder.put, folder.text, "the rest is fine")
         values = judged.to_dict()
         text = as_markdown(values, judged, drawn)
         folder.put("report.json", json_text(values, lines=True).encode())

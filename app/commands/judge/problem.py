@@ -57,7 +57,9 @@ class ProblemCommand(SceneFlags):
 
     def execute(self) -> int:
         scene = self.scene()
-        times = sorted(set(times_of(self.times, "times"))) or _quarters(scene)
+        quarters = max(1, min(MOST_TIMES, round(QUARTERS * scene.end_time / scene.period)))
+        times = sorted(set(times_of(self.times, "times"))) or \
+            [k * scene.period / QUARTERS for k in range(1, quarters + 1)]
         if len(times) > MOST_TIMES or len(times) * scene.particles > MOST_ROWS:
             raise BadInput("times", f"{len(times)} times", f"make {len(times) * scene.particles:,} rows; at most "
                            f"{MOST_ROWS:,} are allowed, of at most {MOST_TIMES:,} times")
@@ -66,11 +68,6 @@ class ProblemCommand(SceneFlags):
             folder.put(name, content)
         say(f"{folder.text}: begin with problem.md")
         return OK
-
-
-def _quarters(scene: Scene) -> list[float]:
-    count = max(1, min(MOST_TIMES, round(QUARTERS * scene.end_time / scene.period)))
-    return [k * scene.period / QUARTERS for k in range(1, count + 1)]
 
 
 def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
+from app.commands.folder import draw
 from app.commands.output import Target, say
 from solvers.scene.rules import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
@@ -71,18 +72,7 @@ class Study:
         return sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
 
     def draw(self, figures: Mapping[str, Callable], rows: Sequence[dict]) -> tuple[list[str], int]:
-        """Draw and write pictures; one that fails costs nothing else. The files' names, and the exit status."""
-        from app.pictures.run import png_bytes
-
-        drawn, status = [], COMPLETE
-        for name, figure in figures.items():
-            try:
-                self.put(f"{name}.png", png_bytes(figure(rows)))
-                drawn.append(f"{name}.png")
-            except Exception as error:
-                say(f"--out {self.out}: the picture {name} failed ({type(error).__name__}: {error}); the rows are fine")
-                status = INCOMPLETE
-        return drawn, status
+        return draw(figures, rows, self.put, self.out, "the rows are fine")
 
     def put(self, name: str, content: bytes) -> None:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
