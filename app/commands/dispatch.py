@@ -44,10 +44,14 @@ def dispatch(arguments: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends
         return BROKEN_PIPE
     except Exception as error:
-        if sys.flags.dev_mode:
+        if _wants_traceback():
             raise
         say(f"failed: {type(error).__name__}: {error}")
         return FAILED
+
+
+def _wants_traceback() -> bool:
+    return sys.flags.dev_mode
 
 
 def _main(arguments: list[str]) -> int:

@@ -4,10 +4,9 @@ from collections.abc import Callable
 from typing import Any
 
 from app.lessons.claims import ClaimError, needed
-from app.lessons.lesson import CHOICE, TEXT, Lesson, Step
+from app.lessons.lesson import CHOICE, TEXT, Lesson, Numbers, Step, filled
 from app.lessons.marks import expressions, right
 from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.variants import Numbers, filled
 
 
 def rules(lesson: Lesson, processes: int,

@@ -9,11 +9,9 @@ from app.export.answers import rules
 from app.export.page import Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
 from app.lessons import progress, shelf
-from app.lessons.dragging import NAMES, POWERS, REACH
-from app.lessons.lesson import DRAG, Lesson, Question, Step
+from app.lessons.lesson import DRAG, NAMES, POWERS, REACH, Lesson, Question, Step, filled
 from app.lessons.marks import LONGEST, MOST, TOLD_AFTER
 from app.lessons.markup import html
-from app.lessons.variants import filled
 from app.words import QUANTITIES, SYMBOLS
 
 #: How many values of each field a stage of a lesson has beside those that its text names.

@@ -1,4 +1,4 @@
-"""What the player needs to draw the variant of a name as ``app.lessons.variants`` does: Unicode's rules of case."""
+"""What the player needs to draw the variant of a name as ``app.lessons.lesson`` does: Unicode's rules of case."""
 
 import sys
 from collections.abc import Iterator

@@ -7,20 +7,21 @@ from dataclasses import replace
 from typing import Any
 
 from app import state
-from app.lessons.dragging import REACH
 from app.lessons.lesson import (
     ANSWERS,
     CHOICE,
     DRAG,
     INTERVAL,
     NUMBER,
+    REACH,
     TEXT,
     Claim,
     LessonError,
     LessonRun,
+    Numbers,
     Question,
+    filled,
 )
-from app.lessons.variants import Numbers, filled
 
 if sys.version_info >= (3, 11):
     import tomllib

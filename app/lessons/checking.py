@@ -4,10 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from app.lessons.claims import ClaimError, decide
-from app.lessons.lesson import CHOICE, Lesson, Step
+from app.lessons.lesson import CHOICE, Lesson, Numbers, Step, filled
 from app.lessons.marks import expressions, right
 from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.variants import Numbers, filled
 
 
 @dataclass(frozen=True)

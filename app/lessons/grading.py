@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import INTERVAL, PREDICT, Lesson
+from app.lessons.lesson import INTERVAL, PREDICT, Lesson, Numbers, drawn, filled
 from app.lessons.marks import Mark, mark, shown
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
-from app.lessons.variants import Numbers, drawn, filled
 
 FORMULA_SIGNS = "=+-@\t\r"  # a spreadsheet would reckon what begins so
 

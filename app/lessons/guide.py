@@ -3,12 +3,11 @@
 from collections.abc import Callable, Iterator
 
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import CHOICE, TEXT, Lesson, Step
+from app.lessons.lesson import CHOICE, TEXT, Lesson, Numbers, Step
 from app.lessons.marks import in_unit, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.shelf import FOLDER
-from app.lessons.variants import Numbers
 from solvers.study.markdown import grid
 
 STYLE = """

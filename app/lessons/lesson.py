@@ -1,5 +1,9 @@
-"""What a lesson is, once it has been read."""
+"""What a lesson is, once it has been read, and its variants: numbers drawn from a student's name, the same name always
+the same, put where a text has ``{A}``."""
 
+import hashlib
+import re
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -10,6 +14,15 @@ NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ANSWERS = ("number", "choice", "drag", "i
 CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "motion", "stretch", "modulus", "step", "speed", "pin",
             "slow-motion", "look-back", "quantity", "magnify", "estimators", "colours", "trace", "domains", "details",
             "effects")
+
+#: Ends and step of a slider that is dragged to a prediction; powers of ten where the field may be of any size.
+REACH = {"cells": (8.0, 160.0, 1.0), "ppc": (1.0, 8.0, 1.0), "amplitude": (-4.0, -0.8, 0.01),
+         "modulus": (0.0, 3.0, 0.01), "cfl": (-2.0, 0.5, 0.01)}
+POWERS = ("amplitude", "modulus", "cfl")
+NAMES = {"cells": "Cells", "ppc": "Particles / cell", "amplitude": "Amplitude", "modulus": "Modulus",
+         "cfl": "CFL number"}
+PLACE = re.compile(r"\{([A-Za-z]\w*)\}")
+Numbers = Mapping[str, float | int | str]
 
 
 class LessonError(ValueError):
@@ -83,7 +96,7 @@ class Lesson:
     goals: tuple[str, ...]
     controls: tuple[str, ...]
     prerequisites: tuple[str, ...] = ()
-    variants: tuple[Mapping[str, float | int | str], ...] = ({},)
+    variants: tuple[Numbers, ...] = ({},)
     intro: str = ""
     notes: str = ""
     steps: tuple[Step, ...] = ()
@@ -103,3 +116,17 @@ class Lesson:
         at = self.steps.index(step)
         steps = self.steps[at:] if step.kind == PREDICT else self.steps[at::-1]
         return next((other.runs[0].name for other in steps if other.runs), "")
+
+
+def drawn(lesson: Lesson, name: str) -> Numbers:
+    """The numbers of whoever is called so; those without a name get the first."""
+    plain = " ".join(unicodedata.normalize("NFKC", name).casefold().split())
+    if not plain:
+        return lesson.variants[0]
+    digest = hashlib.sha256(f"{lesson.name}\n{plain}".encode()).digest()
+    return lesson.variants[int.from_bytes(digest[:8], "big") % len(lesson.variants)]
+
+
+def filled(text: str, numbers: Numbers) -> str:
+    """The text with the numbers in their places. Other braces, those of formulas, stay."""
+    return PLACE.sub(lambda found: f"{numbers[found[1]]}" if found[1] in numbers else found[0], text)

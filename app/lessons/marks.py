@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.lessons.claims import decide, said, value
-from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Question, Step
+from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, filled
 from app.lessons.outcomes import Outcomes
-from app.lessons.variants import Numbers, filled
 
 LONGEST = 500  # characters of a text
 MOST = 1e300

@@ -8,8 +8,7 @@ from typing import Any
 
 from app import state
 from app.lessons.claims import Outcome, Scope, needed
-from app.lessons.lesson import Lesson, LessonRun, Step
-from app.lessons.variants import Numbers, filled
+from app.lessons.lesson import Lesson, LessonRun, Numbers, Step, filled
 from solvers.workers.pool import WorkerPool
 from solvers.workers.processes import ProcessDied
 

@@ -14,9 +14,21 @@ from pathlib import Path
 from typing import Any
 
 from app.lessons import blocks, claims
-from app.lessons.lesson import CONTROLS, EXPLAIN, KINDS, OBSERVE, PREDICT, RUN, Lesson, LessonError, Step
+from app.lessons.lesson import (
+    CONTROLS,
+    EXPLAIN,
+    KINDS,
+    OBSERVE,
+    PLACE,
+    PREDICT,
+    RUN,
+    Lesson,
+    LessonError,
+    Numbers,
+    Step,
+    filled,
+)
 from app.lessons.markup import MarkupError, html
-from app.lessons.variants import PLACE, Numbers, filled
 
 FENCE = "```"
 HEAD = "+++"

@@ -11,8 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from app import state
-from app.lessons.lesson import Lesson
-from app.lessons.variants import filled
+from app.lessons.lesson import Lesson, filled
 from app.page.visit.session import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS

@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.columns import meaning
+from solvers.judging.columns import gathered, meaning
 from solvers.judging.frames import FileError, Raw
-from solvers.judging.gathering import gathered
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 MOST_BYTES = 2_000_000_000  # of a file, unpacked

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 
+from solvers.judging.columns import gathered
 from solvers.judging.frames import FileError, Raw
-from solvers.judging.gathering import gathered
 
 TIMES = ("TimeValue", "TIME", "Time", "time", "t")
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from contextlib import suppress
 
-from app.lessons.lesson import NUMBER, OBSERVE, PREDICT
-from app.lessons.variants import drawn, filled
+from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, drawn, filled
 from app.words import size_in
 from tests.browser.driving import FOLDERS, click, row, scene, time, unfold, until
 

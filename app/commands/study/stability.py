@@ -15,8 +15,7 @@ from solvers.scene.rules import require_choice
 from solvers.scene.scene import Scene
 from solvers.study.grid import combinations
 from solvers.study.series import measured
-from solvers.study.stability import TREATMENTS, map_tasks, offered, prices, scene_of, treatment_of
-from solvers.study.stability_table import as_dict, as_markdown
+from solvers.study.stability import TREATMENTS, as_dict, as_markdown, map_tasks, offered, prices, scene_of, treatment_of
 from solvers.study.summary import csv_text
 
 DEFAULT_CFL = (0.1, 0.3, 0.5, 0.7)

@@ -3,7 +3,7 @@
 const LESSON = DATA.lesson;
 let progress = null;
 
-// The number of the variant that a name draws: as app/lessons/variants.py has it.
+// The number of the variant that a name draws: as app/lessons/lesson.py has it.
 function variantOf(name) {
   const folded = [...name.normalize("NFKC")].map((letter) => LESSON.fold[letter] ?? letter.toLowerCase()).join("");
   const spaces = new Set(LESSON.spaces);

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.lessons.lesson import LessonError
+from app.lessons.lesson import LessonError, drawn, filled
 from app.lessons.reading import parse, read
 from app.lessons.shelf import FOLDER, UnknownLesson, called, lessons, names
-from app.lessons.variants import drawn, filled
 
 TEXT = """+++
 title = "A test"

@@ -8,7 +8,7 @@ import pytest
 
 from app import state
 from app.lessons import shelf
-from app.lessons.variants import filled
+from app.lessons.lesson import filled
 from app.page.prewarm import usual_scenes
 from app.page.visit.session import first_scene
 from solvers.problems import PROBLEMS

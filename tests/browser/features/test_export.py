@@ -21,10 +21,10 @@ from app.export.vocabulary import formats
 from app.frame.captions import captions, field_caption
 from app.frame.silences import not_estimated, why_no_estimate, why_no_truth
 from app.lessons import progress
+from app.lessons.lesson import drawn
 from app.lessons.marks import mark
 from app.lessons.outcomes import Outcomes
 from app.lessons.reading import parse
-from app.lessons.variants import drawn
 from app.page.features.lesson.answer import _number
 from app.problems.views import VIEWS
 from tests.app.lessons.test_lesson_format import TEXT

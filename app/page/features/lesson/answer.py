@@ -8,9 +8,7 @@ from typing import Any
 
 import viser
 
-from app.lessons.dragging import NAMES, POWERS, REACH
-from app.lessons.lesson import CHOICE, DRAG, INTERVAL, TEXT, Question
-from app.lessons.variants import Numbers, filled
+from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NAMES, POWERS, REACH, TEXT, Numbers, Question, filled
 from app.words import PREFIXES, SYMBOLS, size_in
 
 UNANSWERED = "choose one"

@@ -4,11 +4,10 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from app.lessons import shelf
-from app.lessons.lesson import EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, Step
+from app.lessons.lesson import EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, Numbers, Step, filled
 from app.lessons.marks import Mark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
-from app.lessons.variants import Numbers, filled
 
 KIND_WORDS = {PREDICT: "Predict", RUN: "Run", OBSERVE: "Observe", EXPLAIN: "Explain"}
 SIGNS = {True: ("right", "✓", "right"), False: ("wrong", "✗", "not so"), None: ("unmarked", "", "")}

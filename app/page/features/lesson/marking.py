@@ -6,11 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import EXPLAIN, Lesson, Step
+from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
 from app.lessons.marks import Mark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
-from app.lessons.variants import drawn
 
 LATER = "could not be checked just now"
 

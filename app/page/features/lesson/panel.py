@@ -10,9 +10,8 @@ import viser
 from app import state
 from app.lessons import progress as kept
 from app.lessons import shelf
-from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Step
+from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
 from app.lessons.marks import LONGEST, TOLD_AFTER, Mark, shown, trouble
-from app.lessons.variants import Numbers, drawn, filled
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.classroom import Classroom
