@@ -23,7 +23,7 @@ from tests.raw import Raw
 SECONDS, TURNS = 1.5, 8  # of a turn, and of how many the best counts
 ENOUGH = 0.9  # of the frames a second without the attack
 MOST_MEMORY = 60  # MB that the server may grow by under an attack: one more visitor's page, and frames to look back at
-OFTEN = ("garbage", "100,000 cells")  # of the attacks; the others are for the slow tests
+OFTEN = ("garbage",)  # of the attacks; the others are for the slow tests
 LOG = 15_000  # bytes of log for all attacks together: some minutes with ten lines and a sum each
 
 
@@ -93,6 +93,7 @@ def test_large_message_closes_its_own_websocket_only(served):
     assert honest.closed is None and honest.rate(1) > 0
 
 
+@pytest.mark.slow
 def test_dragged_slider_is_not_slowed(served):
     """60 values a second, three times what a browser sends, for some seconds: the last is there at once."""
     address, _, _ = served

@@ -14,7 +14,8 @@ from solvers.workers.processes import LINUX, descendants
 from tests.processes import GONE, until
 from tests.raw import Raw
 
-pytestmark = pytest.mark.skipif(not LINUX, reason="finds processes in /proc")
+# An engine that is killed under one visitor is for every day: tests/browser/page/test_page.py, tests/solvers/engine.
+pytestmark = [pytest.mark.skipif(not LINUX, reason="finds processes in /proc"), pytest.mark.slow]
 VISITORS = 10
 AGAIN = "The simulation process ended unexpectedly"
 

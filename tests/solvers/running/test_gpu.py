@@ -1,5 +1,7 @@
 """A GPU: the same numbers as on a processor, the same ends of bad runs, and plain words where there is none.
 
+One method, what a run is put back to, what the check finds and what is refused are for every day; the rest is slow.
+
 Vulkan runs these tests without a GPU, by Mesa's driver, which plays one on the processor (``tests.gpus``).
 """
 
@@ -33,17 +35,15 @@ from tests.gpus import ARCH, require_gpu
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)
 VORTEX = VortexScene(cells=24, amplitude=0.5, estimators=("companion",), arch=ARCH, sample_every=20)
 METHODS = [replace(scene, method=method) for scene in (RING, VORTEX) for method in scene.choices("method")]
-CLOSELY = replace(RING, method="ugimp")  # looked at over more steps than the other methods
-#: Each method that both have in one problem: the phases are the same. The slow set has all methods in both.
-ONCE = [*(scene for scene in METHODS if scene.problem == "ring" and scene.method != "cpdi"), VORTEX]
-#: Each remedy, layout and force once, too; the last two scenes combine them otherwise, and are for the slow set.
+QUICK = replace(RING, method="ugimp")  # the slow set has all methods in both problems, over more steps
+#: Each remedy, layout and force twice, combined otherwise.
 OTHERS = [replace(RING, method="cpgimp", remedies=(FILTER, COUPLED), velocity="particle", layout="cartesian",
                   body_force="two-tone"),
           replace(VORTEX, method="ugimp", remedies=(FROZEN,), body_force="none"),
           replace(RING, method="mpm", remedies=(FROZEN,), layout="cartesian", body_force="two-tone"),
           replace(VORTEX, remedies=(FILTER,), body_force="two-tone", layout="cartesian")]
-#: Few for most methods; enough for rounding to add up; and many, which the slow set takes with all methods. A step
-#: costs Mesa's driver 0.06 s, be there 30 particles or 2000: what counts is the number of steps.
+#: Few; enough for rounding to add up; and many, which the slow set takes. A step costs Mesa's driver 0.06 s, be there
+#: 30 particles or 2000: what counts is the number of steps.
 FEW, ENOUGH, MANY = 20, 100, 200
 #: Of the largest number of its kind, what two plans may differ by after a step: they add the same numbers at a node or
 #: a particle, 64 at most (16 particles with four corners each), in another order, and each addition rounds by half of
@@ -126,6 +126,7 @@ def tabulate(x: reals, values: quads):
         values[k][3] = values[k][3] - other
 
 
+@pytest.mark.slow
 def test_sine_cosine_and_logarithm_in_double_precision():
     """Vulkan has none. To two units in the last place, near a zero of sine or cosine of 1; and equal to themselves,
     which Taichi's own conditions, found between two loops of a kernel, were not."""
@@ -143,8 +144,7 @@ def test_sine_cosine_and_logarithm_in_double_precision():
 
 
 @pytest.mark.parametrize(("scene", "steps"), [
-    *((scene, ENOUGH if scene == CLOSELY else FEW) for scene in ONCE),
-    *(pytest.param(scene, MANY, marks=pytest.mark.slow) for scene in METHODS)],
+    (QUICK, ENOUGH), *(pytest.param(scene, MANY, marks=pytest.mark.slow) for scene in METHODS)],
     ids=lambda value: named(value) if isinstance(value, Scene) else str(value))
 def test_every_method_is_the_processors(scene, steps):
     """State, samples and estimates after so many steps are the processor's, and the run says how it was made."""
@@ -157,8 +157,8 @@ def test_every_method_is_the_processors(scene, steps):
     assert mine.not_valid == theirs.not_valid
 
 
-@pytest.mark.parametrize("scene", [*OTHERS[:2], *(pytest.param(scene, marks=pytest.mark.slow) for scene in OTHERS[2:])],
-                         ids=named)
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", OTHERS, ids=named)
 def test_remedies_layouts_and_forces_are_the_processors(scene):
     """These steps have five turns of the remedies."""
     require_gpu()
@@ -218,16 +218,18 @@ def verdicts(scene: Scene) -> dict[str, list[tuple[bool, str]]]:
 
 
 @pytest.mark.parametrize("kind", SPOILED)
-@pytest.mark.parametrize("scene", [RING, VORTEX], ids=lambda scene: scene.problem)
+@pytest.mark.parametrize("scene", [RING, pytest.param(VORTEX, marks=pytest.mark.slow)],
+                         ids=lambda scene: scene.problem)
 def test_the_check_finds_the_particle_that_the_processors_finds(scene, kind):
     require_gpu()
     mine, theirs = verdicts(scene)[kind]
     assert mine == theirs and not mine[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scene", "breaking"), [  # steps in which the run breaks, measured: at 24 and at 88
     (replace(RING, method="ugimp", cfl=0.85, effects=("truth",), estimators=()), 40),
-    pytest.param(replace(VORTEX, method="mpm", amplitude=1.0, estimators=()), 104, marks=pytest.mark.slow)],
+    (replace(VORTEX, method="mpm", amplitude=1.0, estimators=()), 104)],
     ids=["ring-ugimp", "vortex-mpm"])
 def test_an_unstable_run_ends_as_on_the_processor(scene, breaking):
     """With the same verdict at the same step; nothing moves after it, though the GPU had been given more steps."""
@@ -243,6 +245,7 @@ def test_an_unstable_run_ends_as_on_the_processor(scene, breaking):
     assert list(mine._arrays.verdict[:2]) == list(theirs._arrays.verdict[:2])
 
 
+@pytest.mark.slow
 def test_a_run_that_is_lost_before_it_breaks_is_lost_from_the_same_time_on():
     require_gpu()
     scene = RingScene(method="mpm", cells=8, cfl=0.3, periods=2, effects=("truth", "soundness"), estimators=(),
@@ -266,6 +269,7 @@ def assert_same_row(scene: Scene) -> None:
             assert mine.errors()[quantity][name] == pytest.approx(value, rel=1e-6), (quantity, name)
 
 
+@pytest.mark.slow
 def test_a_row_of_the_rings_table_has_the_processors_digits():
     """CPDI a twentieth of the way; all rows to the end, on grids up to 48 cells, are a slow test."""
     require_gpu()
@@ -280,6 +284,7 @@ def test_the_rings_table_has_the_processors_digits_to_its_end(scene):
     assert_same_row(scene)
 
 
+@pytest.mark.slow
 def test_processors_and_gpus_take_turns():
     """Arrays of a Taichi that has ended are not freed in the next one, at addresses that now are others': once, after
     some turns, that took an array away."""
@@ -292,6 +297,7 @@ def test_processors_and_gpus_take_turns():
             assert len(solver.measure()) == 1 and np.isfinite(solver.snapshot().position).all()
 
 
+@pytest.mark.slow
 def test_rebuilding_does_not_grow():
     """Taichi by itself keeps arrays of vectors: 15 MB of each ring, 150 for ten; 40 allows for its habits."""
     require_gpu()
@@ -376,6 +382,7 @@ def test_what_is_found_is_known_by_name_and_a_search_that_fails_finds_nothing():
     assert "the process that looked for one" in devices.found("no such kind")["missing"]
 
 
+@pytest.mark.slow
 def test_the_bench_of_a_gpu():
     """Its parts are there and make sense, at sizes that software can do; and its table says what it is."""
     require_gpu()

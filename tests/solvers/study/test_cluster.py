@@ -49,6 +49,22 @@ def wait_for_workers(place: places.Cluster, count: int) -> None:
     until(lambda: place.workers == count, f"{count} workers")
 
 
+def test_rows_are_measured_on_a_cluster():
+    """A scheduler and a worker in this process; the row has one of its own."""
+    from distributed import LocalCluster
+
+    rows = []
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
+                      dashboard_address=None) as one:
+        place = places.Cluster(one.scheduler_address)
+        try:
+            places.execute(plan("bar", {"cells": [8], "periods": [1.0]}, repeats=1), place, rows.append)
+        finally:
+            place.close()
+    assert [(row["status"], row["scene"]["cells"]) for row in rows] == [("ok", 8)]
+
+
+@pytest.mark.slow
 def test_a_killed_worker_costs_no_row(workers, monkeypatch):
     monkeypatch.setattr(places, "ANSWER_SECONDS", 60.0)  # the scheduler may only just be starting
     address, processes = workers
