@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 
+import pytest
+
 from tests.browser.driving import click, engine_processes, readout, row, shown, time, until
 from tests.processes import PATIENCE, children, held
 
@@ -35,6 +37,7 @@ def value(page, label):
     return row(page, label).locator("input").last.input_value()
 
 
+@pytest.mark.slow
 def test_sweep_beside_the_live_stage_and_load(own_page, server):
     """The stage's own run is a dot; a sweep adds more while the stage pauses, or moves if its visitor wishes; then the
     stage goes on. A dot, a row and the file."""

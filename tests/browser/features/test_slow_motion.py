@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import numpy as np
+import pytest
 
 from tests.browser.driving import choose, click, coloured, row, shown, stage, steps, tick, to_the_ring, unfold, until
 
@@ -58,6 +59,7 @@ def test_a_visitor_walks_through_a_step_and_back(page):
     until(lambda: steps(page) > first + 1, "a run that goes on")
 
 
+@pytest.mark.slow
 def test_another_method_begins_anew_and_the_ring_is_walked_through_by_itself(page):
     """A scene that is changed meanwhile is taken apart from its first step on; Walk needs no more clicks."""
     begin(page)

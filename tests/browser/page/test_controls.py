@@ -1,4 +1,5 @@
-"""Every control of a scene reaches the field that it names, and no other: read back from the scene that runs."""
+"""Every control of a scene reaches the field that it names, and no other: read back from the scene that runs. Those of
+all problems are in tests/app/page/test_controls.py, without a browser; here the bar's sliders are for every day."""
 
 from __future__ import annotations
 
@@ -81,6 +82,7 @@ def click_all_boxes(page, kind):
     click_boxes(page, "effects", effects, effects, {name: effect.label for name, effect in EFFECTS.items()})
 
 
+@pytest.mark.slow
 def test_choices_and_boxes_of_the_bar(page):
     """Each dropdown and each box, one after the other; what a box took away comes back with it. Small: much is
     compiled."""
@@ -95,6 +97,7 @@ def test_choices_and_boxes_of_the_bar(page):
         tick(page, "Linearity preserving")
 
 
+@pytest.mark.slow
 def test_numbers_of_the_ring(page):
     to_the_ring(page)
     until(lambda: "layout" in scene(page), "the ring")

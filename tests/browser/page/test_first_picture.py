@@ -81,7 +81,7 @@ def test_sentence_says_what_the_numbers_say(page):
     assert re.search(rf"true\s+{region}", readout(page))
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
+@pytest.mark.parametrize("size", [(1280, 720), pytest.param((1920, 1080), marks=pytest.mark.slow)])
 def test_sentence_covers_nothing(page, size):
     """It stands between the panels, above the colour bar and its title."""
     page.set_viewport_size({"width": size[0], "height": size[1]})

@@ -18,6 +18,7 @@ def page(chromium):
         yield page
 
 
+@pytest.mark.slow
 def test_a_fifth_estimator_is_chosen_drawn_and_explained(page):
     """Its box is there beside the four; it has a line in table and plots, the stage shows it, and its text is told."""
     boxes = {name: page.get_by_label(name, exact=True) for name in FIVE}

@@ -40,6 +40,7 @@ def test_the_patch_test_comes_and_goes(page):
     page.get_by_text("Amplitude A").first.wait_for()
 
 
+@pytest.mark.slow
 def test_a_link_opens_it_on_a_phone(server, chromium):
     """All particles stay on the stage while the bar moves through it, and nothing is wider than the screen."""
     link = "#bar;motion=patch;method=mpm;ppc=2.5;cells=20;modulus=1000;cfl=0.2;estimators=companion;error-of=sigma"

@@ -72,7 +72,8 @@ if __name__ == "__main__":
     figure = run_figure(run(BarScene(cells=20, estimators=BarScene.choices("estimators"), **inputs), prices=False))
     assert png_bytes(figure).startswith(b"\\x89PNG")
     found["curves"] = [line for axes in figure.axes for line in drawn(axes)]
-    axes = {{"cells": [16, 20], "estimator": [BarScene.choices("estimators")], **{{name: [value] for name, value in inputs.items()}}}}
+    axes = {{"cells": [16, 20], "estimator": [BarScene.choices("estimators")],
+            **{{name: [value] for name, value in inputs.items()}}}}
     rows = [row.measure(task) for task in planned("bar", axes, repeats=1)]
     assert all(png_bytes(make(rows)).startswith(b"\\x89PNG") for make in FIGURES.values())
     with open("found.json", "w") as file:

@@ -1,0 +1,109 @@
+"""Every control of a scene reaches the field that it names, and no other. No browser, and no engine: a visitor's values
+come as they would from a browser, and what an engine is asked for tells the scene. In a browser
+``tests/browser/page/test_controls.py`` does the same with the bar's sliders; its choices and boxes are slow."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+
+import pytest
+
+from app.words import CHOICES
+from solvers.scene.effects import ALL
+from solvers.scene.registry import ESTIMATORS
+from solvers.scene.remedies import REMEDIES
+from tests import doors
+from tests.processes import until
+from tests.raw import Raw
+
+#: What a problem is called, and its label of the cells at first.
+BEGINNINGS = {"bar": ("vibrating bar", "Cells, h = 1/40"), "ring": ("expanding ring", "Cells, h = 1.2/24"),
+              "vortex": ("generalized vortex", "Cells, h = 3/48")}
+#: Labels of sliders that show logarithms.
+LOGARITHMS = {"Amplitude A": "amplitude", "Modulus E": "modulus", "CFL number": "cfl"}
+DROPDOWNS = {"Method": "method", "Body force": "body_force", "Velocity": "velocity", "Layout": "layout"}
+TOGETHER = ("corners",)  # goes with one method only
+BOXES = {"estimators": {name: one.title for name, one in ESTIMATORS.items()},
+         "remedies": {name: one.label for name, one in REMEDIES.items()},
+         "effects": {name: one.label for name, one in ALL.items()}}
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """The scenes that engines were asked for, in order."""
+    scenes, ask = [], doors.Link.ask
+
+    def listening(link, scene, *others, **more):
+        scenes.append(scene)
+        return ask(link, scene, *others, **more)
+
+    monkeypatch.setattr(doors.Link, "ask", listening)
+    return scenes
+
+
+class Driver:
+    """Moves controls of one page, and knows what may be another in its scene then."""
+
+    def __init__(self, visitor: Raw, asked: list, problem: str):
+        self.visitor, self.asked = visitor, asked
+        title, cells = BEGINNINGS[problem]
+        visitor.find("Download CSV")  # the last of the controls
+        if problem != "bar":
+            visitor.set(visitor.find("Problem"), title)
+        visitor.find(cells)
+        visitor.find("step margin")
+        until(lambda: asked and asked[-1].problem == problem, f"the {problem}")
+
+    @property
+    def scene(self):
+        return self.asked[-1]
+
+    def move(self, label: str, value: object, **wanted) -> None:
+        """What a browser says when a control is moved to a value. Then these fields of the scene are as wanted, and all
+        others as before."""
+        before = self.scene
+        self.visitor.set(self.visitor.find(label), value)
+        until(lambda: all(getattr(self.scene, name) == one for name, one in wanted.items()), f"{label}: {wanted}")
+        changed = {field.name for field in fields(before)
+                   if getattr(self.scene, field.name) != getattr(before, field.name)}
+        assert changed == set(wanted), label
+
+
+@pytest.fixture(params=BEGINNINGS)
+def driver(request, here, asked):
+    with Raw(here[1]) as visitor:
+        yield Driver(visitor, asked, request.param)
+
+
+def test_numbers(driver):
+    """Sliders whose steps are factors say logarithms."""
+    before = driver.scene
+    driver.move(BEGINNINGS[before.problem][1], before.cells + 12.0, cells=before.cells + 12)
+    driver.move("Particles / cell", before.ppc - 1.0, ppc=before.ppc - 1)
+    for label, field in LOGARITHMS.items():
+        to = math.log10(before.courant_number if field == "cfl" else getattr(before, field)) - 0.1
+        driver.move(label, to, **{field: pytest.approx(10**to, rel=6e-3)})
+    driver.move("Auto step", True, cfl=None, dt="auto")
+
+
+def test_choices(driver):
+    """Each dropdown, one after the other, to its last choice and back."""
+    for label, field in DROPDOWNS.items():
+        if first := getattr(driver.scene, field, None):
+            others = [name for name in type(driver.scene).choices(field) if name not in (first, *TOGETHER)]
+            for name in (*others, first):
+                driver.move(label, CHOICES[field][name], **{field: name})
+
+
+def test_boxes(driver):
+    """Each box turns its own name about, and comes back; frozen weights stand alone. Not all remedies go with CPDI."""
+    if driver.scene.method != "ugimp":
+        driver.move("Method", CHOICES["method"]["ugimp"], method="ugimp")
+    for field, labels in BOXES.items():
+        names = type(driver.scene).choices(field)
+        for name in names:
+            for _ in ("there", "and back"):
+                held = getattr(driver.scene, field)
+                driver.move(labels[name], name not in held,
+                            **{field: tuple(one for one in names if (one in held) != (one == name))})
