@@ -12,6 +12,7 @@ from app.page.panels.looking import Looking
 from app.page.panels.motion import MotionControls
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size
+from app.page.stage.sight import Choice
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.scale import ColourScale
@@ -83,6 +84,12 @@ class Controls:
             self.looking.trace(state.traced)
             self._rebuild()
         self._on_view()
+
+    @property
+    def choice(self) -> Choice:
+        """What is to be seen of a run."""
+        return Choice(self.quantity, self.estimators.drawn, self.estimators.difference, self.domains, self.magnified,
+                      self.looking.latest)
 
     @property
     def state(self) -> State:

@@ -1,22 +1,15 @@
 """The left panel: numbers of the run and plots over time."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from html import escape
 
 import viser
 
-from app.frame.silences import NO_INDEX, why_no_index
-from app.page.controls import Controls
-from app.page.features.own.run import JUDGE, OwnRun
-from app.page.features.own.words import lines as own_lines
-from app.page.features.own.words import readout as own_readout
 from app.page.panels.head import MEASUREMENTS_WIDTH
-from app.page.panels.plots import LEAST_HEIGHT, Plots
-from app.page.panels.readout import LINE, extra_lines, pinned_lines, readout
-from app.page.stage.worst import WorstRegions
-from app.page.visit.recent import Recent
-from app.page.visit.session import Session
+from app.page.panels.plots import LEAST_HEIGHT, Past, Plots
+from app.page.panels.readout import LINE
+from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
 from solvers.scene.scene import Scene
 
@@ -25,8 +18,30 @@ TRACE_HEADING = 52  # and with a particle traced: the title of its plot
 MOST_HEIGHT = 240  # of a plot
 
 
+@dataclass(frozen=True)
+class Numbers:
+    """What is to be read of a run: its ``readout`` as html, which is so many ``lines`` higher than usual, and its
+    ``past`` as plots, with a line for each of the ``estimators``, drawn of those that are ``valid``.
+
+    ``drawn`` is the estimator on the stage, at the ``time`` in s; ``no_index`` says why there is no error index. A
+    ``pinned`` run is plotted too, and a ``traced`` particle. Whoever reads the page by a program is told the ``scene``.
+    """
+
+    readout: str
+    lines: int
+    past: Past | None
+    estimators: tuple[str, ...]
+    valid: tuple[str, ...]
+    drawn: str | None
+    time: float
+    no_index: str
+    pinned: PinnedRun | None = None
+    traced: Traced | None = None
+    scene: Scene | None = None
+
+
 class Measurements:
-    """Readout and plots of one visitor's session. Call :meth:`refresh` a few times a second."""
+    """Readout and plots of one visitor. Call :meth:`show` a few times a second."""
 
     def __init__(self, client: viser.ClientHandle):
         self._client, gui = client, client.gui
@@ -39,42 +54,22 @@ class Measurements:
         panel.dock_left()
         panel.set_width(MEASUREMENTS_WIDTH)
 
-    def refresh(self, session: Session, controls: Controls, probed: str | None, worst: WorstRegions, recent: Recent,
-                traced: Traced | None, presented: bool) -> None:
-        """Show what has come in since the last time: the numbers of the frame that is shown, plots of all, or one
-        large one if the page is ``presented``."""
-        shown, history = recent.shown, session.history
-        if shown is None or shown[0].scene != history.scene:
-            return
-        report = shown[0]
-        if report.scene != self._described:
-            self._described = report.scene
-            self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(report.scene)))}'></i>"
-        quantity, drawn, pinned = controls.quantity, controls.estimators.drawn, session.pinned
-        self._readout.content = readout(session, history, report, quantity, drawn, probed, worst, recent.ago)
+    def show(self, numbers: Numbers, quantity: str, latest: bool, presented: bool) -> None:
+        """Show numbers, and plots of a quantity's errors or of their ``latest`` periods; one large plot if the page is
+        ``presented``."""
+        past, traced, scene = numbers.past, numbers.traced, numbers.scene
+        if scene is not None and scene != self._described:
+            self._described = scene
+            self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(scene)))}'></i>"
+        self._readout.content = numbers.readout
         # The plots share what the window leaves below the readout.
-        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * (
-            extra_lines(report, history.series, quantity) + (pinned_lines(pinned, report) if pinned else 0))
+        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * numbers.lines
         height = left // 3 if traced is None else (left - TRACE_HEADING) // 4
         height = MOST_HEIGHT if presented else max(LEAST_HEIGHT, min(MOST_HEIGHT, height))
-        self._plots.have(report.scene.active_estimators, height, traced is not None, pinned is not None)
-        if len(history.series.get("time", ())) < 2:
+        self._plots.have(numbers.estimators, height, traced is not None, numbers.pinned is not None)
+        if past is None or len(past.series.get("time", ())) < 2:
             self._plots.clear()
-        else:
-            valid, latest = report.valid_estimators, controls.looking.latest
-            no_index = why_no_index(report.scene, valid, quantity)
-            self._plots.show(history, valid, quantity, no_index, latest, pinned, drawn)
-            if traced is not None and traced.scene == history.scene:
-                self._plots.show_trace(traced, valid, quantity, latest, report.time)
-
-    def show_own(self, run: OwnRun, k: int, quantity: str, probed: str | None, presented: bool) -> None:
-        """Show the numbers of a visitor's own file at its time k, and plots of all its times."""
-        self._readout.content = own_readout(run, k, quantity, probed)
-        left = self._client.camera.image_height - READOUT_HEIGHT - LINE * own_lines(run, quantity)
-        height = MOST_HEIGHT if presented else max(LEAST_HEIGHT, min(MOST_HEIGHT, left // 3))
-        self._plots.have((JUDGE,), height, False, False)
-        if len(run) < 2 or run.estimate is None:
-            self._plots.clear()
-        else:
-            no_index = "" if run.true is not None else NO_INDEX
-            self._plots.show(run, (JUDGE,), quantity, no_index, False, None, JUDGE)
+            return
+        self._plots.show(past, numbers.valid, quantity, numbers.no_index, latest, numbers.pinned, numbers.drawn)
+        if traced is not None and traced.scene == past.scene:
+            self._plots.show_trace(traced, numbers.valid, quantity, latest, numbers.time)

@@ -1,8 +1,12 @@
 """What is seen now, in one sentence made from the numbers: for the eye, and what a screen reader gets."""
 
 import math
+from collections.abc import Callable
+from html import escape
+from time import monotonic
 
 import numpy as np
+import viser
 
 from app.frame.sentence import LOST, PAUSED, UNSTABLE, error_words, errors, fill, joined
 from app.frame.view import View
@@ -18,18 +22,22 @@ WAITING = "Waiting for the first frame."
 SAY_SECONDS = 2.0  # between two sentences: a screen reader reads each of them
 
 
-class Pace:
-    """Lets sentences through calmly: a new one only, and not soon after the last."""
+class Speaker:
+    """Says sentences calmly: a new one only, and not soon after the last. That there is one lifts the page's ground
+    (``ground.html``)."""
 
-    def __init__(self) -> None:
+    def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
+        self._html, self._clock = gui.add_html(""), clock
         self._last, self._next = "", 0.0
 
-    def lets(self, sentence: str, now: float, at_once: bool = False) -> bool:
-        """Whether to say the sentence at a time in seconds; ``at_once`` for the answer to a click."""
-        if sentence == self._last or (now < self._next and not at_once):
-            return False
+    def say(self, sentence: str, at_once: bool = False) -> None:
+        """Say a sentence, if there is one and it is time; ``at_once`` for the answer to a click."""
+        now = self._clock()
+        if sentence in ("", self._last) or (now < self._next and not at_once):
+            return
         self._last, self._next = sentence, now + SAY_SECONDS
-        return True
+        said = escape(sentence).replace("–", "–&NoBreak;")  # no line ends between "0.25–" and "0.30"
+        self._html.content = f"<i class='lab-says' data-sentence=\"{said}\"></i>"
 
 
 def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,

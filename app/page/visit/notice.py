@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from html import escape
 
 from app.page.visit.history import History
 from app.words import on_page, ratio
@@ -16,6 +17,12 @@ class Notice:
 
     kind: str
     sentence: str
+
+    @property
+    def html(self) -> str:
+        """As it stands at the bottom of the stage."""
+        return (f"<div class='lab-notice lab-{self.kind}' role='status'>"
+                f"{escape(self.sentence[:1].upper() + self.sentence[1:])}</div>")
 
     def height(self, width: float) -> float:
         """About how many pixels it covers at the bottom of a stage so many pixels wide (``style.css``)."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ import pytest
 from app.frame.silences import NONE_CHOSEN, UNKNOWN
 from app.frame.view import look
 from app.page.stage.worst import WorstRegions
-from app.page.summary import SAY_SECONDS, WAITING, Pace, compared, summary
+from app.page.summary import SAY_SECONDS, WAITING, Speaker, compared, summary
 from app.page.visit.history import CROSSING_WINDOW
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
@@ -83,9 +85,15 @@ def test_before_there_are_numbers():
 
 def test_sentences_come_calmly():
     """One is not said again, and another one not at once: it is heard later, as it is by then."""
-    pace = Pace()
-    assert pace.lets("one", 5.0) and not pace.lets("two", 5.0 + 0.9 * SAY_SECONDS)
-    assert pace.lets("three", 5.0 + SAY_SECONDS) and not pace.lets("three", 5.0 + 3 * SAY_SECONDS)
+    class Html:
+        content = property(None, lambda _, text: said.append(re.search('"(.*)"', text)[1]))
+
+    said, now = [], 0.0
+    speaker = Speaker(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
+    for sentence, now in (("one", 5.0), ("two", 5.0 + 0.9 * SAY_SECONDS), ("three", 5.0 + SAY_SECONDS),  # noqa: B007
+                          ("three", 5.0 + 3 * SAY_SECONDS)):
+        speaker.say(sentence)
+    assert said == ["one", "three"]
 
 
 def test_a_pinned_run_is_compared_by_its_true_error():

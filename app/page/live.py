@@ -1,0 +1,88 @@
+"""The visitor's run as what is on the stage: now or looked back on, alone or beside a pinned one."""
+
+from collections.abc import Callable
+
+from app.frame.silences import why_no_index
+from app.frame.view import View, look
+from app.page.measurements import Numbers
+from app.page.panels.readout import extra_lines, pinned_lines, readout
+from app.page.stage.sight import Choice, Picture, Sight
+from app.page.stage.worst import WorstRegions
+from app.page.summary import compared, summary
+from app.page.visit.notice import Notice
+from app.page.visit.pinned import PinnedRun
+from app.page.visit.recent import Recent
+from app.page.visit.session import Session
+from app.page.visit.trace import Trace
+from app.scale import LEAST_TOP
+from app.words import differing
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.scene.scene import Scene
+
+
+class LiveRun:
+    """What is on the stage as long as nothing else is (:class:`~app.page.source.Source`). ``further`` gives a
+    notice where the session has none."""
+
+    on, at_once = True, False
+
+    def __init__(self, session: Session, recent: Recent, trace: Trace, further: Callable[[], Notice | None]):
+        self._session, self._recent, self._trace, self._further = session, recent, trace, further
+        self._worst = WorstRegions()
+
+    def sight(self, choice: Choice) -> Sight | None:
+        """The frame that is looked at; None for one from before differences were asked for: the next is on its way."""
+        if (last := self._recent.shown) is None:
+            return None
+        (report, arrays), back = last, self._recent.back > 0
+        scene, asked = report.scene, (choice.quantity, choice.estimator, choice.difference)
+        if choice.difference and scene.has("truth") and scene.active_estimators \
+                and not (report.holds.differences or back):
+            return None
+        pinned = self._session.pinned
+        if pinned and pinned.scene.problem != scene.problem:
+            pinned = None  # it goes with the next frame
+        name = f"this run: {differing(scene, pinned.scene)}".removesuffix(": ") if pinned else ""
+        picture = self._picture(report, arrays, look(report, arrays, *asked), name)
+        return Sight(picture, (picture.view.left.sizes, picture.view.right.sizes), report.time / scene.period, asked,
+                     0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
+                     self._beside(pinned, scene, asked) if pinned else None)
+
+    def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
+        """Those of the frame that is looked at, and plots of all that has come in."""
+        session, recent, quantity = self._session, self._recent, choice.quantity
+        if picture is not None and not picture.foreign:
+            self._worst.look(picture.report, picture.arrays, picture.view)
+        history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown
+        if shown is None or shown[0].scene != history.scene:
+            return None
+        report = shown[0]
+        scene, valid = report.scene, report.valid_estimators
+        text = readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.ago)
+        lines = extra_lines(report, history.series, quantity) + (pinned_lines(pinned, report) if pinned else 0)
+        return Numbers(text, lines, history, scene.active_estimators, valid, choice.estimator, report.time,
+                       why_no_index(scene, valid, quantity), pinned, traced, scene)
+
+    def sentence(self, choice: Choice, picture: Picture) -> str:
+        """What is seen, and how a pinned run compares."""
+        history, pinned, report = self._session.history, self._session.pinned, picture.report
+        if picture.foreign or not history.scene == report.scene == self._worst.scene:
+            return ""  # another run has begun just now
+        beside = compared(history.latest, pinned.history.latest, choice.quantity) if pinned else ""
+        return summary(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
+                       choice.estimator, self._recent.ago, beside)
+
+    def notice(self) -> Notice | None:
+        """What the session has to say, or else something further."""
+        return self._session.notice() or self._further()
+
+    def _picture(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> Picture:
+        return Picture(report, arrays, view, self._session.speed * report.scene.period, name)
+
+    def _beside(self, pinned: PinnedRun, other: Scene, asked: tuple[str, str | None, bool]) -> Picture | str:
+        """A pinned run beside an ``other`` one, or before its first frame that there will be one."""
+        name, view = f"pinned: {differing(pinned.scene, other) or 'the same so far'}", pinned.view(*asked)
+        if view is None or pinned.last is None:
+            return f"{name}, being prepared"
+        return self._picture(*pinned.last, view, name)

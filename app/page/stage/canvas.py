@@ -1,0 +1,93 @@
+"""The canvas: all that is drawn for one visitor, whatever it is of."""
+
+from collections.abc import Hashable
+
+import numpy as np
+import viser
+
+from app.drawing import RECTANGLE, ColourBar, enlarge
+from app.page.stage.camera import FlatCamera
+from app.page.stage.mark import Mark
+from app.page.stage.probe import Probe
+from app.page.stage.sight import Choice, Picture, Sight
+from app.page.visit.trace import Trace
+from app.problems.stage import Stage
+from app.problems.views import VIEWS
+from app.scale import ColourScale
+from app.words import QUANTITIES
+
+ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
+
+
+class Canvas:
+    """A stage for each problem, of which one is shown at a time, the bar of colours, the mark of a traced particle and
+    the probe."""
+
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Trace, problem: str):
+        self._client, self._scale = client, scale
+        self.picture: Picture | None = None  # that is seen
+        self._coloured: Hashable = None  # what the scale of colours is of
+        client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
+        self._colour_bar = ColourBar(client.scene, scale)
+        self._stages = {problem: view.stage(client, scale) for problem, view in VIEWS.items()}
+        self._show_stage(problem)
+        self.camera = FlatCamera(client, RECTANGLE)
+        self.probe = Probe(client, self.camera)
+        self._mark = Mark(client, trace)
+
+    def draw(self, sight: Sight, choice: Choice) -> None:
+        """Show what there is to be seen."""
+        picture, beside, unit = sight.picture, sight.beside, QUANTITIES[choice.quantity].unit
+        view, arrays, problem = picture.view, picture.arrays, picture.report.scene.problem
+        self._colour(sight)
+        stage = self._stages[problem]
+        second = stage.pair(beside is not None)
+        with self._client.atomic():
+            self._show_stage(None if sight.hidden else problem)
+            _draw(stage, picture, choice)
+            if isinstance(beside, Picture):
+                assert second is not None
+                _draw(second, beside, choice)
+            elif second:
+                second.name(beside or "")
+            if picture.foreign:  # none of its particles is traced
+                self._mark.hide()
+            else:
+                self._mark.look(stage, arrays)
+            self._colour_bar.draw(view.measures, unit)
+            self._client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
+        self.camera.show(RECTANGLE if sight.hidden else stage.rectangle)
+        self.probe.look(stage, arrays, view.estimated, view.true, unit)
+        self.picture = picture
+
+    def settle(self, largest: float) -> None:
+        """Call now and then: fits the camera, and the letters to the room, to so many times their usual size."""
+        self.camera.settle()
+        enlarge(self._client.scene, max(LEAST_TEXT, min(largest, self.camera.scale / ROOMY)))
+
+    def _colour(self, sight: Sight) -> None:
+        """Move the scale of colours; looking back keeps it, to compare frames by."""
+        if changed := sight.of != self._coloured:
+            self._scale.forget()
+            self._coloured = sight.of
+        if changed or not sight.back:
+            beside = sight.beside.view if isinstance(sight.beside, Picture) else None
+            self._scale.follow(*sight.sizes, sight.periods, (beside.left.sizes, beside.right.sizes) if beside
+                               else (None, None), sight.least)
+
+    def _show_stage(self, problem: str | None) -> None:
+        """Show one of them, or none."""
+        self._colour_bar.root.visible = problem is not None
+        for name, stage in self._stages.items():
+            stage.root.visible = name == problem
+
+
+def _draw(stage: Stage, picture: Picture, choice: Choice) -> None:
+    """Draw a run on a stage."""
+    report, view = picture.report, picture.view
+    stage.domains = choice.domains and not picture.foreign
+    stage.plotted, stage.magnified = report.holds.plotted, choice.magnified
+    stage.draw(report.scene, picture.arrays, view.left.sizes, view.right.sizes, report.time, picture.speed,
+               foreign=picture.foreign)
+    stage.caption(view.left, view.right)
+    stage.name(picture.name)
