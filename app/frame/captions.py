@@ -20,8 +20,19 @@ class Captions:
 
 
 def captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
-    """Those of the errors of a quantity, as estimated beside the truth or as the ``difference`` of both, with the
-    reasons why either is not known."""
+    """Those of the errors of a quantity.
+
+    Parameters
+    ----------
+    quantity
+        Key of x, v, sigma or a.
+    estimator
+        Whose estimate it is, None where nobody's.
+    difference
+        Whether estimate minus truth is shown, and not the estimate.
+    no_estimate, no_truth
+        Why either is not known (``app.frame.silences``), "" where it is.
+    """
     named, of = f" by {estimator}" if estimator else "", f"of {QUANTITIES[quantity]}"
     if difference:
         return Captions((f"estimate{named} − truth", "true error"), (no_estimate or no_truth, no_truth),

@@ -29,7 +29,7 @@ class ErrorWords:
 
 
 def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate: str, no_truth: str) -> ErrorWords:
-    """What is said of the errors of a quantity, with the reasons why the estimate or the truth is not known."""
+    """What is said of the errors of a quantity; arguments as of :func:`app.frame.captions.captions`."""
     of = f"error of {QUANTITIES[quantity]}"
     if no_truth and no_estimate:
         told = f"nothing is known of the {of}: {no_truth}; {no_estimate}"
@@ -45,7 +45,17 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
 
 
 def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float) -> str:
-    """The words with the norms of both errors and the index so far; NaN is what nobody knows."""
+    """The words with numbers in their places.
+
+    Parameters
+    ----------
+    words
+        From :func:`error_words`.
+    unit
+        That of the norms.
+    true, estimate, index
+        The RMS norms of both errors, and their index so far; NaN is what nobody knows.
+    """
     if true <= words.least:
         return fill(words.still, true=_size(true, unit) if true else "zero")
     if "{index}" in words.told and not math.isfinite(index):

@@ -52,8 +52,18 @@ def not_estimated(quantity: str) -> str:
 
 def why_no_numbers(scene: Scene, not_valid: Mapping[str, str], quantity: str,
                    silent: Collection[str]) -> dict[str, str]:
-    """For the truth and each estimator asked for, why there is no number of a quantity; "" where there is. ``silent``
-    are the estimators that have said nothing of it so far."""
+    """For the truth and each estimator asked for, why there is no number of a quantity; "" where there is.
+
+    Parameters
+    ----------
+    scene
+    not_valid
+        Sentences of the estimators that do not hold (``Result.not_valid``).
+    quantity
+        Key of x, v, sigma or a.
+    silent
+        Estimators that have said nothing of it so far.
+    """
     found = {TRUE: why_no_truth(scene, quantity)}
     for name in scene.estimators:
         found[name] = not_valid.get(name) or why_no_estimate(scene, not_valid, name, quantity) \

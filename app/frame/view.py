@@ -32,7 +32,15 @@ class View:
 
 
 def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None, difference: bool) -> View:
-    """The view of a frame: the errors of ``quantity``, by its key, as estimated by ``estimator`` and in truth."""
+    """The view of a frame.
+
+    Parameters
+    ----------
+    report, arrays
+        The frame: what the engine says of it, and its particles.
+    quantity, estimator, difference
+        As of :func:`app.frame.captions.captions`.
+    """
     scene, column = report.scene, samples.QUANTITIES.index(quantity)
     no_truth = why_no_truth(scene, quantity)
     no_estimate = why_no_estimate(scene, report.not_valid, estimator, quantity)
@@ -47,7 +55,15 @@ def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str
 
 def view(quantity: str, estimator: str | None, estimated: np.ndarray | None, true: np.ndarray | None, no_estimate: str,
          no_truth: str, difference: bool, apart: np.ndarray | None) -> View:
-    """The view of sizes (P,), or of why there are none; with ``difference`` of how far both are ``apart``."""
+    """The view of sizes of errors.
+
+    Parameters
+    ----------
+    quantity, estimator, no_estimate, no_truth, difference
+        As of :func:`app.frame.captions.captions`.
+    estimated, true, apart : (P,) array or None, in the unit of the quantity
+        Sizes of both errors, and of estimate minus truth.
+    """
     said = captions(quantity, estimator, difference, no_estimate, no_truth)
     silence = said.silences[0] or NOT_COMPARED * (difference and apart is None)
     shown = None if silence else apart if difference else estimated

@@ -19,8 +19,17 @@ DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between befo
 
 
 class EnginePool:
-    """A fixed number of engine processes and the sessions they serve. They compile ``warm_up`` before they are ready.
-    Each session gets a frame every ``frame_seconds``, if it can be had."""
+    """A fixed number of engine processes and the sessions they serve.
+
+    Parameters
+    ----------
+    warm_up
+        The scene that they compile before they are ready.
+    engines
+        How many there are.
+    frame_seconds : float, s
+        Between two frames of a session, if they can be had.
+    """
 
     def __init__(self, warm_up: Scene, engines: int = 1, frame_seconds: float = FRAME_SECONDS):
         self._numbers, self._frame_seconds = itertools.count(1), frame_seconds
@@ -33,14 +42,21 @@ class EnginePool:
             engine.expect(usual)
 
     def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
-        """A new session, on the engine that has fewest; on one that has been given up only if all have. One that is
-        opened ``beside`` another is on the same engine, and its partner (:class:`~solvers.engine.messages.Wish`)."""
+        """A new session, on the engine that has fewest; on one that has been given up only if all have.
+
+        Parameters
+        ----------
+        listener
+            What hears of frames and trouble, from a thread of the engine's.
+        beside
+            A session on whose engine this one shall be, as its partner (:class:`~solvers.engine.messages.Wish`).
+        """
         engine = beside.engine if beside else min(self._engines, key=lambda e: (e.given_up, len(e.links)))
         return SessionLink(next(self._numbers), engine, listener, beside.session if beside else None,
                            self._frame_seconds)
 
     def wait_ready(self, timeout: float) -> bool:
-        """Wait until every engine has compiled the first page's kernels; False when time is up."""
+        """Wait until every engine has compiled the first page's kernels; False when ``timeout`` in s is up."""
         return all(engine.ready.wait(timeout) for engine in self._engines)
 
     @property
@@ -76,7 +92,18 @@ class SessionLink:
         engine.links[session] = self
 
     def ask(self, scene: Scene, pace: Pace = Pace(), frame: FrameOptions = FrameOptions()) -> int:
-        """Say what is wanted now; returns the wish's number. After :meth:`close` nothing is: the last number."""
+        """Say what is wanted from now on; never waits.
+
+        Parameters
+        ----------
+        scene, pace, frame
+            What runs, how it moves, and what its frames hold beside the particles.
+
+        Returns
+        -------
+        int
+            The wish's number, which comes back in frames; after :meth:`close`, when nothing is wanted, the last one.
+        """
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
             if self._closed:

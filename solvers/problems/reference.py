@@ -1,7 +1,6 @@
 """A problem as another code sees it: what it needs to be set up, and what its particles are held against.
 
-A problem's descriptor has its :class:`ProblemReference`. Points
-and vectors are (P, D) and tensors (P, D, D), also where D is 1; positions are not wrapped.
+A problem's descriptor has its :class:`ProblemReference`.
 """
 
 from __future__ import annotations
@@ -44,7 +43,18 @@ class Texts:
 
 
 class ProblemReference(ABC):
-    """One problem for other codes. ``axes`` are the names of its coordinates."""
+    """One problem for other codes; ``axes`` are the names of its D coordinates.
+
+    Parameters
+    ----------
+    scene
+        Of the problem, in every method.
+    X, x : (P, D) array, m
+        Material positions, and positions, which are not wrapped; two axes also where D is 1.
+    t : float, s
+    F : (P, D, D) array
+        Deformation gradients.
+    """
 
     axes: tuple[str, ...] = ("x",)
 
@@ -62,15 +72,15 @@ class ProblemReference(ABC):
 
     @abstractmethod
     def displacement(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """u (P, D) in m of the exact solution, where one is built in; as the next two."""
+        """Of the exact solution, where one is built in, u (P, D) in m."""
 
     @abstractmethod
     def velocity(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """v (P, D) in m/s; at the time 0 of every scene."""
+        """Of it v (P, D) in m/s; at the time 0 of every scene."""
 
     @abstractmethod
     def deformation_gradient(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """F (P, D, D)."""
+        """Of it F (P, D, D)."""
 
     @abstractmethod
     def stress(self, scene: Any, F: np.ndarray) -> np.ndarray:

@@ -17,23 +17,31 @@ NEVER = 2**31 - 1  # an interval that no step is a multiple of: the estimator is
 class EstimatorHooks:
     """The hooks of one estimator for one problem.
 
-    ``memory`` names its numbers and arrays, each with the estimator's name in front, and gives their Taichi types;
-    ``allocate(scene)`` gives their values. ``interval(scene)`` is the number of steps between two of its own. The
-    others are Taichi functions, or None:
-
-    * ``in_step(state, base, on)``: in every step that is a multiple of the interval, between the update of the nodes
-      and that of the particles, when the step's weights and the nodes' new motion are known;
-    * ``after_step(state, base, step, on)``: at the end of these steps; ``step`` is the number of steps taken;
-    * ``report(state, base, step, on)``: fill entries ``base`` to ``base + particles`` of the estimate arrays for the
-      state after ``step`` steps, whether or not that is a multiple of the interval. The acceleration is the one that
-      the last step used, which belongs to the time one step earlier. Called only when somebody looks.
-
-    On a GPU there is only what can run beside the particles: ``standalone(scene)`` is then a body that the processor
-    solves by itself (``solvers.estimators.beside_gpu``), and ``report_at_once(state, base, step, on)`` fills the
-    entries from its nodes, for all particles at once. Both are None where an estimator needs a processor.
-
-    ``verdict(scene, memory)`` may find, from the arrays of a run, that the estimate cannot be trusted: one sentence
-    that begins with "not valid here: ". What is known beforehand is said by the problem's ``validity``.
+    Parameters
+    ----------
+    memory
+        Names of its numbers and arrays, each with the estimator's name in front, with their Taichi types.
+    allocate : scene -> dict
+        Their values at the start.
+    interval : scene -> int
+        Steps between two of its own.
+    in_step(state, base, on) : Taichi function or None
+        In every step that is a multiple of the interval, between the update of the nodes and that of the particles,
+        when the step's weights and the nodes' new motion are known.
+    after_step(state, base, step, on) : Taichi function or None
+        At the end of these steps; ``step`` is the number of steps taken.
+    report(state, base, step, on) : Taichi function or None
+        Fill entries ``base`` to ``base + particles`` of the estimate arrays for the state after ``step`` steps, whether
+        or not that is a multiple of the interval. The acceleration is the one that the last step used, which belongs to
+        the time one step earlier. Called only when somebody looks.
+    standalone : scene -> body, or None
+        A body that the processor solves by itself where the particles are on a GPU (``solvers.estimators.beside_gpu``);
+        None where the estimator needs a processor.
+    report_at_once(state, base, step, on) : Taichi function or None
+        On a GPU: fill the entries from that body's nodes, for all particles at once.
+    verdict : (scene, memory) -> str or None
+        From the arrays of a run, why the estimate cannot be trusted: one sentence that begins with "not valid here: ".
+        What is known beforehand is said by the problem's ``validity``.
     """
 
     memory: Mapping[str, object]

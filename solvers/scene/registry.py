@@ -64,7 +64,13 @@ COLLECTED: set[str] = set()  # problems whose solvers have their hooks
 
 
 def register(estimator: Estimator) -> None:
-    """Make an estimator known, before the solvers that it is for are imported: their kernels name what it keeps."""
+    """Make an estimator known to scenes, solvers, page and pictures.
+
+    Raises
+    ------
+    RuntimeError
+        Where a solver that it is for has been imported: its kernels name what estimators keep. Register first.
+    """
     late = [problem for problem in estimator.hooks if problem in COLLECTED]
     if late:
         raise RuntimeError(f"register {estimator.name} before the solver of the {' and '.join(late)} is imported")
@@ -74,7 +80,8 @@ def register(estimator: Estimator) -> None:
 
 @functools.cache  # every scene asks
 def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
-    """The estimators that a problem has: its ``own``, and others from outside."""
+    """The estimators that a problem has: its ``own``, and others from outside; :class:`ExtensionError` where one of
+    these cannot be imported."""
     load_extensions()
     return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
 
