@@ -10,7 +10,7 @@ import numpy as np
 
 from app import drawing, state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
-from app.export.texts import texts
+from app.export.texts import notes, texts
 from app.frame.silences import why_no_field
 from app.problems.views import VIEWS
 from app.scale import LEAST_REACH, LEAST_TOP
@@ -68,8 +68,9 @@ def recording(wanted: Wanted) -> dict[str, Any]:
     silent = {key: [name for name in scene.active_estimators if not any(
         np.isfinite(shot[key].estimate[name][:, samples.QUANTITIES.index(key)]).any() for shot in shots)]
         for key in wanted.quantities}
-    said = texts(scene, not_valid, silent, wanted.difference, round(_count(shots) / len(marked)))
-    return {"head": _head(wanted, scene, solver, not_valid, len(kept), shots, regular, pictures), "texts": said,
+    head = _head(wanted, scene, solver, not_valid, len(kept), shots, regular, pictures)
+    return {"head": {**head, **notes(scene, round(_count(shots) / len(marked)))},
+            "texts": texts(scene, not_valid, silent, wanted.difference),
             "tracks": [track.header for track in tracks], "data": base64.b64encode(packed(tracks)).decode()}
 
 
@@ -108,7 +109,7 @@ def _tracks(wanted: Wanted, scene: Scene, kept: np.ndarray, marked: np.ndarray,
     for key in wanted.quantities:
         tracks += _quantity(wanted, scene, key, [shot[key] for shot in shots], kept)
     if scene.solution_known and view.stage.LINES:
-        lines = [_flat(view.stage.exact_lines(scene, shot.time, 1)[0]) for shot in instants]
+        lines = [_flat(view.stage.exact_lines(scene, shot.time, 1)[0, ::2]) for shot in instants]
         tracks.append(Track("line", PLACE, np.stack(lines)))
     return tracks + _crossings(scene, instants, kept, marked)
 

@@ -11,19 +11,22 @@ from app.words import MAGNIFICATIONS
 from solvers.scene.scene import Scene
 
 
-def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]], difference: bool,
-          every: int) -> dict[str, Any]:
-    """Notes at the stage, on which one particle in ``every`` is marked where it crosses; and by quantity why a row of
-    the readout has no number, captions of the field plot by magnification, and by estimator ("" for none) the captions
-    of both halves, side by side and, if wanted, as ``difference``, and what is said of the errors. ``silent`` are the
-    estimators by quantity that have no number of it."""
+def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
+          difference: bool) -> dict[str, Any]:
+    """By quantity: why a row of the readout has no number, captions of the field plot by magnification, and by
+    estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
+    said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
+    component = VIEWS[scene.problem].stage.PLOT.component
+    return {key: {"rows": why_no_numbers(scene, not_valid, key, silent[key]),
+                  "field": [field_caption(scene, component, key, magnified) for magnified in MAGNIFICATIONS],
+                  "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
+                         for name in scene.estimators or ("",)}} for key in silent}
+
+
+def notes(scene: Scene, every: int) -> dict[str, str]:
+    """What stands at the stage, on which one particle in ``every`` is marked where it crosses."""
     stage = VIEWS[scene.problem].stage
-    return {"note": stage.note(scene), "marks": marks_note(stage.MARKED, every),
-            "of": {key: {"rows": why_no_numbers(scene, not_valid, key, silent[key]),
-                         "field": [field_caption(scene, stage.PLOT.component, key, magnified)
-                                   for magnified in MAGNIFICATIONS],
-                         "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
-                                for name in scene.estimators or ("",)}} for key in silent}}
+    return {"note": stage.note(scene), "marks": marks_note(stage.MARKED, every)}
 
 
 def _by(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],

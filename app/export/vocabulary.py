@@ -6,7 +6,7 @@ from typing import Any
 from app import axis, drawing, scale, words
 from app.colours import PINNED, TRUTH, colour_table
 from app.export import quantise
-from app.frame import sentence
+from app.frame import sentence, silences
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE, counting
 from app.problems.views import VIEWS
 from solvers.scene.registry import ESTIMATORS
@@ -22,7 +22,7 @@ def vocabulary() -> dict[str, Any]:
             "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
             "compare": (SIDE_BY_SIDE, DIFFERENCE), "unknown": counting("{caption}", "{unknown}"),
             "sentences": {"unstable": sentence.UNSTABLE, "lost": sentence.LOST, "paused": sentence.PAUSED,
-                          "nothing_yet": sentence.NOTHING_YET},
+                          "nothing_yet": sentence.NOTHING_YET, "not_counted": silences.NOT_COUNTED},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
             "problems": {name: _problem(name) for name in VIEWS}}

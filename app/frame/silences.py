@@ -11,6 +11,7 @@ TRUTH_OFF = "true error not computed: its effect is off"
 ESTIMATE_OFF = f"not estimated: the effect \"{EFFECTS['estimate'].label}\" is off"
 NONE_CHOSEN = "no estimator is chosen"
 OFF = f"not computed: the effect \"{EFFECTS['acceleration'].label}\" is off"  # of accelerations
+NOT_COUNTED = f"not counted: the effect \"{EFFECTS['crossings'].label}\" is off"
 NOT_COMPARED = "not compared when this frame was made"
 NO_INDEX = "empty: no exact solution is built in"
 NOTHING_TO_SHOW = "nothing to show: every error is zero, or was not computed"

@@ -19,8 +19,8 @@ function drawBar(pen, run, pinned, view, scene) {
     pen.fill();
   }
   words(pen, said.titles[1], left, low + 10, "left", "top");
-  const note = pen.measureText(run.texts.marks).width + pen.measureText(said.titles[1]).width + 30 < across;
-  words(pen, run.texts.marks, right, low + (note ? 10 : 26), "right", "top", 0, "#8a0052");
+  const note = pen.measureText(run.marks).width + pen.measureText(said.titles[1]).width + 30 < across;
+  words(pen, run.marks, right, low + (note ? 10 : 26), "right", "top", 0, "#8a0052");
   const start = low + (note ? 40 : 56), narrow = across < NARROW;
   drawField(pen, run, pinned, view, at, said.field, {x: left, y: start, width: across, height: height - start - (narrow ? 58 : 30)},
     flashed.map(([p]) => p));

@@ -29,8 +29,8 @@ function drawPlane(pen, run, pinned, view, scene) {
   if (said.silences[0]) words(pen, said.silences[0], middle[0] - 6, middle[1], "right", "middle", 0.6 * outer * metre);
   if (said.silences[1]) words(pen, said.silences[1], middle[0] + 6, middle[1], "left", "middle", 0.6 * outer * metre);
   const low = top + size + 6;
-  words(pen, run.texts.note, left, low, "left", "top");
-  words(pen, run.texts.marks, right, low + (narrow ? 15 : 0), "right", "top", 0, "#8a0052");
+  words(pen, run.note, left, low, "left", "top");
+  words(pen, run.marks, right, low + (narrow ? 15 : 0), "right", "top", 0, "#8a0052");
   drawField(pen, run, pinned, view, at, said.field, {x: left, y: start, width: right - left, height: plot},
     scene.flashed.map(([p]) => p));
 }

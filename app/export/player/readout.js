@@ -15,7 +15,7 @@ function readout() {
     ["steps", `${Math.round(time / run.step).toLocaleString("en")} of ${withUnit(run.step, "s")}`],
     ["step", marginText(run.tracks.margin.values[Math.floor(at)])],
     ["crossings", Number.isFinite(run.tracks.crossed.values[Math.floor(at)])
-      ? `${Math.round(run.tracks.crossed.values[Math.floor(at)]).toLocaleString("en")} so far` : "not counted"],
+      ? `${Math.round(run.tracks.crossed.values[Math.floor(at)]).toLocaleString("en")} so far` : DATA.sentences.not_counted],
     ["shown", run.shown < run.particles ? `${run.shown} of ${run.particles.toLocaleString("en")} particles`
       : `${run.particles} particles`]];
   document.getElementById("facts").replaceChildren(...told.map(([name, text]) => tableRow(name, text)));

@@ -77,7 +77,7 @@ function changed() {
 
 // What is said of a run as it is looked at (app/export/texts.py).
 function saidOf(run, view) {
-  const {rows, field, by} = run.texts.of[view.quantity], {captions, errors} = by[view.estimator] || Object.values(by)[0];
+  const {rows, field, by} = run.texts[view.quantity], {captions, errors} = by[view.estimator] || Object.values(by)[0];
   return {rows, field: field[DATA.magnifications.indexOf(view.magnified)], ...captions[+view.difference], errors};
 }
 

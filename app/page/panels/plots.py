@@ -13,7 +13,8 @@ import viser
 from viser import uplot
 
 from app.colours import PINNED, TRUTH
-from app.page.panels.readout import TRUE, named
+from app.frame.silences import NOT_COUNTED, TRUE
+from app.page.panels.readout import named
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
 from app.scale import BEYOND, largest
@@ -159,7 +160,7 @@ class Plots:
         power = power_of_ten(max(map(largest, (*grey, rate))))
         self._headings[2].content = _heading(
             f"grid crossings per second{' / ' * bool(power)}{power_text(power)}", CROSSED,
-            "" if history.scene.has("crossings") else "not counted: the effect \"grid crossings\" is off")
+            "" if history.scene.has("crossings") else NOT_COUNTED)
         rates = [np.append(values[:1], values) / 10.0**power for values in (*grey, rate)]
         if len(time) < 3:  # nothing to draw yet, over the time that has passed
             time, rates = series["time"][[0, -1]], [np.full(2, np.nan) for _ in rates]
