@@ -14,13 +14,12 @@ from solvers.engine.frames import FrameArrays
 from solvers.problems.planar.layout import Layout, half_edges, particle_layout
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.exact import INNER, OUTER
-from solvers.problems.vortex.field import exact_field
 from solvers.problems.vortex.scene import VortexScene
 
 SPOKES, SPOKE_POINTS = 12, 41
 _ANGLES = 2 * np.pi * np.arange(SPOKES)[:, None] / SPOKES
 SPOKES_AT_REST = np.linspace(INNER, OUTER, SPOKE_POINTS)[:, None] * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], 2)
-FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact_field, "angular")
+FIELD = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "angular")
 
 
 class VortexStage(PlanarStage[VortexScene]):

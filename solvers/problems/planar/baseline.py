@@ -4,7 +4,6 @@ See :mod:`solvers.problems.bar.baseline`. The mappings, which have no switches b
 own.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import taichi as ti
@@ -12,16 +11,14 @@ import taichi as ti
 from solvers.problems.planar.method import cpdi
 from solvers.problems.planar.method.check import check
 from solvers.problems.planar.method.phases import EMPTY, fold_sums
-from solvers.problems.planar.method.traits import Traits
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.planar.state import WatchedBody
 from solvers.scene.scene import Scene
 from solvers.solver.arrays import part_of, part_types
 from solvers.solver.base import SOUND
 from solvers.solver.loop import CHECK_EVERY
 
 MEMBERS = ("particles", "row", "active", "radius_count", "spacing", "origin", "cells_per_length", "dt", "shear_modulus",
-           "density", "farthest", "amplitude", "angular_frequency", "motion", "deformation_gradient", "mass",
+           "density", "farthest", "amplitude", "angular_frequency", "position_velocity", "deformation_gradient", "mass",
            "direction", "radius", "edges", "weights", "corner_nodes", "radii", "node_sums", "node_motion", "verdict")
 
 
@@ -32,14 +29,11 @@ class NoSwitches(NamedTuple):
     frozen: bool = False
 
 
-def baseline(Own: type[PlanarSolver], state: type[WatchedBody], members: tuple[str, ...], TRAITS: Traits,
-             has_escaped: Callable) -> type[PlanarSolver]:
-    """The problem's own solver with the baseline step; its rows of samples hold nothing.
-
-    ``state`` is the kind of its arrays, of which its part of the step asks for ``members`` beside :data:`MEMBERS`;
-    ``has_escaped(state, p)`` says that a particle is where none of a sound run can be.
-    """
-    State = part_types(state, (*MEMBERS, *members))
+def baseline(Own: type[PlanarSolver], *members: str) -> type[PlanarSolver]:
+    """The problem's own solver with the baseline step; its rows of samples hold nothing. Its part of the step asks for
+    ``members`` of the state beside :data:`MEMBERS`."""
+    TRAITS, has_escaped = Own.PARTS.traits, Own.PARTS.has_escaped
+    State = part_types(Own.PARTS.arrays, (*MEMBERS, *members))
 
     @ti.kernel
     def advance(start: ti.i32, steps: ti.i32, body: State, on: ti.template()):
@@ -98,7 +92,7 @@ def nodes_to_particles(body: ti.template(), on: ti.template()):
     for p in range(body.particles):
         here, by_x, by_y = cpdi.gather(body, p, body.node_motion, on)
         F = body.deformation_gradient[p]
-        body.motion[p] = body.motion[p] + dt * here
+        body.position_velocity[p] = body.position_velocity[p] + dt * here
         body.deformation_gradient[p] = F + dt * (
             ti.Vector([by_x[0], by_x[0], by_x[1], by_x[1]]) * ti.Vector([F[0], F[1], F[0], F[1]])
             + ti.Vector([by_y[0], by_y[0], by_y[1], by_y[1]]) * ti.Vector([F[2], F[3], F[2], F[3]]))

@@ -1,11 +1,15 @@
-"""Errors at every particle of a plane body, for snapshots, in numpy.
+"""Errors at every particle of a plane body, and the field for a plot, for snapshots, in numpy.
 
-The page asks for them with every frame, so they cost as little as can be: tensors are written out in components, since
-numpy's products of many small matrices are slow.
+The page asks for them with every frame, so they cost as little as can be: what is known of a particle's circle is
+looked up, and tensors are written out in components, since numpy's products of many small matrices are slow.
 """
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
+from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.state import WatchedBody
 
 #: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
@@ -13,9 +17,42 @@ Parts = tuple[np.ndarray, ...] | None
 Fields = list[Parts]  # of x, v, sigma and a
 
 
+class SnapshotMeasures(NamedTuple):
+    """What a problem knows of itself, as functions of its arrays ``a``: what ``Measures`` are to kernels. Errors are
+    computed minus exact, vectors are (x, y) and tensors (xx, xy, yy), each (P,)."""
+
+    vector_errors: Callable  # (scene, a, time): of x and of v
+    acceleration_error: Callable  # (scene, a, time): of the one that a step from that time on has used
+    stress: Callable  # (a): Cauchy's
+    stress_error: Callable  # (scene, a, time)
+    component: Callable  # (a, quantity): what a plot shows of it (P,)
+    exact_component: Callable  # (scene, quantity, R, time): the same of the exact solution at the radii R (K,)
+    body_force: Callable  # (a, some): on some particles (c,), in N (c, 2)
+
+
+@np.errstate(all="ignore")  # a run gone bad holds anything
+def true_fields(scene: PlanarScene, a: WatchedBody, step: int, measures: SnapshotMeasures) -> Fields:
+    """The true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
+    time = step * scene.time_step
+    used = measures.acceleration_error(scene, a, time - scene.time_step) if step and scene.has("acceleration") else None
+    return [*measures.vector_errors(scene, a, time), measures.stress_error(scene, a, time), used]
+
+
+@np.errstate(all="ignore")
+def field(scene: PlanarScene, a: WatchedBody, quantity: str, time: float, measures: SnapshotMeasures) -> np.ndarray:
+    """The component that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x, and its deviation
+    from the exact one (P, 2), NaN where one is not known."""
+    values = deviation = np.full(len(a.position_velocity), np.nan)
+    if quantity != "a" or scene.has("acceleration"):
+        values = measures.component(a, quantity)
+    if scene.solution_known:
+        deviation = values - measures.exact_component(scene, quantity, a.radii[:, 0], time)[a.radius]
+    return np.stack([values, deviation], axis=1)
+
+
 def estimated_fields(a: WatchedBody, estimator: int) -> Fields:
     """What the estimator of this number reports of the same errors."""
-    part = slice(estimator * len(a.motion), (estimator + 1) * len(a.motion))
+    part = slice(estimator * len(a.position_velocity), (estimator + 1) * len(a.position_velocity))
     motion = a.estimate[part].T
     return [(motion[0], motion[1]), (motion[2], motion[3]), tuple(a.estimate_stress[part].T[:3]),
             tuple(a.estimate_acceleration[part].T)]

@@ -1,7 +1,6 @@
 """PlanarSolver: one plane body in memory, ready to be stepped, sampled and looked at."""
 
 import time
-from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar, cast
 
@@ -9,11 +8,13 @@ import numpy as np
 
 from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
-from solvers.problems.planar.errors import Fields, difference, estimated_fields, sizes
+from solvers.problems.planar.errors import difference, estimated_fields, field, sizes, true_fields
+from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.on_device import OnDevice
 from solvers.problems.planar.plans.on_processor import OnProcessor
 from solvers.problems.planar.plans.step import Kernels
-from solvers.problems.planar.state import WatchedBody
+from solvers.problems.planar.state import WatchedBody, watched
+from solvers.problems.planar.step_breakdown import breakdown, carried
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches
@@ -29,11 +30,11 @@ class PlanarSolver(Solver):
     """Owns the arrays of one body. Three plans: one serial kernel for many steps, slabs side by side, or, on a GPU, all
     particles at once.
 
-    The scene of such a problem has a field ``plan``. A problem names its kernels and the type of their argument.
+    A problem names what it is made of, and its kernels.
     """
 
+    PARTS: ClassVar[PlanarParts]
     KERNELS: ClassVar[Kernels]
-    STATE: ClassVar[Any]
     scene: Any
     _arrays: WatchedBody
 
@@ -54,10 +55,10 @@ class PlanarSolver(Solver):
         self._arrays = self._allocate(self.threads)
         if self.plan == "gpu":
             self._stepping: OnProcessor | OnDevice = OnDevice(
-                self.KERNELS.at_once, self.STATE, scene, self._arrays, self._switches, self._beside())
+                self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, self._beside())
         else:
-            self._stepping = OnProcessor(self.KERNELS, self.STATE, scene, self._arrays, self._switches,
-                                         self.plan == "parallel", self.threads)
+            self._stepping = OnProcessor(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
+                                         self.threads)
         self._find_margin = self._stepping.find_margin
         self.setup_seconds = time.perf_counter() - begun
 
@@ -72,19 +73,19 @@ class PlanarSolver(Solver):
         return BesideGpu(makers[0](self.scene), self._memory, self.scene.time_step) if makers else None
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        a, on = self._arrays, self._switches
+        a, on, measures = self._arrays, self._switches, self.PARTS.snapshot
         self._stepping.look(self.step, REPORT)
         self._stepping.fetch()
         F = a.deformation_gradient.reshape(-1, 2, 2)
-        true = self._true_fields() if on.truth else None
+        true = true_fields(self.scene, a, self.step, measures) if on.truth else None
         estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
         missed = {name: difference(fields, true) for name, fields in estimates.items()} if true and differences else {}
         return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
-                        position=a.motion[:, :2].copy(), velocity=a.motion[:, 2:].copy(),
+                        position=a.position_velocity[:, :2].copy(), velocity=a.position_velocity[:, 2:].copy(),
                         deformation_gradient=F.copy(), error=sizes(true) if true else None,
                         estimate={name: sizes(fields) for name, fields in estimates.items()},
                         last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed,
-                        plotted=None if plotted is None else self._field(plotted))
+                        plotted=None if plotted is None else field(self.scene, a, plotted, self.time, measures))
 
     def compile(self) -> None:
         self._stepping.compile()
@@ -113,28 +114,15 @@ class PlanarSolver(Solver):
 
     def _carried(self) -> Carried:
         self._stepping.fetch()
-        return self._carried_now()
+        return carried(self._arrays, self.PARTS.snapshot)
 
     def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         self._stepping.fetch()
-        return self._break_down_now(particle, before)
+        return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.snapshot,
+                         self.PARTS.traits.first)
 
-    @abstractmethod
     def _allocate(self, slabs: int) -> WatchedBody:
         """The arrays at the start of the run, for so many slabs of particles."""
-
-    @abstractmethod
-    def _true_fields(self) -> Fields:
-        """The true errors now."""
-
-    @abstractmethod
-    def _field(self, quantity: str) -> np.ndarray:
-        """A quantity of the particles and how far it is from the exact one (P, 2), for a plot."""
-
-    @abstractmethod
-    def _carried_now(self) -> Carried:
-        """What the particles carry, as the arrays have it."""
-
-    @abstractmethod
-    def _break_down_now(self, particle: int, before: Carried) -> StepBreakdown:
-        """The last step taken apart, as the arrays have it."""
+        parts, scene, on = self.PARTS, self.scene, self._switches
+        own = parts.body(scene, on, slabs)
+        return parts.arrays(**own, **watched(scene, on, own["particles"], parts.farthest(scene), parts.hooks))

@@ -1,10 +1,54 @@
-"""A step in the plane taken apart: weights and their gradients, from the arrays that the step has left."""
+"""A step in the plane taken apart: read from the arrays that the step has left."""
 
 import numpy as np
 
-from solvers.problems.planar.layout import CORNERS
+from solvers.problems.planar.errors import SnapshotMeasures
+from solvers.problems.planar.layout import CORNERS, half_edges
 from solvers.problems.planar.state import WatchedBody
 from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
+
+
+@np.errstate(all="ignore")  # a run gone bad holds anything
+def carried(a: WatchedBody, measures: SnapshotMeasures) -> Carried:
+    """What the particles carry now, copied."""
+    (xx, xy, yy), q = measures.stress(a), a.position_velocity
+    return Carried(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
+                   np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
+
+
+def breakdown(scene: Scene, a: WatchedBody, particle: int, step: int, before: Carried, measures: SnapshotMeasures,
+              ghosts: int) -> StepBreakdown:
+    """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then. The first
+    ``ghosts`` rows of nodes either way lie beyond a symmetry plane."""
+    edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
+    links = link(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
+                 lambda node: _images(node, row, ghosts))
+    seen, k, ij = before.seen(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
+    signs = np.where(ij < ghosts, -1.0, 1.0)  # a node beyond a plane has what its mirror image has
+    home = np.abs(ij - ghosts) + ghosts
+    sums, motion = a.node_sums[home[:, 1] * row + home[:, 0]], a.node_motion[links.nodes]
+    body = links.weight.T @ (links.signs * measures.body_force(a, k))
+    F, place = seen.deformation_gradient, a.material_position if scene.frozen else before.position
+    with np.errstate(all="ignore"):
+        force_moment = np.linalg.det(F)[:, None, None] * seen.stress  # Kirchhoff's, or P = J sigma F^-T
+        if scene.frozen:
+            force_moment = force_moment @ np.linalg.inv(F).transpose(0, 2, 1)
+    return StepBreakdown(
+        step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen,
+        carried(a, measures).seen(links), a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
+        (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - a.origin) * scene.spacing, sums[:, 4].copy(),
+        signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
+
+
+def _images(node: int, row: int, ghosts: int) -> list[Image]:
+    """The mirror images of nodes in the rows next to a plane, on either side; the plane's own have none."""
+    def along(index: int) -> list[int]:
+        return [index, 2 * ghosts - index] if index <= 2 * ghosts and index != ghosts else [index]
+
+    i, j = node % row, node // row
+    return [Image(jj * row + ii, (1.0 if ii == i else -1.0, 1.0 if jj == j else -1.0), (0.0, 0.0))
+            for jj in along(j) for ii in along(i)]
 
 
 def nodes_of(scene: Scene, a: WatchedBody) -> np.ndarray:

@@ -1,41 +1,39 @@
 """RingSolver: one ring in memory, ready to be stepped, sampled and looked at."""
 
-import numpy as np
+from dataclasses import dataclass
 
-from solvers.problems.planar.errors import Fields
+from solvers.problems.planar.estimators import transport
+from solvers.problems.planar.parts import PlanarParts
+from solvers.problems.planar.plans.step import kernels
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.ring.errors import true_fields
-from solvers.problems.ring.field import field
-from solvers.problems.ring.method.body import FARTHEST_MOVE, farthest
+from solvers.problems.planar.state import WatchedBody
+from solvers.problems.ring.estimators import companion, recovered, two_grid
+from solvers.problems.ring.method.body import FARTHEST_MOVE, RingBody, body, farthest
+from solvers.problems.ring.method.phases import TRAITS, has_escaped
+from solvers.problems.ring.method.samples import MEASURES
 from solvers.problems.ring.scene import RESONANCE, RingScene
-from solvers.problems.ring.state import HOOKS, RingState, WatchedRing, allocate
-from solvers.problems.ring.step import KERNELS
-from solvers.problems.ring.step_breakdown import breakdown, carried
+from solvers.problems.ring.snapshot import SNAPSHOT
+from solvers.scene import registry
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
-from solvers.solver.step_breakdown import Carried, StepBreakdown
+
+
+@dataclass
+class WatchedRing(WatchedBody, RingBody):
+    """A ring and those who watch it."""
+
+
+HOOKS = registry.hooks_of("ring", {
+    "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.hooks(TRAITS),
+    "two-grid": two_grid.HOOKS})
 
 
 class RingSolver(PlanarSolver):
     """Owns the arrays of one ring."""
 
-    HOOKS, KERNELS, STATE = HOOKS, KERNELS, RingState
+    HOOKS = HOOKS
+    PARTS = PlanarParts(HOOKS, WatchedRing, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
+    KERNELS = kernels(PARTS)
     scene: RingScene
-    _arrays: WatchedRing
-
-    def _allocate(self, slabs: int) -> WatchedRing:
-        return allocate(self.scene, slabs)
-
-    def _true_fields(self) -> Fields:
-        return true_fields(self.scene, self._arrays, self.step, self._switches.acceleration)
-
-    def _field(self, quantity: str) -> np.ndarray:
-        return field(self.scene, self._arrays, quantity, self.time)
-
-    def _carried_now(self) -> Carried:
-        return carried(self._arrays)
-
-    def _break_down_now(self, particle: int, before: Carried) -> StepBreakdown:
-        return breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def _escape(self) -> str:
         return (f"left the ring's place (it is {farthest(self.scene):.3g} m or more from the centre, beyond a plane, "

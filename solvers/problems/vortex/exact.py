@@ -46,6 +46,13 @@ class ForcedVortex(Vortex, Protocol):
     def body_force(self) -> str: ...
 
 
+class SteppedVortex(Vortex, Protocol):
+    """One with steps in time, in s."""
+
+    @property
+    def time_step(self) -> float: ...
+
+
 class Turn(NamedTuple):
     """alpha at some radii and its derivatives in time and radius, each (K,)."""
 
@@ -159,6 +166,16 @@ def polar_force(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.
     now, per_mass = turn(scene, R, t), lame(scene)[1] / scene.density
     return (-R * now.rate**2 + per_mass * R * now.slope**2,
             R * now.acceleration - per_mass * (3 * now.slope + R * now.curvature))
+
+
+def field(scene: SteppedVortex, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
+    """At the radii R, of a quantity by its key (``samples.QUANTITIES``), u for x: along e_Theta of the particle at rest
+    for x, along e_theta of where it is for v and a, and sigma_rt; as a method has it after the time t: its acceleration
+    is the one that its last step used, which began a step before."""
+    if quantity == "sigma":
+        return polar_stress(scene, R, t)[1]
+    now = turn(scene, R, max(0.0, t - scene.time_step) if quantity == "a" else t)
+    return R * {"x": np.sin(now.angle), "v": now.rate, "a": now.acceleration}[quantity]
 
 
 def body_force(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:

@@ -1,43 +1,40 @@
 """VortexSolver: one vortex in memory, ready to be stepped, sampled and looked at."""
 
-import numpy as np
+from dataclasses import dataclass
 
-from solvers.problems.planar.errors import Fields
+from solvers.problems.planar.estimators import transport
+from solvers.problems.planar.parts import PlanarParts
+from solvers.problems.planar.plans.step import kernels
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.vortex.errors import true_fields
-from solvers.problems.vortex.field import field
-from solvers.problems.vortex.method.body import farthest
+from solvers.problems.planar.state import WatchedBody
+from solvers.problems.vortex.estimators import companion, recovered
+from solvers.problems.vortex.method.body import VortexBody, body, farthest
+from solvers.problems.vortex.method.phases import TRAITS, has_escaped
+from solvers.problems.vortex.method.samples import MEASURES
 from solvers.problems.vortex.scene import VortexScene
-from solvers.problems.vortex.state import HOOKS, VortexState, WatchedVortex, allocate
-from solvers.problems.vortex.step import KERNELS
-from solvers.problems.vortex.step_breakdown import breakdown, carried
+from solvers.problems.vortex.snapshot import SNAPSHOT
+from solvers.scene import registry
 from solvers.scene.remedies import FILTER
-from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up to A = 1
+
+
+@dataclass
+class WatchedVortex(WatchedBody, VortexBody):
+    """A vortex and those who watch it."""
+
+
+HOOKS = registry.hooks_of("vortex", {
+    "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.hooks(TRAITS)})
 
 
 class VortexSolver(PlanarSolver):
     """Owns the arrays of one vortex."""
 
-    HOOKS, KERNELS, STATE = HOOKS, KERNELS, VortexState
+    HOOKS = HOOKS
+    PARTS = PlanarParts(HOOKS, WatchedVortex, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
+    KERNELS = kernels(PARTS)
     scene: VortexScene
-    _arrays: WatchedVortex
-
-    def _allocate(self, slabs: int) -> WatchedVortex:
-        return allocate(self.scene, slabs)
-
-    def _true_fields(self) -> Fields:
-        return true_fields(self.scene, self._arrays, self.step, self._switches.acceleration)
-
-    def _field(self, quantity: str) -> np.ndarray:
-        return field(self.scene, self._arrays, quantity, self.time)
-
-    def _carried_now(self) -> Carried:
-        return carried(self._arrays)
-
-    def _break_down_now(self, particle: int, before: Carried) -> StepBreakdown:
-        return breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def _escape(self) -> str:
         return f"was thrown off (it is {farthest(self.scene):.3g} m or more from the centre, at an edge of the grid)"

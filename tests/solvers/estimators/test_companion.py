@@ -214,8 +214,8 @@ def test_a_ring_without_a_built_in_solution(cells, force):
     sigma = mu * (F @ F.transpose(0, 2, 1) - np.eye(2)) / np.linalg.det(F)[:, None, None]
     off = np.stack([sigma[:, 0, 0] - along * c * c - across * s * s, sigma[:, 0, 1] - (along - across) * c * s,
                     sigma[:, 1, 1] - along * s * s - across * c * c], axis=1)
-    for estimate, truth in ((a.estimate[:, :2], a.motion[:, :2] - a.material_position - u),
-                            (a.estimate[:, 2:], a.motion[:, 2:] - v), (a.estimate_stress[:, :3], off)):
+    for estimate, truth in ((a.estimate[:, :2], a.position_velocity[:, :2] - a.material_position - u),
+                            (a.estimate[:, 2:], a.position_velocity[:, 2:] - v), (a.estimate_stress[:, :3], off)):
         assert np.linalg.norm(estimate - truth) / np.linalg.norm(truth) < 0.03
     assert not solver.not_valid()
 

@@ -67,7 +67,7 @@ def test_rest_is_without_error():
     for kind, scene in ((BarSolver, replace(BAR, body_force="none")), (RingSolver, replace(RING, body_force="none"))):
         solver = kind(scene)
         a = solver._arrays
-        (a.velocity if scene.problem == "bar" else a.motion[:, 2:])[:] = 0
+        (a.velocity if scene.problem == "bar" else a.position_velocity[:, 2:])[:] = 0
         memory_parts(solver.HOOKS, a.memory)["recovered_nodes"][:] = 0
         solver.advance(100)
         solver.snapshot()
@@ -105,8 +105,8 @@ def test_a_ring_that_the_program_has_not_solved(force):
     R = np.linalg.norm(a.material_position, axis=1)
     motion = radial_solution(scene, 3000, solver.time)
     u, v = (legendre.legval(10 * (R - 0.5), c)[:, None] * a.direction for c in motion)
-    for estimate, truth in ((a.estimate[:, :2], a.motion[:, :2] - a.material_position - u),
-                            (a.estimate[:, 2:], a.motion[:, 2:] - v)):
+    for estimate, truth in ((a.estimate[:, :2], a.position_velocity[:, :2] - a.material_position - u),
+                            (a.estimate[:, 2:], a.position_velocity[:, 2:] - v)):
         assert 0.8 < np.linalg.norm(estimate) / np.linalg.norm(truth) < 1.25
         assert np.linalg.norm(estimate - truth) < 0.2 * np.linalg.norm(truth)
 
@@ -122,7 +122,7 @@ def test_it_sees_a_kick(scene):
             one.advance(scene.steps // 20)
         if k == 7:
             a = solver._arrays
-            (a.velocity if scene.problem == "bar" else a.motion[:, 2:])[:] *= 1.05
+            (a.velocity if scene.problem == "bar" else a.position_velocity[:, 2:])[:] *= 1.05
         if k > 7:
             seen = solver.snapshot()
             sizes.append([np.linalg.norm(f[:, q]) for f in (seen.estimate["recovered"], seen.error) for q in (0, 1)])
@@ -163,7 +163,7 @@ def test_a_force_that_starts_at_full_size_on_the_ring():
         solver.advance(160 * shorter)
         a, seen = solver._arrays, solver.snapshot()
         R = np.linalg.norm(a.material_position, axis=1)
-        u = np.sum((a.motion[:, :2] - a.material_position) * a.direction, axis=1)
+        u = np.sum((a.position_velocity[:, :2] - a.material_position) * a.direction, axis=1)
         motions.append((R, u, seen.estimate["recovered"][:, 0]))
     (R, u, estimate), (R_fine, u_fine, _) = motions
     truth = u - np.polyval(np.polyfit(R_fine - 0.5, u_fine, 7), R - 0.5)

@@ -16,7 +16,7 @@ from solvers.problems.vortex.estimators import companion as companion_vortex
 from solvers.problems.vortex.estimators import companion_mesh
 from solvers.problems.vortex.method.material import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.problems.vortex.scene import VortexScene
-from solvers.problems.vortex.state import HOOKS
+from solvers.problems.vortex.solver import HOOKS
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
 
@@ -143,7 +143,8 @@ def test_a_vortex_without_a_built_in_solution(force, amplitude):
     F = a.deformation_gradient.reshape(-1, 2, 2)
     det = np.linalg.det(F)[:, None, None]
     sigma = (lam * np.log(det) * np.eye(2) + mu * (F @ F.transpose(0, 2, 1) - np.eye(2))) / det
-    for estimate, truth in ((a.estimate[:, :2], a.motion[:, :2] - x), (a.estimate[:, 2:], a.motion[:, 2:] - v),
+    for estimate, truth in ((a.estimate[:, :2], a.position_velocity[:, :2] - x),
+                            (a.estimate[:, 2:], a.position_velocity[:, 2:] - v),
                             (a.estimate_stress[:, :3], sigma.reshape(-1, 4)[:, [0, 1, 3]] - true)):
         assert np.linalg.norm(estimate - truth) / np.linalg.norm(truth) < 0.03
     assert not solver.not_valid()

@@ -13,12 +13,14 @@ from solvers.problems.ring.method.material import radial_forces
 from solvers.problems.ring.method.phases import GHOSTS, TRAITS
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
-from solvers.problems.ring.state import RingState
 from solvers.solver.arrays import aligned
 
 METHODS = ["mpm", "ugimp", "cpgimp", "cpdi"]
 BASE = RingScene(cells=16, estimators=(), effects=())
 ROUNDING = np.finfo(float).eps
+
+
+RingState = RingSolver.KERNELS.state
 
 
 @ti.kernel
@@ -41,8 +43,8 @@ def stirred(scene: RingScene) -> RingSolver:
     rng, solver = np.random.default_rng(5), RingSolver(scene)
     a = solver._arrays
     P = len(a.mass)
-    a.motion[:, :2] += rng.uniform(-0.2, 0.2, (P, 2)) * scene.spacing
-    a.motion[:, 2:] += rng.normal(0, 3, (P, 2))
+    a.position_velocity[:, :2] += rng.uniform(-0.2, 0.2, (P, 2)) * scene.spacing
+    a.position_velocity[:, 2:] += rng.normal(0, 3, (P, 2))
     a.deformation_gradient += rng.uniform(-0.1, 0.1, (P, 4))
     return solver
 
@@ -66,7 +68,7 @@ def test_linear_fields_are_reproduced(method):
     a.node_motion[:] = 1.5 + node_places(BASE) @ slopes.T
     value, by_x, by_y = (aligned(np.zeros((len(a.mass), 4))) for _ in range(3))
     map_back(solver._pack, value, by_x, by_y, on)
-    assert np.abs(value - 1.5 - a.motion[:, :2] @ slopes.T).max() < 1e-13
+    assert np.abs(value - 1.5 - a.position_velocity[:, :2] @ slopes.T).max() < 1e-13
     assert np.abs(by_x - slopes[:, 0]).max() < 1e-11 and np.abs(by_y - slopes[:, 1]).max() < 1e-11
 
 
@@ -81,7 +83,7 @@ def test_sums_at_the_nodes_are_the_particles(method):
     solver, time = stirred(scene), 0.2 * scene.period
     a = solver._arrays
     map_to_nodes(time, solver._pack, solver._switches)
-    m, v, x = a.mass[:, None], a.motion[:, 2:], a.motion[:, :2]
+    m, v, x = a.mass[:, None], a.position_velocity[:, 2:], a.position_velocity[:, :2]
     b = exact.body_force(scene, np.linalg.norm(a.material_position, axis=1), time)[:, None] * a.direction
     F = a.deformation_gradient.reshape(-1, 2, 2)
     kirchhoff = 0.5 * scene.modulus * (F @ F.transpose(0, 2, 1) - np.eye(2)) * (m / scene.density)[:, :, None]
@@ -127,23 +129,23 @@ def test_solution_is_symmetric_about_the_diagonal(method):
     Sums run in another order: rounding of 1e-16 a step and place grows over 200 steps; 1e-11 m is far below any error.
     """
     solver = RingSolver(replace(BASE, method=method))
-    before = solver._arrays.motion[:, :2].copy()
+    before = solver._arrays.position_velocity[:, :2].copy()
     solver.advance(200)
     across = len(solver._arrays.radii)
-    for places, bound in ((before, 1e-14), (solver._arrays.motion[:, :2], 1e-11)):
+    for places, bound in ((before, 1e-14), (solver._arrays.position_velocity[:, :2], 1e-11)):
         rays = places.reshape(-1, across, 2)
         assert np.abs(rays - rays[::-1, :, ::-1]).max() < bound
-    assert np.abs(solver._arrays.motion[:, :2] - before).max() > 0.01
+    assert np.abs(solver._arrays.position_velocity[:, :2] - before).max() > 0.01
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_ring_at_rest_stays_at_rest(method):
     """F = I and v = 0 without a force: no force arises from the grid."""
     solver = RingSolver(replace(BASE, method=method, body_force="none"))
-    solver._arrays.motion[:, 2:] = 0
+    solver._arrays.position_velocity[:, 2:] = 0
     solver.advance(50)
-    assert not solver._arrays.motion[:, 2:].any()
-    np.testing.assert_array_equal(solver._arrays.motion[:, :2], solver._arrays.material_position)
+    assert not solver._arrays.position_velocity[:, 2:].any()
+    np.testing.assert_array_equal(solver._arrays.position_velocity[:, :2], solver._arrays.material_position)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -151,8 +153,8 @@ def test_unstable_runs_stay_inside_their_arrays(method):
     """Whatever positions and deformations a bad run has, every kept node lies in the grid."""
     solver = stirred(replace(BASE, method=method))
     a = solver._arrays
-    a.motion[::7, :2] = 1e9
-    a.motion[1::7, :2] = -1e9
+    a.position_velocity[::7, :2] = 1e9
+    a.position_velocity[1::7, :2] = -1e9
     a.deformation_gradient[2::7] = 1e6
     map_to_nodes(0.0, solver._pack, solver._switches)
     kept, width = (a.corner_nodes, 1) if method == "cpdi" else (a.first_node, 2)
@@ -173,7 +175,8 @@ def test_snapshot_errors_are_computed_minus_exact(layout):
     a.acceleration[:] = np.random.default_rng(6).normal(0, 1e3, X.shape)
     tau = 0.5 * scene.modulus * (F @ F.transpose(0, 2, 1) - np.eye(2))
     sigma = (tau / np.linalg.det(F)[:, None, None]).reshape(-1, 4)[:, [0, 1, 3]]
-    fields = [(a.motion[:, :2] - X, exact.displacement(scene, X, t)), (a.motion[:, 2:], exact.velocity(scene, X, t)),
+    u, v = a.position_velocity[:, :2] - X, a.position_velocity[:, 2:]
+    fields = [(u, exact.displacement(scene, X, t)), (v, exact.velocity(scene, X, t)),
               (sigma, exact.stress(scene, X, t)), (a.acceleration, exact.acceleration(scene, X, t - scene.time_step))]
     weights = [1, 1, [1, 2, 1], 1]  # the shear stress stands twice in the tensor
     for column, (computed, true), weight in zip(solver.snapshot().error.T, fields, weights, strict=True):

@@ -116,13 +116,13 @@ def test_the_rings_own_motion_is_unstable(amplitude, growth):
     scene = RingScene(cells=24, amplitude=amplitude, cfl=0.3, periods=16, estimators=(), effects=())
     kicked, plain = RingSolver(scene), RingSolver(scene)
     X = plain._arrays.material_position
-    kicked._arrays.motion[:, :2] += 1e-9 * np.random.default_rng(3).normal(size=X.shape)
+    kicked._arrays.position_velocity[:, :2] += 1e-9 * np.random.default_rng(3).normal(size=X.shape)
     R, angle, steps = np.hypot(*X.T), np.arctan2(X[:, 1], X[:, 0]), round(scene.period / scene.time_step)
     sizes = []
     for _ in range(16):
         for solver in (kicked, plain):
             solver.advance(steps)
-        u = kicked._arrays.motion[:, :2] - plain._arrays.motion[:, :2]
+        u = kicked._arrays.position_velocity[:, :2] - plain._arrays.position_velocity[:, :2]
         radial, hoop = (u * X).sum(axis=1) / R, (u[:, 1] * X[:, 0] - u[:, 0] * X[:, 1]) / R
         sizes.append(abs(np.mean(radial * np.cos(2 * angle))) + abs(np.mean(hoop * np.sin(2 * angle))))
     assert (sizes[-1] / sizes[-9]) ** (1 / 8) == pytest.approx(growth, rel=0.05)

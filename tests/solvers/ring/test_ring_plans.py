@@ -16,7 +16,7 @@ PAGE = 4096
 
 
 def state(solver) -> np.ndarray:
-    return np.concatenate([solver._arrays.motion, solver._arrays.deformation_gradient], axis=1)
+    return np.concatenate([solver._arrays.position_velocity, solver._arrays.deformation_gradient], axis=1)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -60,11 +60,11 @@ def test_grid_crossings_are_counted():
     solver = build(replace(SCENE, cfl=0.2))
     cells, count = None, 0
     for _ in range(120):
-        now = np.floor(solver._arrays.motion[:, :2] / SCENE.spacing)
+        now = np.floor(solver._arrays.position_velocity[:, :2] / SCENE.spacing)
         count += 0 if cells is None else int(np.abs(now - cells).sum())
         cells = now
         solver.advance(1)
-    now = np.floor(solver._arrays.motion[:, :2] / SCENE.spacing)
+    now = np.floor(solver._arrays.position_velocity[:, :2] / SCENE.spacing)
     count += int(np.abs(now - cells).sum())
     assert count > 300
     assert solver._arrays.totals[0] == count

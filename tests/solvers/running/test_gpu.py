@@ -208,7 +208,7 @@ def verdicts(scene: Scene) -> dict[str, list[tuple[bool, str]]]:
             step, arrays = solver.state()
             for particle, what in spoiled.items():
                 if isinstance(what, float):
-                    arrays["motion"][particle, 0] = what
+                    arrays["position_velocity"][particle, 0] = what
                 else:
                     arrays["deformation_gradient"][particle] = what
             solver.put(step, arrays)

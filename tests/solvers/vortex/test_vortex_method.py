@@ -15,7 +15,6 @@ from solvers.problems.vortex.method.material import FAR, forces, logarithms
 from solvers.problems.vortex.method.phases import TRAITS
 from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.solver import VortexSolver
-from solvers.problems.vortex.state import VortexState
 from solvers.running.run import build, run
 from solvers.solver.arrays import aligned
 
@@ -23,6 +22,7 @@ METHODS = ["mpm", "ugimp", "cpgimp", "cpgimp-v", "cpdi"]
 BASE = VortexScene(cells=16, estimators=(), effects=())
 SHORT = VortexScene(cells=16, ppc=2, t_end=0.2, estimators=(), effects=("truth", "crossings", "energy", "spin"))
 ROUNDING = np.finfo(float).eps
+VortexState = VortexSolver.KERNELS.state
 
 
 @ti.kernel
@@ -55,8 +55,8 @@ def stirred(scene: VortexScene) -> VortexSolver:
     rng, solver = np.random.default_rng(5), VortexSolver(scene)
     a = solver._arrays
     P = len(a.mass)
-    a.motion[:, :2] += rng.uniform(-0.2, 0.2, (P, 2)) * scene.spacing
-    a.motion[:, 2:] += rng.normal(0, 3, (P, 2))
+    a.position_velocity[:, :2] += rng.uniform(-0.2, 0.2, (P, 2)) * scene.spacing
+    a.position_velocity[:, 2:] += rng.normal(0, 3, (P, 2))
     a.deformation_gradient += rng.uniform(-0.1, 0.1, (P, 4))
     return solver
 
@@ -68,7 +68,7 @@ def node_places(scene: VortexScene) -> np.ndarray:
 
 
 def state(solver) -> np.ndarray:
-    return np.concatenate([solver._arrays.motion, solver._arrays.deformation_gradient], axis=1)
+    return np.concatenate([solver._arrays.position_velocity, solver._arrays.deformation_gradient], axis=1)
 
 
 @pytest.mark.parametrize("cells", [16, 17])
@@ -83,7 +83,7 @@ def test_linear_fields_are_reproduced(method, cells):
     a.node_motion[:] = 1.5 + node_places(scene) @ slopes.T
     value, by_x, by_y = (aligned(np.zeros((len(a.mass), 4))) for _ in range(3))
     map_back(solver._pack, value, by_x, by_y, on)
-    assert np.abs(value - 1.5 - a.motion[:, :2] @ slopes.T).max() < 1e-12
+    assert np.abs(value - 1.5 - a.position_velocity[:, :2] @ slopes.T).max() < 1e-12
     assert np.abs(by_x - slopes[:, 0]).max() < 1e-11 and np.abs(by_y - slopes[:, 1]).max() < 1e-11
 
 
@@ -95,7 +95,7 @@ def test_sums_at_the_nodes_are_the_particles(method):
     solver, time = stirred(scene), 0.2 * scene.period
     a = solver._arrays
     map_to_nodes(time, solver._pack, solver._switches)
-    m, v, x = a.mass[:, None], a.motion[:, 2:], a.motion[:, :2]
+    m, v, x = a.mass[:, None], a.position_velocity[:, 2:], a.position_velocity[:, :2]
     b = exact.body_force(scene, a.material_position, time)
     F, (lam, mu) = a.deformation_gradient.reshape(-1, 2, 2), exact.lame(scene)
     volumetric = lam * np.log(np.linalg.det(F))[:, None, None] * np.eye(2)
@@ -144,7 +144,7 @@ def test_the_kernel_uses_the_boxes_that_are_drawn():
     map_to_nodes(0.0, solver._pack, solver._switches)
     a, h = solver._arrays, scene.spacing
     half = half_edges(scene, a.deformation_gradient.reshape(-1, 2, 2), a.edges)[:, [0, 1], [0, 1]] / h
-    place = a.motion[:, :2] / h + 0.5 * scene.cells
+    place = a.position_velocity[:, :2] / h + 0.5 * scene.cells
     first = np.floor(place - half)
     end = np.maximum(0.0, place + half - first - 1)
     np.testing.assert_allclose(a.weights[:, 2:4], 0.25 * end**2 / half, atol=1e-13)  # the mean of the hat beyond
@@ -153,7 +153,7 @@ def test_the_kernel_uses_the_boxes_that_are_drawn():
 def test_velocities_begin_half_a_step_before():
     solver = build(replace(BASE, cfl=0.2))
     wanted = exact.velocity(solver.scene, solver._arrays.material_position, -0.5 * solver.scene.time_step)
-    np.testing.assert_array_equal(solver._arrays.motion[:, 2:], wanted)
+    np.testing.assert_array_equal(solver._arrays.position_velocity[:, 2:], wanted)
 
 
 @pytest.mark.parametrize("method", ["ugimp", "cpdi"])

@@ -36,7 +36,7 @@ def largest_errors(row: dict) -> dict[str, float]:
     scene = replace(scene_of(row), sample_every=1)
     solver = build(scene)
     if row["started"] == "at zero":
-        solver._arrays.motion[:, 2:] = exact.velocity(scene, solver._arrays.material_position, 0.0)
+        solver._arrays.position_velocity[:, 2:] = exact.velocity(scene, solver._arrays.material_position, 0.0)
     rows = [solver.advance(min(500, scene.steps - done)) for done in range(0, scene.steps, 500)]
     assert solver.sound, solver.reason()
     series = samples.read(np.concatenate(rows), (), len(solver._arrays.mass), scene.time_step)

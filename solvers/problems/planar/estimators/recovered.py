@@ -77,7 +77,7 @@ def after_step(body: ti.template(), step, problem: ti.template(), on: ti.templat
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
     begin(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], problem, on)
     for p in range(body.particles):
-        q, X = body.motion[p], body.material_position[p]
+        q, X = body.position_velocity[p], body.material_position[p]
         body.recovered_particles[op.particle_at(body, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
     op.radial_gather(body, op.FIELD, op.VALUE)
     damped_errors(body, body.recovered_nodes, step, problem)
@@ -165,7 +165,7 @@ def report(body: ti.template(), base, step, problem: ti.template(), on: ti.templ
         for p in range(body.particles):
             field = ti.Vector([0.0, 0.0, 0.0, 0.0])
             if of_acceleration == 0:
-                q, X = body.motion[p], body.material_position[p]
+                q, X = body.position_velocity[p], body.material_position[p]
                 v_g, _, _ = gather(body, p, body.node_motion, on)  # the grid's velocity, with the last step's weights
                 field = ti.Vector([q[0] - X[0], q[1] - X[1], v_g[0], v_g[1]])
             elif ti.static(on.acceleration):
@@ -189,7 +189,7 @@ def report(body: ti.template(), base, step, problem: ti.template(), on: ti.templ
 def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.template()):
     """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
     line, j = p // body.radius_count, p % body.radius_count
-    field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.motion[p]
+    field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.position_velocity[p]
     fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
     E = op.radial_spread(body, line, j, op.VALUES) + field - fitted
     if of_acceleration:

@@ -94,8 +94,8 @@ def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()
 @ti.func
 def add_contribution(body: ti.template(), p, node, S, S_x, S_y, volume, stress, force):
     """One particle's part at one node; r = x_p - x_i. The force waits where the error will go."""
-    r_x = body.motion[p][0] - (node % body.row - body.origin) * body.spacing
-    r_y = body.motion[p][1] - (node // body.row - body.origin) * body.spacing
+    r_x = body.position_velocity[p][0] - (node % body.row - body.origin) * body.spacing
+    r_y = body.position_velocity[p][1] - (node // body.row - body.origin) * body.spacing
     body.transport_stress[node] = body.transport_stress[node] + S * stress
     body.transport_moments[node] = body.transport_moments[node] - volume * ti.Vector([S_x, S_y, S_x * r_x, S_y * r_y])
     body.transport_error[node] = body.transport_error[node] + S * ti.Vector([force[0], force[1], 0.0, 0.0])

@@ -36,7 +36,7 @@ class PlanarBody(Members):
     amplitude: Real
     angular_frequency: Real
     material_position: Pairs  # X_p (P, 2)
-    motion: Quads  # x, y, v_x, v_y (P, 4)
+    position_velocity: Quads  # x, y, v_x, v_y (P, 4)
     deformation_gradient: Quads  # F_xx, F_xy, F_yx, F_yy (P, 4)
     mass: Reals  # (P,)
     direction: Pairs  # e_R at the material position (P, 2)
@@ -74,7 +74,8 @@ def common(scene: Scene, on: Switches, layout: Layout, slabs: int, origin: float
         "spacing": scene.spacing, "cells_per_length": 1 / scene.spacing, "origin": origin, "dt": scene.time_step,
         "shear_modulus": shear_modulus, "density": scene.density, "half_width": 0.5 / scene.ppc,
         "amplitude": scene.amplitude, "angular_frequency": scene.angular_frequency, "material_position": X,
-        "motion": np.concatenate([X, velocity], axis=1), "deformation_gradient": np.tile([1.0, 0.0, 0.0, 1.0], (P, 1)),
+        "position_velocity": np.concatenate([X, velocity], axis=1),
+        "deformation_gradient": np.tile([1.0, 0.0, 0.0, 1.0], (P, 1)),
         "mass": scene.density * layout.volume, "direction": X / np.linalg.norm(X, axis=1)[:, None],
         "radius": layout.radius, "edges": layout.edges if cpdi else zeros(1, 4), "weights": zeros(P, 8),
         "first_node": zeros(P, when=not cpdi, kind=np.int32),

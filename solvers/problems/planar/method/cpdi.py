@@ -25,7 +25,7 @@ def convected_edges(body: ti.template(), p, on: ti.template()):
 @ti.func
 def find_weights(body: ti.template(), p, on: ti.template()):
     """Keep the cell of each corner and its place in it. Vectors of four are of the corners."""
-    x = body.motion[p] * body.cells_per_length + body.origin
+    x = body.position_velocity[p] * body.cells_per_length + body.origin
     if ti.static(on.frozen):
         X = body.material_position[p]
         x = ti.Vector([X[0], X[1], 0.0, 0.0]) * body.cells_per_length + body.origin

@@ -28,7 +28,7 @@ def half_widths(body: ti.template(), p, on: ti.template()):
 @ti.func
 def find_weights(body: ti.template(), p, on: ti.template()):
     """Keep the particle's stencils for both mappings of the step. Vectors of two are of x and y."""
-    q, per = body.motion[p], body.cells_per_length
+    q, per = body.position_velocity[p], body.cells_per_length
     position = ti.Vector([q[0], q[1]]) * per + body.origin
     if ti.static(on.frozen):
         position = body.material_position[p] * per + body.origin

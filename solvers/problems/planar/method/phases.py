@@ -78,7 +78,7 @@ def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), o
     dt, jumps, work, spun = body.dt, 0.0, 0.0, 0.0
     for p in range(start, end):
         here, by_x, by_y = gather(body, p, body.node_motion, on)
-        q, F = body.motion[p], body.deformation_gradient[p]
+        q, F = body.position_velocity[p], body.deformation_gradient[p]
         moved = q + dt * here
         if ti.static(on.velocity == "particle"):
             moved[0], moved[1] = q[0] + dt * moved[2], q[1] + dt * moved[3]
@@ -96,7 +96,7 @@ def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), o
         if ti.static(on.spin and on.body_force != "none"):
             turning = traits.body_force_on(body, p)
             spun += dt * (q[0] * turning[1] - q[1] * turning[0])
-        body.motion[p] = moved
+        body.position_velocity[p] = moved
         if ti.static(on.frozen):  # the gradient of S is with respect to X
             body.deformation_gradient[p] = F + dt * ti.Vector([by_x[0], by_y[0], by_x[1], by_y[1]])
         else:  # (L F)_ij = L_ix F_xj + L_iy F_yj, the four entries side by side

@@ -10,7 +10,7 @@ CARRIED = 5  # numbers of a node's record that are not always zero
 @ti.func
 def force_moment(body: ti.template(), p, traits: ti.template(), on: ti.template()):
     """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yx, yy) by gradient of the weight."""
-    q, mass = body.motion[p], body.mass[p]
+    q, mass = body.position_velocity[p], body.mass[p]
     force = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force != "none"):
         force = traits.body_force_on(body, p)

@@ -37,7 +37,7 @@ def begin(body: ti.template(), on: ti.template()):
     for node in range(body.nodes):
         body.node_remedy[node] = ti.Vector([0.0] * 4)
     for p in range(moving(body)):
-        q, X = body.motion[p], body.material_position[p]
+        q, X = body.position_velocity[p], body.material_position[p]
         here, _, _ = gather(body, p, body.node_motion, on)
         seen = body.dt * ti.Vector([here[2], here[3]])  # v_i before the step's acceleration
         body.particle_scratch[p] = ti.Vector([q[2] - here[0] + seen[0], q[3] - here[1] + seen[1],
@@ -66,8 +66,8 @@ def end(body: ti.template(), on: ti.template()):
     for p in range(moving(body)):
         here, by_x, by_y = gather(body, p, body.node_remedy, on)
         if ti.static(on.filtered):
-            unseen, q = body.particle_scratch[p], body.motion[p]
-            body.motion[p] = ti.Vector([q[0], q[1], q[2] - body.remedy_rate * (unseen[0] - here[0]),
+            unseen, q = body.particle_scratch[p], body.position_velocity[p]
+            body.position_velocity[p] = ti.Vector([q[0], q[1], q[2] - body.remedy_rate * (unseen[0] - here[0]),
                                         q[3] - body.remedy_rate * (unseen[1] - here[1])])
         if ti.static(on.coupled):
             xx, xy, yx, yy = 1 - by_x[2], -by_y[2], -by_x[3], 1 - by_y[3]

@@ -127,7 +127,7 @@ def sample_energy(body: ti.template(), row, measures: ti.template()):
     """Kinetic energy, and the strain energy of the particles."""
     kinetic, strain = 0.0, 0.0
     for p in range(body.particles):
-        q, mass = body.motion[p], body.mass[p]
+        q, mass = body.position_velocity[p], body.mass[p]
         kinetic += 0.5 * mass * (q[2] * q[2] + q[3] * q[3])
         strain += measures.strain_energy(body, p)
     body.samples[row, ti.static(column("kinetic"))] = kinetic

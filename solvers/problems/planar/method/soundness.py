@@ -41,7 +41,7 @@ def look_at_neighbours(body: ti.template(), row):
 @ti.func
 def neighbour_gap(body: ti.template(), p, q):
     """|x_q - x_p - (F_p + F_q)/2 (X_q - X_p)| squared."""
-    dx = body.motion[q] - body.motion[p]
+    dx = body.position_velocity[q] - body.position_velocity[p]
     dX = body.material_position[q] - body.material_position[p]
     F = 0.5 * (body.deformation_gradient[p] + body.deformation_gradient[q])
     miss_x = dx[0] - F[0] * dX[0] - F[1] * dX[1]

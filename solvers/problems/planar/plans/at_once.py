@@ -6,7 +6,6 @@ a single thread to do it all; what is to be done is decided by who launches
 (``solvers.problems.planar.plans.on_device``).
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import taichi as ti
@@ -14,8 +13,8 @@ import taichi as ti
 from solvers.estimators import running
 from solvers.problems.planar.method import margin, phases, remedies
 from solvers.problems.planar.method.check import check_at_once
-from solvers.problems.planar.method.samples import Measures, sample_sums
-from solvers.problems.planar.method.traits import Traits
+from solvers.problems.planar.method.samples import sample_sums
+from solvers.problems.planar.parts import PlanarParts
 
 
 class KernelsAtOnce(NamedTuple):
@@ -34,9 +33,9 @@ class KernelsAtOnce(NamedTuple):
     find_margin: Any  # (state, on)
 
 
-def kernels_at_once(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures,
-                    has_escaped: Callable) -> KernelsAtOnce:
-    """The kernels of a problem, of which the arguments are those of ``solvers.problems.planar.plans.step.kernels``."""
+def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
+    """The kernels of a problem whose state has the type ``State``."""
+    HOOKS, TRAITS, MEASURES, has_escaped = parts.hooks, parts.traits, parts.measures, parts.has_escaped
 
     @ti.kernel
     def to_nodes(step: ti.i32, body: State, on: ti.template()):

@@ -1,7 +1,5 @@
 """The two plans of a plane body on a processor: one serial kernel for many steps, or slabs side by side."""
 
-from typing import Any
-
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.plans.step import Kernels
 from solvers.problems.planar.state import WatchedBody
@@ -14,9 +12,8 @@ from solvers.solver.loop import CHECK_EVERY
 class OnProcessor:
     """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
 
-    def __init__(self, kernels: Kernels, State: Any, scene: Scene, arrays: WatchedBody, on: Switches, parallel: bool,
-                 threads: int):
-        self.pack = pack = State(**arrays.members())
+    def __init__(self, kernels: Kernels, scene: Scene, arrays: WatchedBody, on: Switches, parallel: bool, threads: int):
+        self.pack = pack = kernels.state(**arrays.members())
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
         self._advance, self._step, self._inspect, self.find_margin = (
             Launch(kernel, pack, on)

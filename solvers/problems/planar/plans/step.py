@@ -4,17 +4,17 @@
 ``solvers.problems.planar.plans.at_once`` has those of a GPU.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import taichi as ti
 
 from solvers.estimators import running
+from solvers.estimators.memory import packing
 from solvers.kernels.hoist import hoist_scalars
 from solvers.problems.planar.method import margin, phases, remedies
 from solvers.problems.planar.method.check import check
-from solvers.problems.planar.method.samples import Measures, sample
-from solvers.problems.planar.method.traits import Traits
+from solvers.problems.planar.method.samples import sample
+from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.at_once import KernelsAtOnce, kernels_at_once
 from solvers.solver.base import MEASURE, REPORT, SOUND
 from solvers.solver.loop import Phases, run_loop
@@ -23,8 +23,9 @@ TASK = 512  # indices that a parallel loop never splits between threads
 
 
 class Kernels(NamedTuple):
-    """The kernels of a problem; ``on`` are the switches of a scene."""
+    """The kernels of a problem, and the type of the ``state`` that they take; ``on`` are the switches of a scene."""
 
+    state: Any
     advance: Any  # (start, turns, purpose, state, on)
     step_in_slabs: Any  # (step, slabs, state, on)
     inspect: Any  # (step, line, purpose, state, on)
@@ -33,9 +34,11 @@ class Kernels(NamedTuple):
     at_once: KernelsAtOnce  # those for a GPU
 
 
-def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, has_escaped: Callable) -> Kernels:
-    """The kernels of a problem: the type of its state, its estimators, its own part of the phases and of the samples,
-    and ``has_escaped(state, p)``, which says that a particle is where none of a sound run can be."""
+def kernels(parts: PlanarParts) -> Kernels:
+    """The kernels of a problem."""
+    HOOKS, TRAITS, MEASURES, has_escaped = parts.hooks, parts.traits, parts.measures, parts.has_escaped
+    # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
+    State = ti.types.argpack(**parts.arrays.types(), **packing(HOOKS).types)
 
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):
@@ -121,5 +124,4 @@ def kernels(State: Any, HOOKS: dict, TRAITS: Traits, MEASURES: Measures, has_esc
         for _ in range(1):
             margin.step_margin(body, TRAITS, on)
 
-    return Kernels(advance, step_in_slabs, inspect, freeze, find_margin,
-                   kernels_at_once(State, HOOKS, TRAITS, MEASURES, has_escaped))
+    return Kernels(State, advance, step_in_slabs, inspect, freeze, find_margin, kernels_at_once(State, parts))

@@ -171,7 +171,7 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
             f += basis[0] * value
             turn += basis[1] * ti.Vector([value[0], value[1]])
     turn /= ring.radii[ring.radius[p]][0]
-    e, X, q = ring.direction[p], ring.material_position[p], ring.motion[p]
+    e, X, q = ring.direction[p], ring.material_position[p], ring.position_velocity[p]
     xx, xy = 1 + f[6] * e[0] - turn[0] * e[1], f[6] * e[1] + turn[0] * e[0]  # F = I + u_R e_R + u_theta/R e_theta
     yx, yy = f[7] * e[0] - turn[1] * e[1], 1 + f[7] * e[1] + turn[1] * e[0]
     per = ring.shear_modulus / (xx * yy - xy * yx)

@@ -96,7 +96,8 @@ def record(displacement_x, displacement_y, v_x, v_y, direction, sigma):
 def run_fields(ring: ti.template(), own: ti.template()):
     """Fields of the run, as they are."""
     for p in range(ring.particles):
-        q, X, e, F = ring.motion[p], ring.material_position[p], ring.direction[p], ring.deformation_gradient[p]
+        q, X, e = ring.position_velocity[p], ring.material_position[p], ring.direction[p]
+        F = ring.deformation_gradient[p]
         sigma = kirchhoff_stress(ring, p) / (F[0] * F[3] - F[1] * F[2])
         own.fields[p] = record(q[0] - X[0], q[1] - X[1], q[2], q[3], e, sigma)
 
@@ -111,7 +112,7 @@ def coarse_fields(ring: ti.template(), own: ti.template(), coarse: ti.template()
     late = step % own.interval * dt
     early = 0.5 * dt * (1 + 1 / own.gain)
     for p in range(coarse.particles):
-        q, X, e, F, a = coarse.motion[p], coarse.material_position[p], coarse.direction[p], \
+        q, X, e, F, a = coarse.position_velocity[p], coarse.material_position[p], coarse.direction[p], \
             coarse.deformation_gradient[p], coarse.acceleration[p]
         a_rate = (a - own.before_a[p]) / H
         now = a + (late + H) * a_rate
@@ -242,7 +243,7 @@ def verdict(scene, memory):
     """Whether the second ring is sound, and near enough."""
     F, farthest = memory["coarse_deformation_gradient"].T, 1.5 * scene.amplitude + 2 * scene.spacing
     with np.errstate(invalid="ignore", over="ignore"):
-        moved = memory["coarse_motion"][:, :2] - memory["coarse_material_position"]
+        moved = memory["coarse_position_velocity"][:, :2] - memory["coarse_material_position"]
         determinant = F[0] * F[3] - F[1] * F[2]
         return two_grid.coarse_run_verdict(scene, determinant, moved, farthest, memory["two_grid_largest"])
 

@@ -60,6 +60,15 @@ def image(ring: ti.template(), node):
 
 
 @ti.func
+def has_escaped(ring: ti.template(), p):
+    """Whether a particle is beyond a plane, or farther from the centre or from where it began than in a sound run."""
+    q, X = ring.position_velocity[p], ring.material_position[p]
+    inside = q[0] > -ring.spacing and q[1] > -ring.spacing
+    return not (inside and q[0] * q[0] + q[1] * q[1] < ring.farthest * ring.farthest and
+                (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < ring.farthest_move ** 2)
+
+
+@ti.func
 def nothing_to_prepare(ring: ti.template(), start, end):
     """The stress needs no more than F."""
 

@@ -26,7 +26,7 @@ def vector_errors(ring: ti.template(), p, now, on: ti.template()):
     """Errors of x and v as one vector of four, and of a, at particle p; ``now`` is the :func:`exact_at_step`."""
     expansion, speed, before = now[0], now[1], now[2]
     w = ring.radii[ring.radius[p]][1]
-    X, e, q = ring.material_position[p], ring.direction[p], ring.motion[p]
+    X, e, q = ring.material_position[p], ring.direction[p], ring.position_velocity[p]
     motion = ti.Vector([q[0] - X[0] - expansion * w * e[0], q[1] - X[1] - expansion * w * e[1],
                         q[2] - speed * w * e[0], q[3] - speed * w * e[1]])
     a = ti.Vector([0.0, 0.0])

@@ -19,7 +19,7 @@ def look(ring: ti.template(), row):
     for k in range(ring.radius_count):
         ring.circles[k] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(ring.particles):
-        X, e, motion = ring.material_position[p], ring.direction[p], ring.motion[p]
+        X, e, motion = ring.material_position[p], ring.direction[p], ring.position_velocity[p]
         u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
         radial, hoop = u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1]
         around += hoop * hoop

@@ -135,7 +135,7 @@ def report_at_once(vortex: ti.template(), base, step, on: ti.template()):
 def particle_error(vortex: ti.template(), base, p, step, on: ti.template()):
     """Errors of x and v, of the Cauchy stress and of a at a particle. Returns the square of that of x."""
     f, e = vortex.companion_circles[vortex.radius[p]], vortex.direction[p]
-    X, q = vortex.material_position[p], vortex.motion[p]
+    X, q = vortex.material_position[p], vortex.position_velocity[p]
     u, v = turned(e, f[0], f[1]), turned(e, f[2], f[3])
     error = ti.Vector([q[0] - X[0] - u[0], q[1] - X[1] - u[1], q[2] - v[0], q[3] - v[1]])
     vortex.estimate[base + p] = error

@@ -28,5 +28,12 @@ def itself(vortex: ti.template(), node):
     return node
 
 
+@ti.func
+def has_escaped(vortex: ti.template(), p):
+    """Whether a particle is near the grid's edge."""
+    q = vortex.position_velocity[p]
+    return not ti.max(ti.abs(q[0]), ti.abs(q[1])) < vortex.farthest
+
+
 TRAITS = Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress, tangent=tangent, first=0,
                 fold=nothing_to_fold, pin=free, mirror=nothing_to_mirror, image=itself)

@@ -35,7 +35,7 @@ def exact_at_step(vortex: ti.template(), step):
 def vector_errors(vortex: ti.template(), p, now, on: ti.template()):
     """Errors of x and v as one vector of four, and of a, at particle p: x = Q X, v = alpha_t e_z x x, and
     a = alpha_tt e_z x x - alpha_t^2 x."""
-    f, X, q = vortex.turns[vortex.radius[p]], vortex.material_position[p], vortex.motion[p]
+    f, X, q = vortex.turns[vortex.radius[p]], vortex.material_position[p], vortex.position_velocity[p]
     x, y = f[0] * X[0] - f[1] * X[1], f[1] * X[0] + f[0] * X[1]
     motion = ti.Vector([q[0] - x, q[1] - y, q[2] + f[2] * y, q[3] - f[2] * x])
     a = ti.Vector([0.0, 0.0])
@@ -101,7 +101,7 @@ def sample_angular_momentum(vortex: ti.template(), row, step, on: ti.template())
         angle = vortex.angular_frequency * vortex.dt * (step - 0.5)
         rate = vortex.amplitude * vortex.angular_frequency * cos(angle)
         for p in range(vortex.particles):
-            q, known = vortex.motion[p], vortex.radii[vortex.radius[p]]
+            q, known = vortex.position_velocity[p], vortex.radii[vortex.radius[p]]
             momentum += vortex.mass[p] * (q[0] * q[3] - q[1] * q[2])
             expected += vortex.mass[p] * known[0] * known[0] * known[1] * rate
         for slab in range(vortex.slabs):

@@ -22,7 +22,7 @@ def look(vortex: ti.template(), row):
     for k in range(vortex.radius_count):
         vortex.circles[k] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(vortex.particles):
-        X, e, motion = vortex.material_position[p], vortex.direction[p], vortex.motion[p]
+        X, e, motion = vortex.material_position[p], vortex.direction[p], vortex.position_velocity[p]
         u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
         scatter_add(vortex.circles, vortex.radius[p], ti.Vector([
             1.0, u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1], u[0] * u[0] + u[1] * u[1]]))
