@@ -47,13 +47,21 @@ def exact(scene: Scene, t: float) -> Frame:
 def companion(scene: Scene, times: Sequence[float]) -> list[Frame]:
     """The particles at the times (T,) in s, which grow, where a companion has them: for problems without an exact
     solution. :class:`~solvers.scene.rules.SceneError` where it is lost."""
-    reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
+    X = start(scene).material_position
     (body, solved), frames = solution(scene, True, times), []
-    for t, (u, v) in zip(times, solved, strict=True):
-        (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
-        F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(scene, X)
-        frames.append(Frame("", t, np.arange(len(X)), X, X + moved, speed, F, reference.stress(scene, F)))
+    for t, motion in zip(times, solved, strict=True):
+        moved, speed, F, stress = carried(scene, body, motion, X)
+        frames.append(Frame("", t, np.arange(len(X)), X, X + moved, speed, F, stress))
     return frames
+
+
+def carried(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarray], X: np.ndarray) -> tuple[
+        np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Displacement and velocity (P, D), F and Cauchy stress (P, D, D) that a body in motion has at material points."""
+    (u, gradient), (v, _) = (body.read(field, X) for field in motion)
+    reference = PROBLEMS[scene.problem].reference
+    F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(scene, X)
+    return u, v, F, reference.stress(scene, F)
 
 
 def solution(scene: Scene, fine: bool,

@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
 from solvers.judging.frames import Frame, Grid
-from solvers.judging.handout import solution
+from solvers.judging.handout import carried, solution
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.solver.norms import error_index, finite, summary
@@ -71,12 +71,9 @@ class Companions:
 
     def _fields(self, frame: Frame, fine: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         body, solved = self._solved[0 if fine else 1]
-        u, v = solved[self.times.index(frame.time)]
-        X = frame.material_position
-        (moved, gradient), (speed, _) = body.read(u, X), body.read(v, X)
-        reference = PROBLEMS[self.scene.problem].reference
-        F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(self.scene, X)
-        return moved, speed, reference.stress(self.scene, F)
+        motion = solved[self.times.index(frame.time)]
+        u, v, _, sigma = carried(self.scene, body, motion, frame.material_position)
+        return u, v, sigma
 
 
 def _errors(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:

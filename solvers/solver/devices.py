@@ -22,7 +22,6 @@ from solvers.workers.processes import ProcessDied, ask_fresh
 
 CPU, GPU = "cpu", "gpu"
 KINDS = ("cuda", "vulkan")  # in the order in which "gpu" takes them
-ARCHS = (CPU, GPU, *KINDS)
 TITLES = {"cuda": "CUDA", "vulkan": "Vulkan"}
 PATIENCE = 60.0  # seconds
 SOFTWARE = ("llvmpipe", "lavapipe", "swiftshader")  # names of what only plays a GPU, on the processor
