@@ -9,7 +9,7 @@ from solvers.kernels.launch import Launch
 from solvers.problems.bar import exact
 from solvers.problems.bar.field import field
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate, farthest
+from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
 from solvers.problems.bar.step import advance, find_margin, freeze
 from solvers.problems.bar.step_breakdown import breakdown, carried
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
@@ -33,7 +33,7 @@ class BarSolver(Solver):
         self.arch = runtime.start("cpu", self.threads)  # also for "gpu": one step after another gains nothing there
         begun = time.perf_counter()
         self._switches = switches(scene)
-        self._arrays = allocate(scene)
+        self._arrays = allocate_state(scene)
         self._pack = BarState(**self._arrays.members())
         self._advance, self._find_margin = (
             Launch(kernel, self._pack, self._switches) for kernel in (advance, find_margin))

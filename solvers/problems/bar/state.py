@@ -27,7 +27,7 @@ class WatchedBar(Watch, BarBody):
 BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types)
 
 
-def allocate(scene: BarScene) -> WatchedBar:
+def allocate_state(scene: BarScene) -> WatchedBar:
     """The initial state."""
     on = switches(scene)
     return WatchedBar(**body(scene, on), **watch(scene, on, scene.particles, farthest(scene), HOOKS))

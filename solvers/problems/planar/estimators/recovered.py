@@ -46,7 +46,7 @@ MEMORY = {
 }
 
 
-class Problem(NamedTuple):
+class RecoveredTraits(NamedTuple):
     """What a problem adds. F e_R = (a, c) and F e_angle = (b, d), in x and y."""
 
     force: Callable  # (body, known, t, on): body force per mass along e_R and e_angle of a circle, at rest
@@ -237,7 +237,7 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
         op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, problem.closed)
 
 
-def hooks(problem: Problem, side: Callable, velocity: Callable, most_rough: float) -> EstimatorHooks:
+def hooks(problem: RecoveredTraits, side: Callable, velocity: Callable, most_rough: float) -> EstimatorHooks:
     """The estimator of a problem. ``side(scene, angle)`` is the shortest way of a wave along an element of a circle, in
     metres at rest; ``velocity(scene, R)`` the initial one along e_R and e_angle."""
     @ti.func

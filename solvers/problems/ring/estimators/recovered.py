@@ -44,4 +44,5 @@ def velocity(scene, R):
     return scene.amplitude * scene.angular_frequency * exact.shape(R)[0], np.zeros_like(R)
 
 
-HOOKS = recovered.hooks(recovered.Problem(force, stress, stress_error, closed=False), side, velocity, MOST_ROUGH)
+TRAITS = recovered.RecoveredTraits(force, stress, stress_error, closed=False)
+HOOKS = recovered.hooks(TRAITS, side, velocity, MOST_ROUGH)

@@ -43,4 +43,5 @@ def velocity(scene, R):
     return np.zeros_like(R), R * exact.turn(scene, R, 0.0).rate
 
 
-HOOKS = recovered.hooks(recovered.Problem(force_at, stress, stress_error, closed=True), side, velocity, MOST_ROUGH)
+TRAITS = recovered.RecoveredTraits(force_at, stress, stress_error, closed=True)
+HOOKS = recovered.hooks(TRAITS, side, velocity, MOST_ROUGH)
