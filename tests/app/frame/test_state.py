@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from app.cli import main
 from app.state import VIEW, State, StateError, read, write
+from app.words import MAGNIFICATIONS, QUANTITIES
+from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
+from tests.random_scenes import SETS, inputs
 
 BAR = BarScene(method="mpm", cells=20, amplitude=0.03, linearity_preserving=True, estimators=("recovered", "companion"))
 STATES = [
@@ -28,10 +31,19 @@ def test_a_state_is_read_as_it_was_written(state):
     assert read(write(state).replace(";", "&")) == state
 
 
-@given(cells=st.integers(4, 200), amplitude=st.floats(1e-9, 0.15), cfl=st.floats(1e-3, 2), ppc=st.integers(1, 8))
-def test_numbers_come_back_to_the_bit(cells, amplitude, cfl, ppc):
-    state = State(BarScene(cells=cells, amplitude=amplitude, cfl=cfl, ppc=ppc))
-    assert read(write(state)) == state
+@pytest.mark.parametrize("switches", SETS, ids=str)
+def test_any_state_comes_back_to_the_bit(switches):
+    """Random scenes and views of every kind of problem; what a text does not say, as threads, is as it was."""
+    @settings(max_examples=20, suppress_health_check=list(HealthCheck))
+    @given(inputs(switches), st.sampled_from(list(QUANTITIES)), st.booleans(), st.booleans(),
+           st.sampled_from(MAGNIFICATIONS), st.none() | st.floats(1e-3, 10.0), st.booleans())
+    def same(drawn, quantity, difference, logarithmic, magnified, speed, stops):
+        scene = PROBLEMS[drawn["problem"]].scene(**drawn)
+        state = State(scene, quantity, None, difference, magnified, logarithmic, speed=speed, stops=stops,
+                      pinned=type(scene)() if stops else None)
+        assert read(write(state)) == state
+
+    same()
 
 
 def test_defaults_are_left_out():
