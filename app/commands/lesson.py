@@ -9,17 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from app.commands.flags import (
-    BadInput,
-    FilesFlag,
-    NamesFlag,
-    NumberFlag,
-    PathFlag,
-    Switch,
-    TextFlag,
-    default_hint,
-    shown,
-)
+from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, json_text, say, working
 from solvers.scene.rules import require_whole
 
@@ -178,7 +168,7 @@ def _answers(file: str) -> tuple[str, Progress] | None:
     except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        say(f"{shown(os.path.basename(file) or file)}: {said}")
+        say(BadInput("", os.path.basename(file) or file, said))
         return None
 
 

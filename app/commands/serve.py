@@ -39,24 +39,18 @@ class Serve:
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
-        self._check_doors()
-        require_whole("max_sessions", self.max_sessions, 1, 10_000)
-        require_number("frames", self.frames, 0, MOST_FRAMES)
-        lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
-        from app.page.serving import (  # here: bad input and --help must not wait for the page's imports
-            ServeError,
-            serve,
-        )
-        try:
-            serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name, self.frames,
-                  lesson, self.teacher)
-        except ServeError as error:
-            raise BadInput("port", self.port, str(error)) from error
-        return 0
-
-    def _check_doors(self) -> None:
         if self.code.strip() and not SHORTEST <= len(plain(self.code)) <= LONGEST:
             raise BadInput("code", self.code, f"give {SHORTEST} to {LONGEST} letters and digits, or none")
         for name in self.name:
             if not is_name(name):
                 raise BadInput("name", name, "give the name of a host, such as lab.school.example")
+        require_whole("max_sessions", self.max_sessions, 1, 10_000)
+        require_number("frames", self.frames, 0, MOST_FRAMES)
+        lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
+        from app.page import serving  # here: bad input and --help must not wait for the page's imports
+        try:
+            serving.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
+                          self.frames, lesson, self.teacher)
+        except serving.ServeError as error:
+            raise BadInput("port", self.port, str(error)) from error
+        return 0

@@ -7,21 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from app import state
-from app.lessons.lesson import (
-    ANSWERS,
-    CHOICE,
-    DRAG,
-    INTERVAL,
-    NUMBER,
-    REACH,
-    TEXT,
-    Claim,
-    LessonError,
-    LessonRun,
-    Numbers,
-    Question,
-    filled,
-)
+from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, filled
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -35,14 +21,6 @@ VARIED = (*DRAGGED, "dt")  # and those that may have several values in a run
 MOST_OPTIONS = 8
 MOST_RUNS = 8  # of one block that differ in a number
 _AT = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
-
-#: The keys that a question of a kind has beside ``kind``: with True those that it must have.
-QUESTIONS: dict[str, dict[str, bool]] = {
-    NUMBER: {"expected": True, "tolerance": False, "unit": False},
-    CHOICE: {"options": True, "correct": False, "holds": False},
-    DRAG: {"control": True, "expected": True, "tolerance": False, "unit": False},
-    INTERVAL: {"expected": True, "unit": False},
-    TEXT: {}}
 
 
 def toml(text: str, line: int) -> dict[str, Any]:
@@ -133,7 +111,7 @@ def question(text: str, line: int) -> Question:
     values = toml(text, line)
     kind = values.pop("kind", None)
     if kind not in QUESTIONS:
-        raise LessonError(line_of("kind", text, line), f"kind = {kind!s:.60}: give one of {', '.join(ANSWERS)}")
+        raise LessonError(line_of("kind", text, line), f"kind = {kind!s:.60}: give one of {', '.join(QUESTIONS)}")
     keys = QUESTIONS[kind]
     for key in values:
         if key not in keys:
@@ -171,11 +149,6 @@ def claims(text: str, line: int) -> tuple[Claim, ...]:
     return tuple(claim for claim in found if claim.text)
 
 
-def _expression(values: Mapping[str, Any], key: str, line: int) -> str:
-    """What stands for a number: one, or an expression as a text."""
-    return str(require(values, key, (str, int, float), "give a number or an expression such as \"error.x.max\"", line))
-
-
 def _tolerance(values: Mapping[str, Any], key: str, line: int) -> float:
     expected = "give a part of the expected value, above 0 and up to 1, such as 0.1"
     found = require(values, key, (int, float), expected, line)
@@ -193,6 +166,8 @@ def _control(values: Mapping[str, Any], key: str, line: int) -> str:
 
 
 _READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
-    "options": texts, "holds": texts, "expected": _expression, "tolerance": _tolerance, "control": _control,
+    "options": texts, "holds": texts, "tolerance": _tolerance, "control": _control,
+    "expected": lambda values, key, line: str(require(values, key, (str, int, float), "give a number or an expression "
+                                                      "such as \"error.x.max\"", line)),
     "correct": lambda values, key, line: require(values, key, int, "give the number of the right option", line),
     "unit": lambda values, key, line: require(values, key, str, "give a text, such as \"m\"", line)}

@@ -8,7 +8,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
-NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ANSWERS = ("number", "choice", "drag", "interval", "text")
+NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ("number", "choice", "drag", "interval", "text")
+
+#: Which blocks a step of a kind may have, and which it must have.
+ALLOWED = {PREDICT: ("question", "claims", "teacher"), RUN: ("run", "claims", "teacher"),
+           OBSERVE: ("question", "claims", "teacher"), EXPLAIN: ("claims", "teacher", "run")}
+NEEDED = {PREDICT: "question", RUN: "run", OBSERVE: "question"}
+#: The keys that a question of a kind has beside ``kind``: with True those that it must have.
+QUESTIONS: dict[str, dict[str, bool]] = {
+    NUMBER: {"expected": True, "tolerance": False, "unit": False},
+    CHOICE: {"options": True, "correct": False, "holds": False},
+    DRAG: {"control": True, "expected": True, "tolerance": False, "unit": False},
+    INTERVAL: {"expected": True, "unit": False},
+    TEXT: {}}
 
 #: Controls of the page that a lesson may leave visible, by the names that it gives them.
 CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "motion", "stretch", "modulus", "step", "speed", "pin",

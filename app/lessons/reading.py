@@ -14,20 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from app.lessons import blocks, claims
-from app.lessons.lesson import (
-    CONTROLS,
-    EXPLAIN,
-    KINDS,
-    OBSERVE,
-    PLACE,
-    PREDICT,
-    RUN,
-    Lesson,
-    LessonError,
-    Numbers,
-    Step,
-    filled,
-)
+from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, filled
 from app.lessons.markup import MarkupError, html
 
 FENCE = "```"
@@ -36,10 +23,6 @@ BLOCKS = ("run", "question", "claims", "teacher")
 HEAD_KEYS = ("title", "minutes", "goals", "controls", "prerequisites", "variants")
 FORMULA = re.compile(r"\$\$.*?(?:\$\$|$)|\$[^$]*\$|^.*\$\$\s*$")  # or what of one stands on a line
 HEADING = re.compile(r"##\s+(?P<kind>[^:]+):\s*(?P<title>\S.*)")
-#: Which blocks a step of a kind may have, and which it must have.
-ALLOWED = {PREDICT: ("question", "claims", "teacher"), RUN: ("run", "claims", "teacher"),
-           OBSERVE: ("question", "claims", "teacher"), EXPLAIN: ("claims", "teacher", "run")}
-NEEDED = {PREDICT: "question", RUN: "run", OBSERVE: "question"}
 
 
 @dataclass

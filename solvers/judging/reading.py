@@ -4,7 +4,7 @@ import os
 import re
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -45,15 +45,15 @@ def read(path: str, most: int = MOST_BYTES) -> Raw:
             raise FileError(path, "is empty; give a file with particles in it")
         if size > most:
             raise FileError(path, f"has {size / 1e9:.2g} GB; give at most {most / 1e9:g} GB, fewer times for example")
-        return read_npz(path, most) if kind == ".npz" else _readers()[kind](path)
+        if kind == ".npz":
+            return read_npz(path, most)
+        if kind == ".csv":
+            return read_csv(path)
+        from solvers.judging.vtk import read_vtk  # here: meshio is needed for these kinds alone
+        return read_vtk(path)
     except OSError as error:
         raise FileError(path, f"cannot be read: {(error.strerror or str(error)).lower()}; give a file that exists and "
                               "may be read") from None
-
-
-def _readers() -> dict[str, Callable[[str], Raw]]:
-    from solvers.judging import vtk  # here: meshio is needed for these kinds alone
-    return {".csv": read_csv, **dict.fromkeys((".vtk", ".vtu", ".vtp"), vtk.read_vtk)}
 
 
 def read_csv(path: str) -> Raw:

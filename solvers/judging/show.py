@@ -100,7 +100,8 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     table.put_frames()
     table.put("error", true)
     counts = [len(frame.number) for frame in grid.frames]
-    missing = [q for q in ("v", "sigma") if any(_lacks(own, frame, q) for frame in grid.frames)]
+    missing = [q for q in ("v", "sigma") if any(
+        (frame.velocity if q == "v" else stress(own, frame)) is None for frame in grid.frames)]
     tell({"frames": asdict(Shown(task_of(_shown(own)).to_dict(), grid.times.tolist(), counts, table.crossed,
                                  listed(series(true)) if true else None, missing))})
     if true:
@@ -108,10 +109,6 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     table.put("estimate", judged.estimated)
     tell({"estimate": listed(series(judged.estimated))})
     tell({"verdict": judged.to_dict()})
-
-
-def _lacks(scene: Scene, frame: Frame, quantity: str) -> bool:
-    return (frame.velocity if quantity == "v" else stress(scene, frame)) is None
 
 
 def _check_amount(raw: Raw) -> None:

@@ -46,14 +46,11 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
 def as_html(text: str, folder: Path) -> str:
     """The report as one page, its pictures in it."""
     title = escape(text.partition("\n")[0].lstrip("# "))
+    body = html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
+    body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
     return (f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
             f'content="width=device-width, initial-scale=1">\n<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n'
-            f"<body>\n<main>\n{_scrolling(html(text, folder))}</main>\n</body>\n</html>\n")
-
-
-def _scrolling(body: str) -> str:
-    """Tables that are wider than a phone scroll by themselves."""
-    return body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
+            f"<body>\n<main>\n{body}</main>\n</body>\n</html>\n")
 
 
 def _said(values: dict, judged: Judgement) -> str:

@@ -23,6 +23,7 @@ from app.commands.output import json_target, noted_interrupts, put_result, say, 
 from app.words import command_line, per_cell
 from solvers.scene.rules import require_choice, require_number
 from solvers.scene.scene import Scene
+from solvers.solver.norms import finite
 from solvers.solver.samples import QUANTITIES
 
 if TYPE_CHECKING:
@@ -131,11 +132,8 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
     """The advice as one JSON object; errors in the quantity's unit and, as ``relative``, over its size."""
     chosen, goal, other, size = advice.chosen, advice.goal, advice.runner_up, base.size_of(advice.goal.quantity)
 
-    def finite(value: float, unit: float = 1.0) -> float | None:
-        return value / unit if math.isfinite(value) else None
-
     def errors(value: float) -> dict:
-        return {"error": finite(value), "relative": finite(value, size)}
+        return {"error": finite(value), "relative": finite(value / size)}
 
     return {
         "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
