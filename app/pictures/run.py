@@ -61,7 +61,6 @@ def _title(result: Result) -> str:
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {per_cell(scene.problem, scene.ppc)} particles per cell{layout}"
              f" · {_moving(scene)}")
-    second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · "
-              f"body force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to "
-              f"t = {result.time:.4g} s")
+    second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · body "
+              f"force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to t = {result.time:.4g} s")
     return "\n".join([first, second, *textwrap.wrap(result.reason or "", 130)])

@@ -20,8 +20,7 @@ TWO_TONES = (r"$$b(X,t) = 3\omega^2 A \sin(2\pi X)\sin(\omega t) + \frac{3}{2}\o
 FORCES = {"material": r"$$b(X,t) = 3\omega^2 A \sin(2\pi X)\sin(\omega t)$$", "two-tone": TWO_TONES,
           "none": "There is none: $b = 0$."}
 WHERE = ("It belongs to material points: a particle that began at $X$ feels $b(X,t)$ wherever it is now. A code that "
-         "has "
-         "the force only in space may invert $x = X + u(X,t)$.")
+         "has the force only in space may invert $x = X + u(X,t)$.")
 
 
 class BarReference(ProblemReference):
@@ -64,8 +63,7 @@ class BarReference(ProblemReference):
         size = "" if force == "none" else rf" with $A = {scene.amplitude:.15g}$ m and $\omega = {w}$ 1/s, in m/s²"
         return Texts(
             body="A bar of length 1 m and cross-section 1 m², in one dimension. A code of two or three dimensions "
-                 "takes a "
-                 "row of cells between walls without friction, with Poisson's ratio 0.",
+                 "takes a row of cells between walls without friction, with Poisson's ratio 0.",
             material=rf"Linear in the stretch: $\sigma = E (F - 1)$ with $E = {scene.modulus:.15g}$ Pa, the nominal "
                      rf"and the "
                      f"Cauchy stress alike, for the cross-section stays as it is; density {scene.density:.15g} kg/m³. "
@@ -73,11 +71,10 @@ class BarReference(ProblemReference):
                      r"form $\dot\sigma = E\,\partial v/\partial x$ gives $E \ln F$, which is another material: the "
                      r"difference is $E (F-1)^2/2$ and is judged as an error.",
             force=FORCES[force] + size + "." * (force != "none") + (f" {WHERE}" if force != "none" else ""),
-            boundary="The bar is one period of an infinite one. Since the motion is odd about both ends, "
-                     "walls that hold $u = 0$ at $X = 0$ and $X = 1$ m do the same; and since $u_X = 0$ at "
-                     "$X = -1/4$ and $X = 3/4$ m, so do free ends there, where particles with $X < 0$ are to be "
-                     "judged a "
-                     "metre further on (the force of two tones has no such ends).",
+            boundary="The bar is one period of an infinite one. Since the motion is odd about both ends, walls that "
+                     "hold $u = 0$ at $X = 0$ and $X = 1$ m do the same; and since $u_X = 0$ at $X = -1/4$ and $X = "
+                     "3/4$ m, so do free ends there, where particles with $X < 0$ are to be judged a metre further on "
+                     "(the force of two tones has no such ends).",
             start=rf"At rest in shape ($F = 1$), moving with $v = {scene.amplitude * scene.angular_frequency:.15g}\,"
                   r"\sin(2\pi X)$ m/s." if force != "none" else
                   rf"At rest in shape ($F = 1$), moving with $v = "

@@ -43,8 +43,7 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
             *([("crossings", f"{verdict['crossings_at_least']:,} at least")] if verdict else []),
             ("region", escape(probed or "drag a rectangle on the stage"))]
     run_of = table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
-    return (f"<div class='lab-readout'>{run_of}"
-            f"{_errors(run, k, quantity)}{_findings(run, quantity)}</div>")
+    return (f"<div class='lab-readout'>{run_of}{_errors(run, k, quantity)}{_findings(run, quantity)}</div>")
 
 
 def lines(run: OwnRun, quantity: str) -> int:

@@ -58,12 +58,6 @@ def values_of(weight):
 
 
 @ti.func
-def slopes_of(weight):
-    x, y = weight[2], weight[3]
-    return ti.Vector([x, y, x, y])
-
-
-@ti.func
 def picked(weight, pick: ti.template()):
     """The four of a weight's numbers that ``pick`` names."""
     ready = weight
