@@ -27,7 +27,7 @@ _ACT = re.compile(r"\*\*(?P<control>[^*]+)\*\*(?: to)? `(?P<value>[^`]+)`")
 
 
 @dataclass(frozen=True)
-class Axis:
+class SliderAxis:
     """One slider: a field of the scene and its values, of which number ``start`` is the scene's own."""
 
     field: str
@@ -35,13 +35,13 @@ class Axis:
     start: int
 
 
-def around(scene: Scene, counts: Mapping[str, int]) -> list[Axis]:
+def around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
     """Axes through a scene with so many values of each field; none of a field that can be nothing else."""
     axes = [axis(scene, field, _candidates(scene, field), most) for field, most in counts.items()]
     return [axis for axis in axes if len(axis.values) > 1]
 
 
-def axis(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> Axis:
+def axis(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> SliderAxis:
     """An axis of the scene's own value and the first candidates that the problem can be, in their order of size."""
     own = getattr(scene, field) if field != "cfl" else scene.courant_number
     values = [own]
@@ -49,10 +49,10 @@ def axis(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> Axis
         if value not in values and len(values) < most and _possible(scene, field, value):
             values.append(value)
     order = values if field == "method" else sorted(values)
-    return Axis(field, tuple(order), order.index(own))
+    return SliderAxis(field, tuple(order), order.index(own))
 
 
-def named(scene: Scene, text: str) -> list[Axis]:
+def named(scene: Scene, text: str) -> list[SliderAxis]:
     """Axes of what a lesson's text has one set or choose: "Set **Cells** to `80`", "Choose **Method** `uGIMP`"."""
     found: dict[str, list[Any]] = {}
     for act in _ACT.finditer(text):
@@ -63,12 +63,12 @@ def named(scene: Scene, text: str) -> list[Axis]:
             if len((made := axis(scene, field, values, len(values) + 1)).values) > 1]
 
 
-def size(axes: Sequence[Axis]) -> int:
+def size(axes: Sequence[SliderAxis]) -> int:
     """How many runs a lattice has."""
     return math.prod(len(axis.values) for axis in axes)
 
 
-def scenes(scene: Scene, axes: Sequence[Axis]) -> Iterator[str]:
+def scenes(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
     """The states' texts of all runs of a lattice, the last axis fastest; or, after a ``!``, why there is none."""
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from app.export import lattice
-from app.export.lattice import Axis
+from app.export.lattice import SliderAxis
 from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
@@ -25,7 +25,7 @@ class Plan:
     """A state for the stage, the ``axes`` around it and the ``texts`` of all runs (``lattice.scenes``)."""
 
     state: State
-    axes: tuple[Axis, ...]
+    axes: tuple[SliderAxis, ...]
     quantities: tuple[str, ...]
     texts: tuple[str, ...]
 
@@ -51,7 +51,7 @@ class Plan:
         return [text for text in (*self.texts, *([self.pinned] if self.pinned else [])) if not text.startswith("!")]
 
 
-def planned(state: State, axes: Sequence[Axis], quantities: Sequence[str]) -> Plan:
+def planned(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> Plan:
     """The plan for a state; one that says no end is recorded for one period."""
     state = replace(state, scene=ending(state.scene))
     return Plan(state, tuple(axes), tuple(quantities), tuple(lattice.scenes(state.scene, axes)))

@@ -17,8 +17,8 @@ from app.page.features.slow.panel import SlowMotion
 from app.page.features.slow.source import SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
+from app.page.panels.browser_store import BrowserStore, Hooks
 from app.page.panels.head import add_head, set_up
-from app.page.panels.keeper import BrowserStore, Hooks
 from app.page.panels.looking import Looking
 from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.texts import add_about
@@ -56,7 +56,7 @@ class Page:
         set_up(client.gui)
         add_head(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
-        self._keeper = BrowserStore(client.gui)
+        self._store = BrowserStore(client.gui)
         self._presenter = Presenter(client.gui)
         self._notice, self._speaker = client.gui.add_html(""), Speaker(client.gui)
         self._canvas = Canvas(client, self._scale, self._trace, FIRST_SCENE.problem)
@@ -70,7 +70,7 @@ class Page:
         self._controls.begin()
         if classroom.lesson:
             self._player.open(classroom.lesson)
-        self._keeper.listen(Hooks(self._follow_link, self._player.restore))
+        self._store.listen(Hooks(self._follow_link, self._player.restore))
         self._ready = True
         self._redraw()
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()
@@ -98,7 +98,7 @@ class Page:
             looking = Looking(self._session, self._recent, self._trace, self._redraw)
             self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, looking,
                                       self._slow)
-            Sharing(client.gui, self._keeper, self._controls)
+            Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
             self._player = Player(client, lessons, self._classroom, self._controls.show, self._controls.offer,
@@ -138,7 +138,7 @@ class Page:
         """Have the browser keep what is seen: in its address, and the answers to a lesson."""
         with self._keeping:  # else a refresh could put what was before in the place of what is
             lesson = self._player.name
-            self._keeper.keep(link(self._controls.state, lesson), lesson, self._player.answers)
+            self._store.keep(link(self._controls.state, lesson), lesson, self._player.answers)
 
     @property
     def _source(self) -> Source:

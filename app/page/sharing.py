@@ -8,8 +8,8 @@ import viser
 
 from app import state
 from app.page.controls import Controls
+from app.page.panels.browser_store import BrowserStore
 from app.page.panels.head import BESIDE
-from app.page.panels.keeper import BrowserStore
 
 LESSON = "lesson="
 SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are
@@ -33,8 +33,8 @@ def parts(text: str) -> tuple[str, str]:
 class Sharing:
     """Two buttons among a visitor's controls. The browser itself copies: its address is the link."""
 
-    def __init__(self, gui: viser.GuiApi, keeper: BrowserStore, controls: Controls):
-        self._gui, self._keeper, self._controls = gui, keeper, controls
+    def __init__(self, gui: viser.GuiApi, store: BrowserStore, controls: Controls):
+        self._gui, self._store, self._controls = gui, store, controls
         with gui.add_folder(None, order=LAST):
             gui.add_html(f"{BESIDE}<i class='lab-copy'></i>")
             gui.add_button("Copy link", icon=viser.Icon.LINK, hint="the address of just this scene, view and pinned "
@@ -45,9 +45,9 @@ class Sharing:
         code.on_click(lambda _: self._show_code())
 
     def _show_code(self) -> None:
-        address = f"{self._keeper.here}#{link(self._controls.state, '')}"
+        address = f"{self._store.here}#{link(self._controls.state, '')}"
         with self._gui.add_modal("This scene") as modal:
-            if self._keeper.here and len(address) <= MOST_QR:
+            if self._store.here and len(address) <= MOST_QR:
                 picture = segno.make(address, error="l").svg_inline(scale=5, border=2)
                 self._gui.add_html(f"<div class='lab-code'>{picture}</div>")
             text = state.write(self._controls.state)

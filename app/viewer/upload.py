@@ -19,7 +19,7 @@ START, PART = "FileTransferStartUpload", "FileTransferPart"
 PART_BYTES = 512 * 1024  # as the viewer's page cuts a file
 LARGEST = 32_000_000  # bytes of a file
 LARGEST_PART = PART_BYTES + 1000  # bytes of a message with a part
-_OWN = "post"  # where a button for files has its post
+_OWN = "lab_upload"  # where a button for files has its own
 #: What such messages begin with, as the viewer's page writes them: fields in this order. Others are not even read.
 HEADS = {kind: bytes([0x80 + fields, 0xA4]) + b"type" + bytes([0xA0 + len(kind)]) + kind.encode()
          for kind, fields in ((START, 7), (PART, 5))}
@@ -33,7 +33,7 @@ def kind_of(message: bytes | str) -> str | None:
 
 
 @dataclass
-class _UploadPart:
+class _ComingFile:
     """A file on its way."""
 
     transfer: str
@@ -55,7 +55,7 @@ class Upload:
                  on_refusal: Callable[[str], None]):
         self._gui, self._button, self._on_file, self._on_refusal = gui, button, on_file, on_refusal
         self._folder = tempfile.TemporaryDirectory(prefix="mpm-lab-", ignore_cleanup_errors=True)
-        self._parcel: _UploadPart | None = None
+        self._coming_file: _ComingFile | None = None
         self._closed, self._lock = False, threading.Lock()
         object.__setattr__(button, _OWN, self)  # the viewer's own way takes its properties only
 
@@ -66,16 +66,16 @@ class Upload:
     @property
     def coming(self) -> str:
         """What is on its way, in words; "" for nothing."""
-        parcel = self._parcel
-        return "" if parcel is None else f"The file is coming: {parcel.received / 1e6:.1f} of " \
-                                         f"{parcel.size / 1e6:.1f} MB are here"
+        file = self._coming_file
+        return "" if file is None else f"The file is coming: {file.received / 1e6:.1f} of " \
+                                         f"{file.size / 1e6:.1f} MB are here"
 
     def close(self) -> None:
         """The visitor has gone: nothing of a file stays."""
         with self._lock:
             self._closed = True
-            if self._parcel:
-                self._parcel.into.close()
+            if self._coming_file:
+                self._coming_file.into.close()
             self._folder.cleanup()
 
     def take(self, kind: str, said: dict[str, Any]) -> str | None:
@@ -86,12 +86,12 @@ class Upload:
             try:
                 return self._start(said) if kind == START else self._add(said)
             except OSError:
-                self._parcel = None
+                self._coming_file = None
                 self._on_refusal(NO_ROOM)
                 return "a file for which there is no room"
 
     def _start(self, said: dict[str, Any]) -> str | None:
-        if self._parcel is not None:
+        if self._coming_file is not None:
             return "a file while another one is on its way"
         if said["size_bytes"] > LARGEST:
             self._on_refusal(TOO_LARGE)
@@ -99,32 +99,32 @@ class Upload:
         if said["part_count"] != math.ceil(said["size_bytes"] / PART_BYTES):
             return "a file in parts that it cannot have"
         into = open(self.folder / "coming", "wb")  # closed with its last part
-        self._parcel = _UploadPart(said["transfer_uuid"], said["filename"], said["size_bytes"], into)
-        self._follow(self._parcel)
+        self._coming_file = _ComingFile(said["transfer_uuid"], said["filename"], said["size_bytes"], into)
+        self._follow(self._coming_file)
         return None
 
     def _add(self, said: dict[str, Any]) -> str | None:
-        parcel = self._parcel
-        if parcel is None or said["transfer_uuid"] != parcel.transfer:
+        file = self._coming_file
+        if file is None or said["transfer_uuid"] != file.transfer:
             return "a part of no file"
-        expected = min(PART_BYTES, parcel.size - parcel.received)
-        if said["part_index"] != parcel.parts or len(said["content"]) != expected:
+        expected = min(PART_BYTES, file.size - file.received)
+        if said["part_index"] != file.parts or len(said["content"]) != expected:
             return "a part of a file that is not the next one"
-        parcel.into.write(said["content"])
-        parcel.parts += 1
-        self._follow(parcel)
+        file.into.write(said["content"])
+        file.parts += 1
+        self._follow(file)
         return None
 
-    def _follow(self, parcel: _UploadPart) -> None:
+    def _follow(self, file: _ComingFile) -> None:
         """Tell the browser how much has come; hand over a file that is complete."""
         self._gui._websock_interface.queue_message(FileTransferPartAck(
-            self._button._impl.uuid, parcel.transfer, parcel.received, parcel.size))
-        if parcel.received == parcel.size:
-            parcel.into.close()
-            self._parcel = None
-            self._on_file(parcel.name, self.folder / "coming")
+            self._button._impl.uuid, file.transfer, file.received, file.size))
+        if file.received == file.size:
+            file.into.close()
+            self._coming_file = None
+            self._on_file(file.name, self.folder / "coming")
 
 
 def of(button: Any) -> Upload | None:
-    """The post of a button for files, if it has one."""
+    """The upload of a button for files, if it has one."""
     return getattr(button, _OWN, None)

@@ -41,16 +41,16 @@ class Output:
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
-        keeper = None if self.particles is None else ParticleWriter(self.particles, scene)
+        writer = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
             say(f"warning: {sentence}")
-        result = _run(scene, self.quiet, keeper)
+        result = _run(scene, self.quiet, writer)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
             say(f"{why}: this ran on the processor ({result.arch})")
         put_result(result.to_dict(), target, run_table)
-        if keeper:
-            keeper.write()
+        if writer:
+            writer.write()
         drawn = picture is None or _draw(result, picture)
         if result.status != "ok":
             say(result.reason)
@@ -92,10 +92,10 @@ class RunText(Output):
         return self.run_and_write(scene)
 
 
-def _run(scene: Scene, quiet: bool, keeper: ParticleWriter | None) -> Result:
+def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None) -> Result:
     with working(quiet) as show:
         from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
-        return run(scene, on_progress=show, on_sample=keeper.keep if keeper else None)
+        return run(scene, on_progress=show, on_sample=writer.keep if writer else None)
 
 
 def _draw(result: Result, target: Target) -> bool:

@@ -33,7 +33,7 @@ def _web(*names: str) -> str:
 _STYLE = _web("style.css", "room.css", "present.css")
 #: A calm ground until there is a stage, and the scripts: what the html that a browser loads first has of ours.
 GROUND = _web("ground.html") + "<script>\n" \
-    + _web("names.js", "attendance.js", "tabs.js", "keeper.js", "figures.js", "drop.js") + "</script>"
+    + _web("names.js", "attendance.js", "tabs.js", "browser_store.js", "figures.js", "drop.js") + "</script>"
 # An image's onload is the one moment in a page's life that html alone can hook. The viewer's own buttons (its server,
 # its scene tree, its share link) are of no use to a visitor, and its warning of slow graphics, which would cover the
 # colour bar, does not hold for so light a picture. How far a file has come is said where all else is.

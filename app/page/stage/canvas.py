@@ -7,9 +7,9 @@ import viser
 
 from app.drawing import RECTANGLE, ColourBar, enlarge
 from app.page.stage.camera import FlatCamera
-from app.page.stage.mark import Mark
 from app.page.stage.probe import Probe
 from app.page.stage.sight import Choice, Picture, Sight
+from app.page.stage.trace_rings import TraceRings
 from app.page.visit.trace import Trace
 from app.problems.stage import Stage
 from app.problems.views import VIEWS
@@ -20,7 +20,7 @@ ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below w
 
 
 class Canvas:
-    """A stage for each problem, of which one is shown at a time, the bar of colours, the mark of a traced particle and
+    """A stage for each problem, of which one is shown at a time, the bar of colours, the rings of a traced particle and
     the probe."""
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Trace, problem: str):
@@ -33,7 +33,7 @@ class Canvas:
         self._show_stage(problem)
         self.camera = FlatCamera(client, RECTANGLE)
         self.probe = Probe(client, self.camera)
-        self._mark = Mark(client, trace)
+        self._rings = TraceRings(client, trace)
 
     def draw(self, sight: Sight, choice: Choice) -> None:
         """Show what there is to be seen."""
@@ -51,9 +51,9 @@ class Canvas:
             elif second:
                 second.name(beside or "")
             if picture.foreign:  # none of its particles is traced
-                self._mark.hide()
+                self._rings.hide()
             else:
-                self._mark.look(stage, arrays)
+                self._rings.look(stage, arrays)
             self._colour_bar.draw(view.measures, unit)
             self._client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
         self.camera.show(RECTANGLE if sight.hidden else stage.rectangle)

@@ -16,7 +16,7 @@ from solvers.scene.scene import Scene
 LEAD = 1.05  # by which another region must be worse to take over: a tie must not flicker
 
 
-class Worst:
+class SteadyMaximum:
     """The number of the worst region, kept until another one is clearly worse."""
 
     def __init__(self) -> None:
@@ -53,7 +53,7 @@ class WorstRegions:
     def look(self, report: FrameReport, arrays: FrameArrays, view: View) -> None:
         """Find both in a frame."""
         if report.scene != self.scene:
-            self.scene, self._worst = report.scene, (Worst(), Worst())
+            self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
             at_rest = np.nan_to_num(arrays.position - arrays.displacement)
             self._regions = VIEWS[report.scene.problem].regions(at_rest)
         if len(self._regions.number) != len(arrays.position):
@@ -63,7 +63,8 @@ class WorstRegions:
         self.by_estimate, self.by_truth = (self._region(worst, own, errors)
                                            for worst, own in zip(self._worst, errors, strict=True))
 
-    def _region(self, worst: Worst, own: np.ndarray | None, errors: list[np.ndarray | None]) -> WorstRegion | None:
+    def _region(self, worst: SteadyMaximum, own: np.ndarray | None,
+                errors: list[np.ndarray | None]) -> WorstRegion | None:
         at = None if own is None else worst.of(own)
         if at is None:
             return None

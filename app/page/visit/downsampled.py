@@ -1,4 +1,4 @@
-"""A course: named series over time, at a resolution that fits a plot."""
+"""Named series over time, at a resolution that fits a plot."""
 
 import math
 from collections.abc import Mapping

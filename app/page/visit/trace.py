@@ -89,8 +89,8 @@ class Trace:
             elif report.scene.problem != traced.scene.problem:
                 self.traced = None
             else:
-                apart = ((rest(arrays) - traced.at_rest) ** 2).sum(axis=1)
-                self.traced = Traced(int(np.argmin(apart)), [(report, arrays)])
+                squares = ((rest(arrays) - traced.at_rest) ** 2).sum(axis=1)
+                self.traced = Traced(int(np.argmin(squares)), [(report, arrays)])
 
 
 def rest(arrays: FrameArrays) -> np.ndarray:

@@ -1,8 +1,8 @@
 // A file of one's own code: dropped anywhere on the page, or chosen with its button. It is handed to the viewer's own
 // button for files, which nobody sees; what is too large is not even sent.
 (() => {
-  const mark = () => document.querySelector("[data-lab~=lab-post] i.lab-post");
-  const field = () => document.querySelector("[data-lab~=lab-post] + div input[type=file]");
+  const mark = () => document.querySelector("[data-lab~=lab-upload] i.lab-upload");
+  const field = () => document.querySelector("[data-lab~=lab-upload] + div input[type=file]");
   const files = event => [...event.dataTransfer?.types || []].includes("Files") && field();
   const over = on => document.body.classList.toggle("lab-dropping", on);
   let said = null;

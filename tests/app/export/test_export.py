@@ -142,7 +142,7 @@ def test_what_a_lesson_names_is_on_the_sliders():
 
 
 def test_what_cannot_be_says_why():
-    axes = [lattice.Axis("method", ("cpgimp", "ugimp"), 0)]
+    axes = [lattice.SliderAxis("method", ("cpgimp", "ugimp"), 0)]
     texts = list(lattice.scenes(state.read("bar method=cpgimp velocity=corners").scene, axes))
     assert texts[0].startswith("bar;") and texts[1].startswith("!moves the corners")
 

@@ -13,7 +13,7 @@ from app import words
 from app.frame.silences import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN
 from app.frame.view import look
 from app.page.panels.readout import _percent, readout
-from app.page.stage.worst import Worst, WorstRegions
+from app.page.stage.worst import SteadyMaximum, WorstRegions
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.ring.view import ANGLES, RING
@@ -226,7 +226,7 @@ def test_regions_of_the_ring():
 
 
 def test_worst_region_does_not_flicker():
-    worst = Worst()
+    worst = SteadyMaximum()
     assert worst.of(np.array([np.nan, 0.0])) is None
     assert worst.of(np.array([1.0, 0.9])) == 0
     assert worst.of(np.array([1.0, 1.04])) == 0

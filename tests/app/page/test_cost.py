@@ -14,7 +14,7 @@ from app.page.features.cost import words
 from app.page.features.cost.jobs import timings
 from app.page.features.cost.live import LiveRows, live_row
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.picture import Axis, picture
+from app.page.features.cost.picture import LogAxis, picture
 from app.page.features.cost.runs import LIVE, SWEEP, Runs, csv_bytes
 from app.page.visit.history import History
 from solvers.engine.messages import FrameReport
@@ -178,7 +178,7 @@ def test_picture_has_a_button_a_run():
 
 @pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021], []])
 def test_axis_holds_its_values_and_has_ticks(values):
-    axis = Axis(values, 40, 318)
+    axis = LogAxis(values, 40, 318)
     assert all(40 <= axis.at(value) <= 318 for value in values)
     assert len(axis.ticks()) >= 1 and np.all(np.diff([axis.at(value) for value, _ in axis.ticks()]) > 0)
 

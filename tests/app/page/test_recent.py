@@ -141,12 +141,12 @@ def test_a_frame_from_before_the_comparison_says_so():
 
 
 def test_a_course_is_thinned_evenly_and_bounded():
-    course, count = DownsampledSeries(), 10 * MOST_ROWS + 7
+    kept, count = DownsampledSeries(), 10 * MOST_ROWS + 7
     for k in range(0, count, 3):
-        course.add({"time": np.arange(k, k + 3.0), "double": 2 * np.arange(k, k + 3.0)})
-    time = course.series["time"]
+        kept.add({"time": np.arange(k, k + 3.0), "double": 2 * np.arange(k, k + 3.0)})
+    time = kept.series["time"]
     assert MOST_ROWS // 2 < len(time) <= MOST_ROWS and time[0] == 0 and len(set(np.diff(time))) == 1
-    np.testing.assert_array_equal(course.series["double"], 2 * time)
+    np.testing.assert_array_equal(kept.series["double"], 2 * time)
 
 
 def test_the_latest_periods_stay_fine_however_long_the_run():

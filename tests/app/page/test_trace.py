@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.stage.mark import RADIUS, Mark
+from app.page.stage.trace_rings import RADIUS, TraceRings
 from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS
 from app.page.visit.recent import Recent
 from app.page.visit.trace import Trace
@@ -169,7 +169,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
             return clicks.append
 
     trace = Trace(recent)
-    mark = Mark(SimpleNamespace(scene=Rings()), trace)
+    mark = TraceRings(SimpleNamespace(scene=Rings()), trace)
     mark.look(stage, arrays)
     assert not any(rings.visible for rings in drawn)
     images = stage.images(arrays, slice(5, 6))[:, 0, :2]

@@ -13,7 +13,7 @@ from app.words import size_in
 from tests.browser.driving import click, coloured, readout, row, scene, shown, stage, steps, to_the_ring, until
 from tests.listening import PATIENCE
 
-FIELD = "[data-lab~=lab-post] + div input[type=file]"
+FIELD = "[data-lab~=lab-upload] + div input[type=file]"
 #: Drags a text as a file over the stage, and lets it fall there.
 DROP = """([name, text]) => {
     const what = new DataTransfer(), at = document.querySelector("canvas");

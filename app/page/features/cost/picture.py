@@ -26,7 +26,7 @@ SHAPES = {"o": "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", "s": "M-3.6 -3.6h7.2v7.2h-
 CROSS = "M-4 -4L4 4M-4 4L4 -4"
 
 
-class Axis:
+class LogAxis:
     """A logarithmic axis from the decade ``low`` to ``high``, drawn from pixel ``start`` to ``end``."""
 
     def __init__(self, values: Iterable[float], start: float, end: float):
@@ -51,16 +51,16 @@ def picture(runs: Sequence[NumberedRun]) -> str:
     dots = [run for run in runs if run.drawable]
     if not dots:
         return ""
-    across = Axis((dot.seconds for dot in dots), LEFT, RIGHT)
+    across = LogAxis((dot.seconds for dot in dots), LEFT, RIGHT)
     # From broken runs no scale is taken: their error may be anything.
-    up = Axis((dot.size for dot in dots if not dot.broken), BOTTOM, TOP)
+    up = LogAxis((dot.size for dot in dots if not dot.broken), BOTTOM, TOP)
     numbered = len(dots) <= MOST_NUMBERS
     inside = "".join([_frame(across, up), _lines(dots, across, up), *(_dot(dot, across, up, numbered) for dot in dots)])
     return (f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' width='100%' role='group' aria-label='error against seconds'>{inside}"
             f"</svg>{_legend(dots)}")
 
 
-def _frame(across: Axis, up: Axis) -> str:
+def _frame(across: LogAxis, up: LogAxis) -> str:
     """Grid, ticks and what the axes are."""
     parts = []
     for value, label in across.ticks():
@@ -77,7 +77,7 @@ def _frame(across: Axis, up: Axis) -> str:
     return "".join(parts)
 
 
-def _lines(dots: Sequence[NumberedRun], across: Axis, up: Axis) -> str:
+def _lines(dots: Sequence[NumberedRun], across: LogAxis, up: LogAxis) -> str:
     """Runs of sweeps that differ in their cells alone are joined."""
     groups: dict[str, list[NumberedRun]] = {}
     for dot in dots:
@@ -91,7 +91,7 @@ def _lines(dots: Sequence[NumberedRun], across: Axis, up: Axis) -> str:
     return "".join(drawn)
 
 
-def _dot(run: NumberedRun, across: Axis, up: Axis, numbered: bool) -> str:
+def _dot(run: NumberedRun, across: LogAxis, up: LogAxis, numbered: bool) -> str:
     colour = METHOD_COLOURS[run.method]
     x, y = across.at(run.seconds), TOP + 5 if run.broken else up.at(run.size)
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]

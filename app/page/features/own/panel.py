@@ -44,10 +44,10 @@ class OwnCode:
         self._moves: tuple = ()  # of the run that rests meanwhile
         self._turn = threading.Event()  # ends the wait of the thread that plays
         self._news: tuple[float, Notice] | None = None
-        gui.add_html(f"<i class='lab-post' data-largest='{LARGEST}' data-too-large='{TOO_LARGE}.' data-busy='{BUSY}' "
+        gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{TOO_LARGE}.' data-busy='{BUSY}' "
                      f"data-one='{ONE}'></i>")
         button = gui.add_upload_button("file of particles", mime_type=",".join(KINDS))
-        self._post = Upload(gui, button, self._arrived, self._refuse)
+        self._upload = Upload(gui, button, self._arrived, self._refuse)
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""
@@ -83,7 +83,7 @@ class OwnCode:
     def notice(self) -> Notice | None:
         """What is to be read now of a file, if anything."""
         judging, news = self._judging, self._news
-        if coming := self._post.coming:
+        if coming := self._upload.coming:
             return Notice("wait", f"{coming}.")
         if judging is not None and self._run is None:
             return Notice("wait", f"The file {judging.name} is being read and judged.")
@@ -102,7 +102,7 @@ class OwnCode:
 
     def close(self) -> None:
         """The visitor has gone."""
-        self._post.close()  # first, and without the lock, for which a file that comes just now may wait
+        self._upload.close()  # first, and without the lock, for which a file that comes just now may wait
         with self._lock:
             self._end()
 

@@ -78,10 +78,10 @@ def _found(run: OwnRun, quantity: str) -> list[str]:
         size = with_unit(worst["size"], QUANTITIES[quantity].unit)
         found.append(f"Worst of all: {size}, particle {worst['particle']} at {_place(worst['X'])}, "
                      f"t = {number(worst['t'])} s.")
-    if apart := run.verdict["neighbour_gap"]:
-        found.append(f"{apart['count']:,} particles ({100 * apart['share']:.2g} %) are not where their neighbours are, "
-                     f"by up to {apart['farthest_over_h']:.2g} h, at t = {number(apart['t'])} s: the farthest is "
-                     f"particle {apart['particle']} at {_place(apart['X'])}.")
+    if gap := run.verdict["neighbour_gap"]:
+        found.append(f"{gap['count']:,} particles ({100 * gap['share']:.2g} %) are not where their neighbours are, "
+                     f"by up to {gap['farthest_over_h']:.2g} h, at t = {number(gap['t'])} s: the farthest is "
+                     f"particle {gap['particle']} at {_place(gap['X'])}.")
     return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in run.verdict["notes"])]
 
 

@@ -1,4 +1,4 @@
-"""The mark: click a particle on the stage and it is traced, and ringed wherever it is drawn."""
+"""Rings: click a particle on the stage and it is traced, and ringed wherever it is drawn."""
 
 import numpy as np
 import viser
@@ -13,7 +13,7 @@ _ANGLES = np.linspace(0, 2 * np.pi, 25)
 _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
 
 
-class Mark:
+class TraceRings:
     """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
 
     def __init__(self, client: viser.ClientHandle, trace: Trace):

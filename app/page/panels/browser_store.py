@@ -1,4 +1,4 @@
-"""BrowserStore: what the browser keeps for its visitor (``keeper.js``): the state in its address, and answers to
+"""BrowserStore: what the browser keeps for its visitor (``browser_store.js``): the state in its address, and answers to
 lessons."""
 
 import json
@@ -12,7 +12,7 @@ import viser
 from app.viewer.widgets import allow
 
 LONGEST = 20_000  # characters that a browser may tell at once
-MARK = "<i class='lab-keeper'></i>"
+MARK = "<i class='lab-store'></i>"
 
 
 @dataclass(frozen=True)

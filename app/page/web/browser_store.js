@@ -23,7 +23,7 @@
   history.replaceState(null, "", location.pathname + location.search);
 
   function look() {
-    const found = document.querySelector("[data-lab~=lab-keeper] + div input");
+    const found = document.querySelector("[data-lab~=lab-store] + div input");
     if (!found) { field = lesson = null; return; }
     if (found !== field) {
       field = found;
