@@ -23,3 +23,8 @@ def colour_table() -> np.ndarray:
     from matplotlib import colormaps  # here, because it takes long to import and few commands draw
 
     return (255 * colormaps[COLOUR_MAP](np.arange(256))[:, :3]).round().astype(np.uint8)
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue, 0 to 255, of "#rrggbb"."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)

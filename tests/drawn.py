@@ -1,10 +1,12 @@
-"""A scene of the viewer's that sends nothing: what was drawn can be read from its handles."""
+"""What is drawn on when nobody looks: a sheet that keeps its marks, and a scene of the viewer's that sends nothing."""
 
 from __future__ import annotations
 
 from types import SimpleNamespace
 
 import numpy as np
+
+from app.frame.marks import Room
 
 
 class Handle(SimpleNamespace):
@@ -24,3 +26,16 @@ class Scene:
 
     def __getattr__(self, kind):
         return lambda name, *args, **options: self.made.setdefault(name.rsplit("/", 1)[1], Handle(name))
+
+
+class Sheet:
+    """Keeps what was shown last under each name."""
+
+    def __init__(self):
+        self.marks, self.visible, self.room = {}, True, Room(600.0)
+
+    def show(self, *marks):
+        self.marks.update((mark.name, mark) for mark in marks)
+
+    def child(self, name):
+        return Sheet()

@@ -99,7 +99,7 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
             "says": [_title(text) for text in plan.texts], "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
-            "outlines": state.domains and bool(VIEWS[scene.problem].domains_hint),
+            "outlines": state.domains and bool(VIEWS[scene.problem].stage.DOMAINS_HINT),
             "view": {"quantity": state.quantity, "difference": state.difference, "domains": state.domains,
                      "magnified": state.magnified,
                      "logarithmic": state.logarithmic, "speed": state.speed or VIEWS[scene.problem].speed,

@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from app import drawing, state
+from app import state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
 from app.export.texts import notes, texts
+from app.frame.planar import PlanarStage
+from app.frame.scale import LEAST_REACH, LEAST_TOP
 from app.frame.silences import why_no_field
+from app.frame.stage import one_in
 from app.problems.views import VIEWS
-from app.scale import LEAST_REACH, LEAST_TOP
 from solvers.running.run import build
 from solvers.scene.scene import Scene
 from solvers.solver import samples
@@ -59,7 +61,7 @@ def recording(wanted: Wanted) -> dict[str, Any]:
         if not solver.sound:
             break
     kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
-    marked = kept[::drawing.one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
+    marked = kept[::one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
     tracks = _tracks(wanted, scene, kept, marked, shots)
     regular, pictures = (samples.read(np.concatenate(some), scene.active_estimators, _count(shots), scene.time_step)
                          for some in (rows, own))
@@ -96,20 +98,20 @@ def _tracks(wanted: Wanted, scene: Scene, kept: np.ndarray, marked: np.ndarray,
             shots: list[dict[str, Snapshot]]) -> list[Track]:
     """Everything of the particles that are kept: places, errors and estimates of each quantity, exact curves and lines,
     crossings of those that are marked."""
-    instants, view = [_first(shot) for shot in shots], VIEWS[scene.problem]
+    instants, stage = [_first(shot) for shot in shots], VIEWS[scene.problem].stage
     rest = _flat(instants[0].material_position[kept])
     position = np.stack([_flat(shot.position[kept]) for shot in instants])
     farthest = FARTHEST if scene.swings else np.inf  # the player brings back what moves on and on
     with np.errstate(invalid="ignore"):
         position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
-    if wanted.domains and (edges := view.domains):
-        half = [edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
+    if wanted.domains and issubclass(stage, PlanarStage):
+        half = [stage.domain_edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
         tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
     for key in wanted.quantities:
         tracks += _quantity(wanted, scene, key, [shot[key] for shot in shots], kept)
-    if scene.solution_known and view.stage.LINES:
-        lines = [_flat(view.stage.exact_lines(scene, shot.time, 1)[0, ::2]) for shot in instants]
+    if scene.solution_known and stage.LINES:
+        lines = [_flat(stage.exact_lines(scene, shot.time, 1)[0, ::2]) for shot in instants]
         tracks.append(Track("line", PLACE, np.stack(lines)))
     return tracks + _crossings(scene, instants, kept, marked)
 
@@ -194,11 +196,11 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str
     """What the player must know of a run beside its numbers."""
     found = [finding for one in series if (finding := find(scene, one, not_valid))]
     status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None))
-    view = VIEWS[scene.problem]
+    stage = VIEWS[scene.problem].stage
     return {"problem": scene.problem, "particles": _count(shots), "shown": shown,
-            "spacing": scene.spacing, "first_line": view.stage.first_line(scene), "step": scene.time_step,
+            "spacing": scene.spacing, "first_line": stage.first_line(scene), "step": scene.time_step,
             "steps": solver.step, "period": scene.period,
-            "end": scene.end_time, "outermost": view.outermost(scene), "ppc": scene.ppc,
+            "end": scene.end_time, "outermost": stage.outermost(scene), "ppc": scene.ppc,
             "known": scene.solution_known,
             "moves_on": not scene.swings, "least": {} if scene.swings else {
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},

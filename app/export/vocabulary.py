@@ -3,11 +3,12 @@
 import base64
 from typing import Any
 
-from app import axis, drawing, scale, words
+from app import words
 from app.colours import PINNED, TRUTH, colour_table
 from app.export import quantise
-from app.frame import sentence, silences
+from app.frame import axis, marks, scale, sentence, silences
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE, counting
+from app.frame.data import as_data
 from app.problems.views import VIEWS
 from solvers.scene.registry import ESTIMATORS
 
@@ -18,14 +19,14 @@ def vocabulary() -> dict[str, Any]:
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
                       "memory": scale.MEMORY, "smallest": scale.SMALLEST},
             "axis": {"steps": axis.STEPS, "room": axis.ROOM},
-            "colours": _colours(), "flash_seconds": drawing.FLASH_SECONDS,
+            "colours": _colours(), "flash_seconds": marks.FLASH_SECONDS,
             "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
             "compare": (SIDE_BY_SIDE, DIFFERENCE), "unknown": counting("{caption}", "{unknown}"),
             "sentences": {"unstable": sentence.UNSTABLE, "lost": sentence.LOST, "paused": sentence.PAUSED,
                           "nothing_yet": sentence.NOTHING_YET, "not_counted": silences.NOT_COUNTED},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
-            "problems": {name: _problem(name) for name in VIEWS}}
+            "problems": {name: as_data(view.stage) for name, view in VIEWS.items()}}
 
 
 def formats() -> dict[str, Any]:
@@ -36,14 +37,6 @@ def formats() -> dict[str, Any]:
 
 def _colours() -> dict[str, Any]:
     """The map as bytes, and the colours that have a meaning."""
-    greys = {"dot": drawing.DOT, "faint": drawing.FAINT, "cell": drawing.CELL, "unknown": (drawing.UNKNOWN,) * 3}
+    greys = {"dot": marks.DOT, "faint": marks.FAINT, "cell": marks.CELL, "unknown": (marks.UNKNOWN,) * 3}
     return {"map": base64.b64encode(colour_table().tobytes()).decode(), "truth": TRUTH, "pinned": PINNED,
-            "flash": drawing.FLASH, **{name: f"rgb{grey}" for name, grey in greys.items()}}
-
-
-def _problem(name: str) -> dict[str, Any]:
-    """Where a problem's field plot begins and ends, and the images of its body."""
-    view, stage = VIEWS[name], VIEWS[name].stage
-    plot = stage.PLOT
-    return {"plot": {"start": plot.start, "end": plot.end, "ends": plot.ends, "component": plot.component},
-            "mirrors": view.mirrors, "mark_seconds": stage.MARK_SECONDS, "lines": stage.LINES}
+            "flash": marks.FLASH, **{name: f"rgb{grey}" for name, grey in greys.items()}}

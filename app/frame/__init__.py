@@ -1,1 +1,1 @@
-"""What is seen of a run, as data and words: for the page, for exported files and for pictures alike."""
+"""What is seen of a run, as data: marks, scale, halves and words. Problems fill it, renderers draw it."""

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import viser
 
 from app import words
+from app.frame.scale import ColourScale
 from app.page.features.slow.panel import SlowMotion
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.estimators import EstimatorChoice
@@ -15,7 +16,6 @@ from app.page.panels.size import Size
 from app.page.stage.sight import Choice
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
-from app.scale import ColourScale
 from app.state import State
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import ALL
@@ -295,7 +295,7 @@ class Controls:
         magnify.on_update(choose_factor)
         for widget in (kind, hold):
             widget.on_update(changed)
-        if hint := VIEWS[session.scene.problem].domains_hint:
+        if hint := VIEWS[session.scene.problem].stage.DOMAINS_HINT:
             with self._part("domains"):
                 domains = gui.add_checkbox("Show domains", self.domains, hint=hint)
             domains.on_update(lambda e: self._show_domains(e.target.value))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from app.frame.scale import LEAST_TOP
 from app.frame.silences import why_no_index
 from app.frame.view import View, look
 from app.page.measurements import Numbers
@@ -14,7 +15,6 @@ from app.page.visit.pinned import PinnedRun
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
-from app.scale import LEAST_TOP
 from app.words import differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport

@@ -7,6 +7,7 @@ from time import thread_time
 
 import viser
 
+from app.frame.scale import ColourScale
 from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.classroom import Classroom
@@ -29,7 +30,6 @@ from app.page.summary import Speaker
 from app.page.visit.recent import Recent
 from app.page.visit.session import FIRST_SCENE, PageLinks, Session
 from app.page.visit.trace import Trace
-from app.scale import ColourScale
 from app.state import StateError
 from app.state import read as read_state
 from solvers.engine.frames import FrameArrays

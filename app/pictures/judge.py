@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from app.colours import COLOUR_MAP, ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
-from app.figures import positive, say, thinned
+from app.renderers.picture import positive, say, thinned
 from app.words import QUANTITIES, method_name
 from solvers.judging.measure import QUANTITIES as JUDGED
 from solvers.judging.measure import series, sizes

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from app.colours import ESTIMATE, TRUTH
-from app.figures import positive, say, styled
 from app.frame.silences import NOTHING_TO_SHOW
+from app.renderers.picture import positive, say, styled
 from app.words import QUANTITIES
 from solvers.solver.norms import RunningIndex
 from solvers.solver.result import Result

@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from app.colours import ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
-from app.figures import Look, say
 from app.pictures import study_parts as parts
 from app.pictures.series import DRAWN
 from app.pictures.study_cost import cost_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
 from app.pictures.study_step import error_step_figure
+from app.renderers.picture import Look, say
 from app.words import QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study.fit import pareto

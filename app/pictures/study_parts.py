@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from app.colours import METHOD_COLOURS, METHOD_MARKS
-from app.figures import Look, say
+from app.renderers.picture import Look, say
 from app.words import METHODS, QUANTITIES
 from solvers.solver.soundness import BROKEN
 from solvers.study.series import Series, error_of, measured, series

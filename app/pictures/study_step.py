@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from app.figures import Look
 from app.pictures import study_parts as parts
 from app.pictures.series import DRAWN
+from app.renderers.picture import Look
 from solvers.solver.soundness import OK
 from solvers.study.fit import balance
 from solvers.study.series import Series, error_of

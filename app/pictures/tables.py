@@ -9,7 +9,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE, TRUTH
-from app.figures import Look, line_style, say
+from app.renderers.picture import Look, line_style, say
 from app.words import EXTRA_NORMS, QUANTITIES, method_name
 from solvers.scene.registry import ESTIMATORS
 from solvers.study.tables.digits import short

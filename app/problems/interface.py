@@ -1,20 +1,14 @@
 """What a problem tells the page and the pictures about itself."""
 
-from __future__ import annotations
-
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    import viser
-
-    from app.problems.slow import SlowStage
-    from app.problems.stage import Stage
+from app.frame.slow.stage import SlowStage
+from app.frame.stage import Stage
 
 
 @dataclass(frozen=True)
@@ -67,15 +61,21 @@ class Motion:
 class ProblemView:
     """How one problem is shown.
 
+    ``stage`` makes marks of its frames, ``slow`` of one step in slow motion. ``draw(figure, space, particles, result)``
+    draws a run's error in space into the axes ``space`` and the particles at its end into the place ``particles``; it
+    imports matplotlib, which takes long, when it is called.
     ``regions`` divides the material by where particles were at rest (P, D), and ``division`` says how in words: "the
     bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and that of its lower row over the
     upper one. ``speed`` is what the page begins with, in periods a second. ``details`` are the fields of the scene
-    among the "Method details", each with its hint. ``domains_hint`` goes with a stage that can outline domains.
-    ``motion`` is there where the scene has several motions, ``material`` are fields of the material beside the modulus.
-    ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
+    among the "Method details", each with its hint. ``motion`` is there where the scene has several motions,
+    ``material`` are fields of the material beside the modulus. ``estimators`` are those that the page begins with, the
+    first of them drawn, where they are not the scene's own.
     """
 
     problem: str
+    stage: type[Stage[Any]]
+    slow: type[SlowStage]
+    draw: Callable[..., None]
     regions: Callable[[np.ndarray], Regions]
     division: str
     picture: tuple[float, float]
@@ -83,7 +83,6 @@ class ProblemView:
     amplitude_hint: str
     speed: float
     details: Mapping[str, str]
-    domains_hint: str = ""
     motion: Motion | None = None
     modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
@@ -94,37 +93,3 @@ class ProblemView:
         """Html on what moves: the folder's ``about.html``, if it has one."""
         path = Path(__file__).parent / self.problem / "about.html"
         return path.read_text(encoding="utf-8") if path.exists() else ""
-
-    @property
-    def stage(self) -> type[Stage[Any]]:
-        """The ``STAGE`` of the folder's ``stage.py``, imported when it is asked for: a picture needs no viewer."""
-        return self._module("stage").STAGE
-
-    @property
-    def domains(self) -> Callable[[Any, np.ndarray], np.ndarray] | None:
-        """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients (P, 2, 2), of a
-        problem whose stage outlines them: ``domains(scene, F)`` of the folder's ``stage.py``."""
-        return self._module("stage").domains if self.domains_hint else None
-
-    @property
-    def mirrors(self) -> tuple[tuple[int, int], ...]:
-        """Signs of x and y in each image of the body on the stage; of a problem in one dimension none."""
-        return getattr(self._module("stage").STAGE, "MIRRORS", ())
-
-    def outermost(self, scene: Any) -> float | None:
-        """How far from the middle a particle should come, in metres; of a problem in one dimension None."""
-        return self._module("stage").outermost(scene) if self.mirrors else None
-
-    @property
-    def slow(self) -> Callable[[viser.ClientHandle], SlowStage]:
-        """The ``STAGE`` of the folder's ``slow.py``: one step in slow motion."""
-        return self._module("slow").STAGE
-
-    @property
-    def draw(self) -> Callable:
-        """``draw(figure, space, particles, result)`` of the folder's ``pictures.py``: the error in space into the axes
-        ``space``, the particles at the end into the place ``particles``. Matplotlib takes long to import."""
-        return self._module("pictures").draw
-
-    def _module(self, name: str) -> Any:
-        return importlib.import_module(f"app.problems.{self.problem}.{name}")

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import viser
 
-from app.colours import ESTIMATE, TRUTH
-from app.drawing import rgb
+from app.colours import ESTIMATE, TRUTH, rgb
 
 CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the left panel
 

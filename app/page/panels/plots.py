@@ -13,11 +13,11 @@ import viser
 from viser import uplot
 
 from app.colours import PINNED, TRUTH
+from app.frame.scale import BEYOND, largest
 from app.frame.silences import NOT_COUNTED, TRUE
 from app.page.panels.readout import named
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
-from app.scale import BEYOND, largest
 from app.words import QUANTITIES, number, power_of_ten, power_text
 from solvers.scene.registry import ESTIMATORS
 from solvers.scene.scene import Scene

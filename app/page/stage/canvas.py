@@ -5,15 +5,17 @@ from collections.abc import Hashable
 import numpy as np
 import viser
 
-from app.drawing import RECTANGLE, ColourBar, enlarge
+from app.frame.colour_bar import ColourBar
+from app.frame.marks import RECTANGLE
+from app.frame.scale import ColourScale
+from app.frame.stage import Stage
 from app.page.stage.camera import FlatCamera
 from app.page.stage.probe import Probe
 from app.page.stage.sight import Choice, Picture, Sight
 from app.page.stage.trace_rings import TraceRings
 from app.page.visit.trace import Trace
-from app.problems.stage import Stage
 from app.problems.views import VIEWS
-from app.scale import ColourScale
+from app.renderers.viewer import Sheet, enlarge
 from app.words import QUANTITIES
 
 ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
@@ -28,8 +30,8 @@ class Canvas:
         self.picture: Picture | None = None  # that is seen
         self._coloured: Hashable = None  # what the scale of colours is of
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
-        self._colour_bar = ColourBar(client.scene, scale)
-        self._stages = {problem: view.stage(client, scale) for problem, view in VIEWS.items()}
+        self._colour_bar = ColourBar(Sheet(client, "/colours"), scale)
+        self._stages = {problem: view.stage(Sheet(client, f"/{problem}"), scale) for problem, view in VIEWS.items()}
         self._show_stage(problem)
         self.camera = FlatCamera(client, RECTANGLE)
         self.probe = Probe(client, self.camera)
@@ -77,9 +79,9 @@ class Canvas:
 
     def _show_stage(self, problem: str | None) -> None:
         """Show one of them, or none."""
-        self._colour_bar.root.visible = problem is not None
+        self._colour_bar.sheet.visible = problem is not None
         for name, stage in self._stages.items():
-            stage.root.visible = name == problem
+            stage.sheet.visible = name == problem
 
 
 def _draw(stage: Stage, picture: Picture, choice: Choice) -> None:

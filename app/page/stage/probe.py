@@ -3,9 +3,10 @@
 import numpy as np
 import viser
 
-from app.drawing import AWAY, DOT, in_plane, joined, lines
+from app.frame.marks import DOT, Lines, in_plane, joined
+from app.frame.stage import Stage
 from app.page.stage.camera import FlatCamera
-from app.problems.stage import Stage
+from app.renderers.viewer import Sheet
 from app.words import with_unit
 from solvers.engine.frames import FrameArrays
 
@@ -15,7 +16,7 @@ class Probe:
 
     def __init__(self, client: viser.ClientHandle, camera: FlatCamera):
         self._rectangle: tuple[tuple[float, float], tuple[float, float]] | None = None
-        self._frame = lines(client.scene, "/probe", DOT, 1.5)
+        self._sheet = Sheet(client, "/probe")
         self.text: str | None = None
         # Rectangle selection also takes the left drag, which would otherwise rotate the view.
         client.scene.on_rect_select()(lambda event: self._select(camera, event))
@@ -30,7 +31,7 @@ class Probe:
         inside = stage.region(*rectangle, arrays)
         if not inside.any():
             self._rectangle, self.text = None, None
-            self._frame.points = np.full((1, 2, 3), AWAY, np.float32)
+            self._show(np.empty((0, 2, 3), np.float32))
             return
         parts = [f"{np.count_nonzero(inside)} particles"]
         for name, sizes in (("estimated", estimated), ("true", true)):
@@ -44,4 +45,7 @@ class Probe:
         (left, right), (bottom, top) = (sorted(coordinates) for coordinates in zip(*ends, strict=True))
         self._rectangle = (left, bottom), (right, top)
         corners = in_plane(np.array([left, right, right, left]), np.array([bottom, bottom, top, top]), 0.03)
-        self._frame.points = joined(corners, np.roll(corners, -1, axis=0))
+        self._show(joined(corners, np.roll(corners, -1, axis=0)))
+
+    def _show(self, frame: np.ndarray) -> None:
+        self._sheet.show(Lines("rectangle", frame, DOT, 1.5))

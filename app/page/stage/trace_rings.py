@@ -3,12 +3,15 @@
 import numpy as np
 import viser
 
-from app.drawing import DOT, joined, lines
+from app.frame.marks import DOT, Lines, joined
+from app.frame.stage import Stage
 from app.page.visit.trace import Trace
-from app.problems.stage import Stage
+from app.renderers.viewer import Sheet
 from solvers.engine.frames import FrameArrays
 
-RADIUS, HEIGHT = 0.018, 0.04  # on the stage, and above all that is drawn there
+RADIUS = 0.018  # on the stage
+#: Above all that is drawn there: white beneath black is seen on every colour of the map.
+RINGS = ("ground", (255, 255, 255), 5.0, 0.04), ("ring", DOT, 2.0, 0.045)
 _ANGLES = np.linspace(0, 2 * np.pi, 25)
 _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
 
@@ -19,31 +22,27 @@ class TraceRings:
     def __init__(self, client: viser.ClientHandle, trace: Trace):
         self._trace = trace
         self._seen: tuple[Stage, FrameArrays] | None = None
-        # White beneath black is seen on every colour of the map.
-        self._rings = [lines(client.scene, f"/trace/{name}", colour, width)
-                       for name, colour, width in (("ground", (255, 255, 255), 5.0), ("ring", DOT, 2.0))]
+        self._sheet = Sheet(client, "/trace")
         client.scene.on_click()(lambda event: self._click(_on_stage(event)))
 
     def look(self, stage: Stage, arrays: FrameArrays) -> None:
         """Ring the particle in the frame that is drawn, if it is traced."""
         self._seen, traced = (stage, arrays), self._trace.traced
         if traced is None or traced.particle >= len(arrays.position):
-            if self._rings[0].visible:
-                for ring in self._rings:
-                    ring.visible = False
+            self._sheet.visible = False
             return
         middles = stage.images(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
         around = middles[:, None] + _RING  # (images, angles, 3)
-        for k, ring in enumerate(self._rings):
-            around[:, :, 2] = HEIGHT + 0.005 * k
-            ring.points = joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3))
-            ring.visible = True
+        for name, colour, width, height in RINGS:
+            around[:, :, 2] = height
+            self._sheet.show(Lines(name, joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)), colour,
+                                   width))
+        self._sheet.visible = True
 
     def hide(self) -> None:
         """Something else is on the stage, of which no particle is traced."""
         self._seen = None
-        for ring in self._rings:
-            ring.visible = False
+        self._sheet.visible = False
 
     def _click(self, point: tuple[float, float]) -> None:
         if self._seen is None:

@@ -8,7 +8,18 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
-from app.figures import MOST_CELL_LINES, colour_bar, drawable, robust_size, say, shared_scale, thinned, when_text
+from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
+from app.renderers.picture import (
+    MOST_CELL_LINES,
+    colour_bar,
+    drawable,
+    robust_size,
+    say,
+    shared_scale,
+    thinned,
+    when_text,
+    write_places,
+)
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 from solvers.solver.result import Result
@@ -63,6 +74,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     if lined:
         axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color="0.6",
                     linewidth=min(0.8, 60 / cells), zorder=1)
+    write_places(axes, BarStage, lambda label: (label.x, (label.y - TRUTH_LANE) / (ESTIMATE_LANE - TRUTH_LANE)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), lanes, strict=True):
         tick.set_color(colour)

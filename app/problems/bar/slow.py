@@ -1,9 +1,9 @@
 """One step of the bar in slow motion: its cell above, with the nodes' shape functions, and its particles below."""
 
 import numpy as np
-import viser
 
-from app.problems.slow import DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
+from app.frame.marks import Colour
+from app.frame.slow.stage import DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
@@ -17,9 +17,6 @@ class BarSlowStage(SlowStage):
 
     _picture = (-0.1, 1.06, 0.0, 0.9)
     _above, _aside = 0.06, np.array([0.0, 1.0])
-
-    def __init__(self, client: viser.ClientHandle):
-        super().__init__(client, "bar")
 
     def _look_at(self, a: StepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place])
@@ -41,7 +38,7 @@ class BarSlowStage(SlowStage):
     def _aim(self, vectors: np.ndarray) -> np.ndarray:
         return np.concatenate([vectors, np.zeros_like(vectors)], axis=1)
 
-    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: tuple[int, int, int], thickness: float) -> None:
+    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
         ends = x + edges[:, 0] * np.array([[-1, 1]])
         low, high = (np.stack([self._stage_x(ends), np.full(ends.shape, PARTICLES_AT + y)], axis=2)
                      for y in (-0.03, 0.03))
@@ -69,5 +66,3 @@ class BarSlowStage(SlowStage):
         self._sketch.dots(read, FRONT, 1)
         self._sketch.dots(np.stack([self._nodes[:, 0], read[:, 1]], axis=1), NODE, 0)
 
-
-STAGE = BarSlowStage

@@ -1,9 +1,12 @@
 """How the bar is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from app.problems.bar.slow import BarSlowStage
+from app.problems.bar.stage import BarStage
 from app.problems.interface import Motion, ProblemView, Reach, Regions
 from solvers.problems.bar.patch import PATCH
 from solvers.problems.bar.scene import BarScene
@@ -36,9 +39,16 @@ MOTION = Motion(
      "initial_velocity": ("Velocity v, m/s", 0.0, 2.0, 0.05, "at which the whole bar moves through the grid")},
     speed=1.0, quantity="sigma")
 
+
+def draw(*places: Any) -> None:
+    from app.problems.bar import pictures
+
+    pictures.draw(*places)
+
+
 BAR = ProblemView(
-    "bar", regions, f"the bar into {LENGTHS} lengths", picture=(10.0, 1.25 / 3), speed=0.5,
-    reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
+    "bar", BarStage, BarSlowStage, draw, regions, f"the bar into {LENGTHS} lengths", picture=(10.0, 1.25 / 3),
+    speed=0.5, reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
     amplitude_hint="amplitude of the vibration; from 0.159 m on the exact bar turns inside out",
     motion=MOTION, estimators=("recovered", "transport"),
     details={"linearity_preserving": "correct the gradient so that linear stress gives the exact force",

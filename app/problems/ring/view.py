@@ -1,8 +1,12 @@
 """How the ring is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
 
+from typing import Any
+
 import numpy as np
 
+from app.frame.slow.planar import PlanarSlowStage
 from app.problems.interface import ProblemView, Reach, Regions
+from app.problems.ring.stage import RingStage
 from solvers.problems.ring.exact import INNER, OUTER
 from solvers.problems.ring.scene import INVERSION, RESONANCE, WRINKLING
 
@@ -18,12 +22,17 @@ def regions(X: np.ndarray) -> Regions:
     return Regions(names, third * ANGLES + angle)
 
 
+def draw(*places: Any) -> None:
+    from app.problems.ring import pictures
+
+    pictures.draw(*places)
+
+
 RING = ProblemView(
-    "ring", regions, f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the wall",
+    "ring", RingStage, PlanarSlowStage, draw, regions,
+    f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the wall",
     picture=(13.5, 0.85), speed=0.2, reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-2, 10.0)),
     amplitude_hint=f"largest displacement of the outer rim; from {RESONANCE} m on the motion itself is unstable, above "
                    f"{WRINKLING} m a real ring wrinkles, from {INVERSION} m on the exact one turns inside out",
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
-             "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"},
-    domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
-                 "particles")
+             "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"})

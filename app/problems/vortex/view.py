@@ -1,8 +1,12 @@
 """How the vortex is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
 
+from typing import Any
+
 import numpy as np
 
+from app.frame.slow.planar import PlanarSlowStage
 from app.problems.interface import ProblemView, Reach, Regions
+from app.problems.vortex.stage import VortexStage
 from solvers.problems.vortex.scene import INNER, MOST_AMPLITUDE, OUTER
 
 ANGLES, FIFTHS = 8, ("innermost", "inner", "middle", "outer", "outermost")  # regions: 45 degrees each
@@ -18,8 +22,15 @@ def regions(X: np.ndarray) -> Regions:
     return Regions(names, fifth * ANGLES + angle)
 
 
+def draw(*places: Any) -> None:
+    from app.problems.vortex import pictures
+
+    pictures.draw(*places)
+
+
 VORTEX = ProblemView(
-    "vortex", regions, f"the ring into {ANGLES} angles from the x axis on and {len(FIFTHS)} fifths of the wall",
+    "vortex", VortexStage, PlanarSlowStage, draw, regions,
+    f"the ring into {ANGLES} angles from the x axis on and {len(FIFTHS)} fifths of the wall",
     picture=(15.0, 1.3), speed=0.1,
     reach=Reach((12, 96, 2), (1, 3), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
     amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
@@ -30,6 +41,4 @@ VORTEX = ProblemView(
     material={"poisson_ratio": ("Poisson's ratio ν", -0.5, 0.49, 0.01,
                                 "resistance to a change of volume: not in the exact motion, which has none, but in the "
                                 "errors and, with the speed of waves, in the time step")},
-    domains_hint="outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
-                 "particles",
     estimators=("companion", "transport"))  # else the first picture would show nothing but an estimate that fails

@@ -6,7 +6,7 @@ import gc
 import weakref
 from types import SimpleNamespace
 
-from app.drawing import enlarge, label, letters
+from app.renderers.viewer import Sheet, enlarge, label
 
 
 class Scene:
@@ -14,6 +14,9 @@ class Scene:
 
     def __init__(self):
         self.labels = {}
+
+    def add_frame(self, name, **options):
+        return Handle(name=name)
 
     def add_label(self, name, text, position, anchor, font_screen_scale):
         self.labels[name] = handle = Handle(name=name, scene=self, font_screen_scale=font_screen_scale)
@@ -27,9 +30,10 @@ class Handle(SimpleNamespace):
 def test_labels_are_enlarged_together_and_each_from_its_own_size():
     scene = Scene()
     small, usual = label(scene, "/small", "a", 0, 0, "center", 0.5), label(scene, "/usual", "b", 0, 0, "center")
-    room = letters(scene, 300)
+    sheet = Sheet(SimpleNamespace(scene=scene, camera=SimpleNamespace(image_width=600, image_height=800)), "/stage")
+    room = sheet.room.letters(0.6)
     enlarge(scene, 2.0)
-    assert (small.font_screen_scale, usual.font_screen_scale) == (1.0, 2.0) and letters(scene, 300) == room // 2
+    assert (small.font_screen_scale, usual.font_screen_scale) == (1.0, 2.0) and sheet.room.letters(0.6) == room // 2
     assert label(scene, "/later", "c", 0, 0, "center").font_screen_scale == 2.0
 
 

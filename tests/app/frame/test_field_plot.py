@@ -8,17 +8,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.axis import ROOM, Axis
-from app.problems.bar.stage import FIELD as BAR_FIELD
-from app.problems.field import FieldPlot, seen
-from app.problems.ring.stage import FIELD as RING_FIELD
+from app.frame.axis import ROOM, Axis
+from app.frame.field import FieldPlot, seen
+from app.problems.bar.stage import BarStage
+from app.problems.ring.stage import RingStage
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
-from tests.drawn import Scene
 
+BAR_FIELD, RING_FIELD = BarStage.PLOT, RingStage.PLOT
 BAR, RING = BarScene(cells=10, ppc=2, periods=1), RingScene(cells=12, periods=1)
 
 
@@ -110,49 +110,53 @@ def test_axis_comes_back_once_a_peak_is_gone():
 
 
 def plot():
-    """A plot on a stage that sends nothing, and what it shows by the last part of its name."""
-    scene = Scene()
-    return FieldPlot(scene, "bar", BAR_FIELD, 0.006), scene.made
+    """A function that draws a plot's next frame, and what the plot shows by the last part of its name."""
+    drawn, made = FieldPlot(BAR_FIELD, 0.006), {}
+
+    def draw(*frame):
+        made.update((mark.name.removeprefix("field/"), mark) for mark in drawn.draw(*frame))
+
+    return draw, made
 
 
 def test_a_run_gone_bad_breaks_nothing_and_is_said():
     """What is beyond every number is away and counted, what is large is on the axis, the curve is still there."""
-    drawn, made = plot()
+    draw, made = plot()
     field = np.zeros((20, 2), np.float32)
     field[:, 1] = field[:, 0] = [*np.linspace(0, 1e9, 17), np.nan, np.inf, 1e38]
     at, crossed = (np.arange(20) + 0.5) / 20, np.arange(20) == 3
-    drawn.draw(BAR, "v", 1000, at, field, 0.1, crossed)
+    draw(BAR, "v", 1000, at, field, 0.1, crossed)
     heights = made["particles"].points[:, 1]
     assert (heights[17:] < -1).all() and "; 3 without a number" in made["caption"].text
     assert np.abs(heights[:17] - BAR_FIELD.middle).max() <= 1.001 * ROOM * BAR_FIELD.height  # single precision
-    assert "deviation from exact × 1000" in made["caption"].text and made["number1"].text == "1.00e+12 m/s"
-    assert np.isfinite(made["exact"].points).all()
+    assert "deviation from exact × 1000" in made["caption"].text and made["high"].text == "1.00e+12 m/s"
+    assert np.isfinite(made["exact"].segments).all()
     np.testing.assert_array_equal(made["crossed"].points[:, :2], made["particles"].points[crossed][:, :2])
 
 
 def test_the_axis_begins_anew_with_the_run():
     """A restart after a bad end does not wait for its axis to fade."""
-    drawn, made = plot()
+    draw, made = plot()
     at, crossed, field = (np.arange(20) + 0.5) / 20, np.zeros(20, bool), np.full((20, 2), 1e6, np.float32)
-    drawn.draw(BAR, "x", 1, at, field, 0.5, crossed)
-    assert made["number1"].text == "1 Mm"
-    drawn.draw(BAR, "x", 1, at, 0 * field, 0.0, crossed)
-    assert made["number1"].text == "30 mm" and made["number0"].text == "−30"
+    draw(BAR, "x", 1, at, field, 0.5, crossed)
+    assert made["high"].text == "1 Mm"
+    draw(BAR, "x", 1, at, 0 * field, 0.0, crossed)
+    assert made["high"].text == "30 mm" and made["low"].text == "−30"
 
 
 def test_captions_say_what_is_drawn():
-    drawn, made = plot()
+    draw, made = plot()
     at, crossed = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
     def caption(scene, quantity, magnified=1, value=0.0):
-        drawn.draw(scene, quantity, magnified, at, np.full((20, 2), value, np.float32), 0.1, crossed)
+        draw(scene, quantity, magnified, at, np.full((20, 2), value, np.float32), 0.1, crossed)
         return made["caption"].text
 
     assert caption(BAR, "x") == "displacement u: particles (dots) on the exact curve"
-    assert made["exact"].visible
+    assert len(made["exact"])
     assert caption(BAR, "sigma", 100) == "stress σ: particles' deviation from exact × 100"
     alone = replace(BAR, body_force="two-tone")
     assert caption(alone, "v", 10) == "velocity v of the particles (no exact curve is known)"
-    assert not made["exact"].visible
+    assert not len(made["exact"])
     off = replace(BAR, effects=("truth",))
     assert caption(off, "a", value=np.nan) == "acceleration a not computed: the effect \"acceleration error\" is off"

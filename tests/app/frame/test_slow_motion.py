@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app import drawing
-from app.problems.phases import PHASES, scaled
-from app.problems.slow import NUMBERS, shape
+from app.frame.slow.phases import PHASES, scaled
+from app.frame.slow.stage import NUMBERS, shape
 from app.problems.views import VIEWS
+from app.renderers.viewer import Sheet
 from app.words import PREFIXES
 from solvers.engine.frames import FrameOptions
 from solvers.engine.messages import Pace, Wish
@@ -158,7 +158,7 @@ def test_words_stay_on_a_small_stage(name):
     """A narrower window has shorter lines; words that were there are broken anew when the window changes."""
     camera = SimpleNamespace(image_width=773, image_height=670)
     drawn = Scene()
-    stage = VIEWS[SCENES[name].problem].slow(SimpleNamespace(scene=drawn, camera=camera))
+    stage = VIEWS[SCENES[name].problem].slow(Sheet(SimpleNamespace(scene=drawn, camera=camera), "/slow"))
     solver = build(SCENES[name])
     solver.advance(40)
     _, breakdown = solver.break_down(7)
@@ -177,7 +177,7 @@ def test_words_stay_on_a_small_stage(name):
 def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(scene):
     camera = SimpleNamespace(image_width=773, image_height=670)
     drawn = Scene()
-    stage = VIEWS[scene.problem].slow(SimpleNamespace(scene=drawn, camera=camera))
+    stage = VIEWS[scene.problem].slow(Sheet(SimpleNamespace(scene=drawn, camera=camera), "/slow"))
     solver = build(scene)
     solver.advance(40)
     sides = {"bottom-center": (0, 1), "top-center": (0, -1), "center-left": (1, 0), "center-right": (-1, 0)}
@@ -188,7 +188,7 @@ def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(scen
             front = drawn.made["dots2"].points[-1, :2]
             numbers = [handle for handle in drawn.made.values() if handle.visible and handle.anchor in sides]
             assert len(numbers) == len(breakdown.nodes)
-            halves = [0.5 * np.array(drawing.extent(drawn, handle.text, NUMBERS)) / stage._pixels for handle in numbers]
+            halves = [0.5 * stage.sheet.room.extent(handle.text, NUMBERS) for handle in numbers]
             middles = [np.array(handle.position[:2]) + half * sides[handle.anchor]
                        for handle, half in zip(numbers, halves, strict=True)]
             for k, (half, middle) in enumerate(zip(halves, middles, strict=True)):

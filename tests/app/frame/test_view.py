@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from app import words
+from app.frame.scale import DECADES, MOST_TICKS, ColourScale
 from app.frame.silences import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN
+from app.frame.stage import Stage
 from app.frame.view import look
 from app.page.panels.readout import _percent, readout
 from app.page.stage.worst import SteadyMaximum, WorstRegions
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.ring.view import ANGLES, RING
-from app.problems.stage import Stage
 from app.problems.views import VIEWS
-from app.scale import DECADES, MOST_TICKS, ColourScale
 from app.words import with_unit
 from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport

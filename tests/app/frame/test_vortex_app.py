@@ -81,7 +81,7 @@ def test_treatments_of_the_map():
 def test_a_recording():
     head = recording(Wanted("vortex cells=12 ppc=2 t-end=0.1", 3, 1000, ("x",), domains=True))["head"]
     assert head["outermost"] == 1.25 and head["shown"] == VortexScene(cells=12, ppc=2).particles
-    assert VORTEX.mirrors == ((1, 1),) and VORTEX.stage.PLOT.component == "angular"
+    assert VORTEX.stage.MIRRORS == ((1, 1),) and VORTEX.stage.PLOT.component == "angular"
 
 
 @pytest.mark.parametrize("changes", [{"method": "cpdi"}, {"method": "cpgimp-v"},

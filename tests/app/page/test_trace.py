@@ -8,20 +8,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.scale import ColourScale
 from app.page.stage.trace_rings import RADIUS, TraceRings
 from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS
 from app.page.visit.recent import Recent
 from app.page.visit.trace import Trace
 from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
 from app.problems.ring.stage import MIRRORS, RingStage
-from app.scale import ColourScale
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
 from tests.app.frame.test_view import report_of
 from tests.app.page.test_recent import engine_frame
-from tests.drawn import Scene
+from tests.drawn import Scene, Sheet
 
 BAR = BarScene(cells=10, ppc=2, periods=1, amplitude=0.1, estimators=("transport",))
 RING = RingScene(cells=12, periods=1)
@@ -123,7 +123,7 @@ def test_only_what_is_there_is_traced(run):
 def stage(run):
     stages = {"bar": BarStage, "ring": RingStage}
     report, arrays = run[-1]
-    stage = stages[report.scene.problem](SimpleNamespace(scene=Scene()), ColourScale())
+    stage = stages[report.scene.problem](Sheet(), ColourScale())
     stage.plotted = "x"
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], report.time, 1.0)
     return stage
@@ -146,7 +146,7 @@ def test_every_image_is_found_by_a_click(run, stage):
 def test_height_in_the_lanes_does_not_count():
     """As wide as a particle is the column in which it is meant, between the lanes as well."""
     report, arrays = frame_of(BAR)
-    stage = BarStage(SimpleNamespace(scene=Scene()), ColourScale())
+    stage = BarStage(Sheet(), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
     for y in (ESTIMATE_LANE + 0.04, (ESTIMATE_LANE + TRUTH_LANE) / 2, TRUTH_LANE - 0.04):
         assert [stage.nearest((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
@@ -158,20 +158,12 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     report, arrays = run[-1]
     recent = Recent()
     recent.add(report, arrays)
-    clicks, drawn = [], []
-
-    class Rings:
-        def add_line_segments(self, *args, **kwargs):
-            drawn.append(SimpleNamespace(points=None, visible=True))
-            return drawn[-1]
-
-        def on_click(self):
-            return clicks.append
-
+    clicks, scene = [], Scene()
+    scene.on_click = lambda: clicks.append
     trace = Trace(recent)
-    mark = TraceRings(SimpleNamespace(scene=Rings()), trace)
+    mark = TraceRings(SimpleNamespace(scene=scene), trace)
     mark.look(stage, arrays)
-    assert not any(rings.visible for rings in drawn)
+    assert not scene.made["trace"].visible
     images = stage.images(arrays, slice(5, 6))[:, 0, :2]
 
     def click(x, y):
@@ -181,9 +173,9 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     for place in (tuple(images[0]), (0.5, -5.0)):
         click(*images[0])
         assert trace.traced.particle == 5
-        for rings in drawn:
-            assert rings.visible
+        assert scene.made["trace"].visible
+        for rings in (scene.made["ground"], scene.made["ring"]):
             apart = np.linalg.norm(rings.points.reshape(len(images), -1, 3)[:, :, :2] - images[:, None], axis=2)
             np.testing.assert_allclose(apart, RADIUS, rtol=1e-4)  # single precision near 1
         click(*place)
-        assert trace.traced is None and not any(rings.visible for rings in drawn)
+        assert trace.traced is None and not scene.made["trace"].visible

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from app.frame.scale import BEYOND
 from app.page.panels.plots import _bounded, _time_unit
-from app.scale import BEYOND
 from app.words import power_of_ten
 
 

@@ -14,13 +14,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.problems.planar_stage import MIDDLE
+from app.frame.planar import PLACES
+from app.frame.scale import ColourScale
+from app.frame.stage import Seat
 from app.problems.ring.stage import RingStage
-from app.scale import ColourScale
+from app.renderers.viewer import Sheet
 from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
+from tests import drawn
 from tests.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
@@ -74,7 +77,7 @@ def test_a_redraw_is_cheap(frame):
     nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
-    stage = RingStage(SimpleNamespace(scene=Scene()), scale)
+    stage = RingStage(Sheet(SimpleNamespace(scene=Scene()), "/ring"), scale)
     stage.plotted = "sigma"
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 
@@ -88,10 +91,12 @@ def test_a_redraw_is_cheap(frame):
 def test_images_are_mirrored(frame):
     """The truth's half is the quarter and its image below, the estimate's the same mirrored at the middle."""
     _, arrays = frame
-    stage = RingStage(SimpleNamespace(scene=Scene()), ColourScale())
+    kept = drawn.Sheet()
+    stage = RingStage(kept, ColourScale())
     stage.draw(SCENE, arrays, None, arrays.error[:, 0], 0.0, 0.004)
-    truth, estimate = (half.points.reshape(2, -1, 3) for half in stage._halves)
-    place = stage._place(arrays.position) - [*MIDDLE, 0]
+    truth, estimate = (kept.marks[half].points.reshape(2, -1, 3) for half in ("truth", "estimate"))
+    middle = [*PLACES[Seat.ALONE][0], 0]
+    place = stage._place(arrays.position) - middle
     for points, x in ((truth, 1), (estimate, -1)):
         for image, y in zip(points, (1, -1), strict=True):
-            np.testing.assert_allclose(image - [*MIDDLE, 0], place * [x, y, 1], atol=1e-6)  # single precision near 1
+            np.testing.assert_allclose(image - middle, place * [x, y, 1], atol=1e-6)  # single precision near 1

@@ -8,11 +8,12 @@ from typing import Any
 
 import viser
 
+from app.frame.slow.phases import PHASES, scaled
+from app.frame.slow.stage import DIGITS, SlowStage
 from app.page.panels.head import BARE
 from app.page.visit.session import Session
-from app.problems.phases import PHASES, scaled
-from app.problems.slow import DIGITS, SlowStage
 from app.problems.views import VIEWS
+from app.renderers.viewer import Sheet
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
@@ -140,7 +141,7 @@ class SlowMotion:
         self._text.content = self.sentence = ""
         self._step = self._drawn = None
         for stage in self._stages.values():
-            stage.root.visible = False
+            stage.sheet.visible = False
         self._session.break_down(None)
         self._on_view()
 
@@ -160,8 +161,9 @@ class SlowMotion:
 
     def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
         """Draw what there is to see after another tick."""
-        stage = self._stages.get(scene.problem) or VIEWS[scene.problem].slow(self._client)
-        self._stages[scene.problem] = stage
+        if (stage := self._stages.get(scene.problem)) is None:
+            sheet = Sheet(self._client, f"/slow-{scene.problem}")
+            stage = self._stages[scene.problem] = VIEWS[scene.problem].slow(sheet)
         now = self._phase, self._s, stage.width
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
@@ -171,7 +173,7 @@ class SlowMotion:
             with self._client.atomic():
                 stage.draw(scene, step, self._phase, along * along * (3 - 2 * along))
                 for problem, other in self._stages.items():
-                    other.root.visible = problem == scene.problem
+                    other.sheet.visible = problem == scene.problem
             self._client.flush()
             self._drawn = now
         if self._s < 1:

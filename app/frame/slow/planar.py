@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from app.problems.slow import DOMAINS, FRONT, OTHERS, SlowStage, shape
+from app.frame.marks import Colour
+from app.frame.slow.stage import DOMAINS, FRONT, OTHERS, SlowStage, shape
 from solvers.problems.planar.layout import CORNERS
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
@@ -38,7 +39,7 @@ class PlanarSlowStage(SlowStage):
     def _aim(self, vectors: np.ndarray) -> np.ndarray:
         return vectors
 
-    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: tuple[int, int, int], thickness: float) -> None:
+    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
         corners = x[:, None] + np.einsum("ce,ked->kcd", 2 * np.array(CORNERS), edges)
         self._sketch.outline(self._place(corners), colour, thickness)
 

@@ -1,5 +1,6 @@
 """What the panels of a picture share: line styles, the common colour scale, robust sizes, words in place of data."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from app.scale import largest
+from app.frame.marks import Label
+from app.frame.scale import largest
+from app.frame.stage import Seat, Stage, Words
 from solvers.scene.registry import ESTIMATORS
 from solvers.solver.result import Result
 
@@ -81,3 +84,11 @@ def drawable(values: np.ndarray) -> np.ndarray:
 def say(axes: Axes, sentence: str) -> None:
     axes.text(0.5, 0.5, sentence, transform=axes.transAxes, ha="center", va="center", fontsize=9, color="0.3",
               wrap=True)
+
+
+def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tuple[float, float]]) -> None:
+    """What a stage writes at places of the body; ``in_axes`` says where in the axes those are."""
+    for label in stage.labels(Words(), Seat.ALONE):
+        if label.role == "place":
+            up, across = label.anchor.split("-")
+            axes.text(*in_axes(label), label.text, va=up, ha=across, fontsize=9 * label.size, clip_on=True)

@@ -1,21 +1,21 @@
 """The field plot: the quantity whose error is shown, of the particles and exact, against where they were at rest."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import viser
 
-from app import drawing
-from app.axis import ROOM, Axis
-from app.colours import TRUTH
+from app.colours import TRUTH, rgb
+from app.frame.axis import ROOM, Axis
 from app.frame.captions import counting, field_caption
-from app.scale import LEAST_REACH, largest
+from app.frame.marks import AWAY, DOT, FAINT, FLASH, Dots, Label, Lines, Mark, in_plane, joined
+from app.frame.scale import LEAST_REACH, largest
 from app.words import QUANTITIES, with_unit
 from solvers.scene.scene import Scene
 
 CURVE_POINTS = 121
+EXACT, OWN, CROSSED, OTHER = rgb(TRUTH), *(np.array(colour, np.uint8) for colour in (DOT, FLASH, FAINT))
 INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
 
 
@@ -37,38 +37,22 @@ class Place:
 
 
 class FieldPlot:
-    """Particles as dots on the exact curve, those that have just crossed a cell boundary in magenta."""
+    """Particles as dots of a ``size`` on the exact curve, those that have just crossed a cell boundary in magenta.
 
-    def __init__(self, s: viser.SceneApi, problem: str, place: Place, size: float):
-        def name(part: str) -> str:
-            return f"/{problem}/field/{part}"
+    ``raised`` is how much higher than its place the plot is, where something else needs that.
+    """
 
-        self.root = s.add_frame(f"/{problem}/field", show_axes=False)
-        self._place, self._axis = place, Axis()
+    def __init__(self, place: Place, size: float):
+        self._place, self._axis, self.size, self.raised = place, Axis(), size, 0.0
         self._drawn: tuple[Scene, str, int] | None = None
-        self._said: tuple[int, float] | None = None  # of what is drawn: numbers that are none, and the axis
+        self._said: tuple[int, float, float] | None = None  # of what is drawn: numbers that are none, axis and height
         self._time = 0.0
-        self._curve = drawing.lines(s, name("exact"), drawing.rgb(TRUTH), 3.0)
-        self._dots = drawing.points(s, name("particles"), size)
-        self._crossed = drawing.points(s, name("crossed"), 1.6 * size)
-        for cloud, colour in ((self._dots, drawing.DOT), (self._crossed, drawing.FLASH)):
-            cloud.colors = np.array(colour, np.uint8)  # of all: one each would cost a fifth of the bytes
-        high, low = place.middle + place.height, place.middle - place.height
-        ends = place.middle + ROOM * place.height * np.array([0, 0, -1, 1])
-        drawing.lines(s, name("axes"), drawing.FAINT, 1.0).points = drawing.in_plane(
-            np.array([0.0, 1.0, 0.0, 0.0]), ends, -0.01).reshape(2, 2, 3)
-        self._numbers = [drawing.label(s, name(f"number{k}"), " ", -0.01, y, "center-right", 0.85)
-                         for k, y in enumerate((low, high))]
-        drawing.label(s, name("zero"), "0", -0.01, place.middle, "center-right", 0.85)
-        below = low - 0.035
-        drawing.label(s, name("start"), place.ends[0], 0.0, below, "top-center", 0.85)
-        drawing.label(s, name("end"), place.ends[1], 1.0, below, "top-center", 0.85)
-        self._caption = drawing.label(s, name("caption"), " ", 0.5, below, "top-center", 0.85)
-        self.lent = Dots(self, s, name("pinned"), size)
+        self._dots = np.empty((0, 3), np.float32)
+        self.lent = PinnedField(self)
 
     def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
-             crossed: np.ndarray) -> None:
-        """Show the ``field`` (P, 2) of particles at rest ``at`` (P,) in metres: values and their deviations from the
+             crossed: np.ndarray) -> Iterator[Mark]:
+        """The ``field`` (P, 2) of particles at rest ``at`` (P,) in metres: values and their deviations from the
         exact, which are drawn ``magnified`` times. ``crossed`` (P,) says which have just crossed a cell boundary."""
         if (scene, quantity, magnified) != self._drawn or t < self._time:
             self._axis.forget()
@@ -78,32 +62,37 @@ class FieldPlot:
         values = seen(scene, field, magnified)
         self._axis.follow(max(largest(np.abs(values)), self.lent.reach), self._reach)
         unknown = len(values) - int(np.count_nonzero(np.isfinite(values)))
-        if (unknown, self._axis.top) != self._said:
-            self._said = unknown, self._axis.top
-            self._caption_it(scene, quantity, magnified, unknown)
-            self._number(QUANTITIES[quantity].unit)
-        points = self.points(at, values)
-        drawing.put(self._dots, points)
-        shown = points[crossed]
+        if (now := (unknown, self._axis.top, self.raised)) != self._said:
+            self._said = now
+            yield from self._axes()
+            yield from labels(self._place, self.raised, self._axis.top, QUANTITIES[quantity].unit,
+                              counting(field_caption(scene, self._place.component, quantity, magnified), unknown))
+        self._dots = self.points(at, values)
+        yield Dots("field/particles", self._dots, OWN, self.size)
+        shown = self._dots[crossed]
         shown[:, 2] = 0.015
-        drawing.put_few(self._crossed, shown)
+        yield Dots("field/crossed", shown, CROSSED, 1.6 * self.size)
+        curve = self._level[:0]
         if scene.solution_known:
             heights, curve = self._heights(self._place.exact(scene, quantity, self._line, t)), self._level.copy()
             curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
-            drawing.put(self._curve, curve)
+        yield Lines("field/exact", curve, EXACT, 3.0)
 
     def places(self, particles: slice, count: int) -> np.ndarray:
         """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
-        dots = self._dots.points[particles]
-        return dots if len(dots) == count else np.full((count, 3), drawing.AWAY, np.float32)
+        dots = self._dots[particles]
+        return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
+
+    def _axes(self) -> Iterator[Mark]:
+        ends = self._place.middle + self.raised + ROOM * self._place.height * np.array([0, 0, -1, 1])
+        yield Lines("field/axes", in_plane(np.array([0.0, 1.0, 0.0, 0.0]), ends, -0.01).reshape(2, 2, 3), FAINT, 1.0)
 
     def _begin(self, scene: Scene, quantity: str) -> None:
         """Another scene or quantity: how far the exact field reaches."""
         place = self._place
         self._line = np.linspace(place.start, place.end, CURVE_POINTS)
-        level = drawing.in_plane(np.linspace(0, 1, CURVE_POINTS), 0.0, 0.01)
-        self._level = drawing.joined(level[:-1], level[1:])  # the curve but for its heights
-        self._curve.visible = scene.solution_known
+        level = in_plane(np.linspace(0, 1, CURVE_POINTS), 0.0, 0.01)
+        self._level = joined(level[:-1], level[1:])  # the curve but for its heights
         self._reach = 0.0
         if scene.solution_known:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
@@ -117,43 +106,48 @@ class FieldPlot:
         with np.errstate(invalid="ignore"):
             out[:, 0] = (at - place.start) / (place.end - place.start)
             heights = self._heights(values)
-        out[:, 1] = np.where(np.isfinite(heights), heights, drawing.AWAY)
+        out[:, 1] = np.where(np.isfinite(heights), heights, AWAY)
         out[:, 2] = 0.01
         return out
 
     def _heights(self, values: np.ndarray) -> np.ndarray:
-        return self._place.middle + self._place.height / self._axis.top * values
-
-    def _number(self, unit: str) -> None:
-        top = with_unit(self._axis.top, unit)
-        for handle, text in zip(self._numbers, (f"−{top.split()[0]}", top), strict=True):  # little room: the unit once
-            drawing.write(handle, text)
-
-    def _caption_it(self, scene: Scene, quantity: str, magnified: int, unknown: int) -> None:
-        text = counting(field_caption(scene, self._place.component, quantity, magnified), unknown)
-        drawing.write(self._caption, text)
+        return self._place.middle + self.raised + self._place.height / self._axis.top * values
 
 
-class Dots:
+class PinnedField:
     """The particles of a pinned run, in grey behind those of a field plot and against its axis."""
 
-    def __init__(self, plot: FieldPlot, s: viser.SceneApi, name: str, size: float):
-        self._plot, self._dots = plot, drawing.points(s, name, size)
-        self._dots.colors = np.array(drawing.FAINT, np.uint8)
+    def __init__(self, plot: FieldPlot):
+        self._plot = plot
         self.reach = 0.0  # of the values, which the axis should hold
 
     def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
-             crossed: np.ndarray) -> None:
+             crossed: np.ndarray) -> Iterator[Mark]:
         """As the plot's own; crossings are not marked."""
         values = seen(scene, field, magnified)
         points, self.reach = self._plot.points(at, values), largest(np.abs(values))
         points[:, 2] = 0.0
-        drawing.put(self._dots, points)
+        yield self._dots(points)
 
-    def forget(self) -> None:
-        """Show nothing."""
+    def forget(self) -> Mark:
+        """The mark that shows nothing."""
         self.reach = 0.0
-        drawing.put_few(self._dots, np.empty((0, 3), np.float32))
+        return self._dots(np.empty((0, 3), np.float32))
+
+    def _dots(self, points: np.ndarray) -> Dots:
+        return Dots("field", points, OTHER, self._plot.size)
+
+
+def labels(place: Place, raised: float, top: float, unit: str, told: str) -> Iterator[Label]:
+    """What is written at a plot: the ends of its axis, from -top to top in a unit, those of the body, and a caption."""
+    middle, number = place.middle + raised, with_unit(top, unit)
+    below = middle - place.height - 0.035
+    for name, text, y in (("low", f"−{number.split()[0]}", middle - place.height),  # little room: the unit once
+                          ("zero", "0", middle), ("high", number, middle + place.height)):
+        yield Label(f"field/{name}", text, -0.01, y, "center-right", "number", 0.85)
+    for name, text, x in (("start", place.ends[0], 0.0), ("end", place.ends[1], 1.0)):
+        yield Label(f"field/{name}", text, x, below, "top-center", "number", 0.85)
+    yield Label("field/caption", told, 0.5, below, "top-center", "caption", 0.85)
 
 
 def seen(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:

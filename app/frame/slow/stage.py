@@ -5,11 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
-import viser
 
-from app import drawing
-from app.problems.phases import PHASES, scaled
-from app.problems.sketch import SIZES, Sketch
+from app.frame.marks import RECTANGLE, Anchor, Colour, Room, Sheet, wrapped
+from app.frame.slow.phases import PHASES, scaled
+from app.frame.slow.sketch import SIZES, Sketch
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
@@ -19,7 +18,7 @@ STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
 TOP, BOTTOM, LEFT = 1.03, -0.1, -0.1  # of the stage that the sentence above it and the notice below it leave
 CAPTION, NUMBERS = 0.85, 0.8  # sizes of letters
 #: Where the numbers of a node may stand: how they are anchored, and to which side.
-SIDES: tuple[tuple[drawing.Anchor, tuple[int, int]], ...] = (
+SIDES: tuple[tuple[Anchor, tuple[int, int]], ...] = (
     ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
 DIGITS = {1: 5, 2: 4}  # of numbers beside the nodes, by directions
 LONGEST = 0.42  # of a cell, of an arrow
@@ -29,15 +28,14 @@ MAGNIFIED = 0.3  # of a cell, about how far particles are seen to move
 
 
 class SlowStage(ABC):
-    """Draws one step taken apart in one client's scene. A problem says where things are drawn."""
+    """Draws one step taken apart on a sheet. A problem says where things are drawn."""
 
-    def __init__(self, client: viser.ClientHandle, problem: str):
-        self._client = client
-        self.root = client.scene.add_frame(f"/slow-{problem}", show_axes=False, visible=False)
-        self._sketch = Sketch(client.scene, f"/slow-{problem}")
+    def __init__(self, sheet: Sheet):
+        self.sheet, self._sketch = sheet, Sketch()
 
     def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
         """Show a phase at ``s``, from 0 at its beginning to 1 at its end."""
+        self._room = self.sheet.room
         self._look_at(a)
         self._nodes = self._node_spots(a.nodes)
         self._scale = self._per_metre * a.spacing  # a cell, on the stage
@@ -59,7 +57,7 @@ class SlowStage(ABC):
         self._sketch.dots(self._nodes, NODE, 0)
         self._numbers(a, phase)
         self._caption(scene, a, phase)
-        self._sketch.show()
+        self.sheet.show(*self._sketch.marks())
 
     def _functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         self._functions(scene, a, s)
@@ -121,7 +119,7 @@ class SlowStage(ABC):
             self._outline(self._places[:1], (edges @ (np.eye(len(F)) + share * gained).T)[None], colour, thickness)
         self._legend.append(f"outline: the particle's material before and after, its strain in this step × {factor:g}")
 
-    def _weights(self, a: StepBreakdown, colour: tuple[int, int, int], s: float) -> None:
+    def _weights(self, a: StepBreakdown, colour: Colour, s: float) -> None:
         """Lines from the particle in front to its nodes, as thick as the weights."""
         start = np.broadcast_to(self._spots[:1], self._nodes.shape)
         self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
@@ -137,7 +135,7 @@ class SlowStage(ABC):
             self._sketch.dots(at[k > 0], OTHERS, 0)
             self._sketch.dots(at[k == 0], FRONT, 1)
 
-    def _arrows(self, at: np.ndarray, vectors: np.ndarray, colour: tuple[int, int, int],
+    def _arrows(self, at: np.ndarray, vectors: np.ndarray, colour: Colour,
                 among: np.ndarray | None = None, thickness: float = 2.0) -> None:
         """The longest ``among`` these vectors is drawn ``LONGEST``."""
         most = np.hypot.reduce(vectors if among is None else among, axis=1).max()
@@ -169,8 +167,8 @@ class SlowStage(ABC):
 
     def _caption(self, scene: Scene, a: StepBreakdown, phase: int) -> None:
         lines, width = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)], self.width
-        self._sketch.text(LEFT, TOP, drawing.wrapped("; ".join(self._legend), width), "top-left", CAPTION)
-        self._sketch.text(LEFT, BOTTOM, "\n".join(drawing.wrapped(line, width) for line in lines), "bottom-left",
+        self._sketch.text(LEFT, TOP, wrapped("; ".join(self._legend), width), "top-left", CAPTION)
+        self._sketch.text(LEFT, BOTTOM, "\n".join(wrapped(line, width) for line in lines), "bottom-left",
                           CAPTION)
 
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
@@ -178,7 +176,7 @@ class SlowStage(ABC):
         """Which of the ``SIDES`` of a node suits its numbers: never over the particle in front, over what is
         ``written`` (middles and half sizes, to which this is added) only where there is no other, and not along arrows,
         of which ``taken`` says how far they reach to each side."""
-        half = 0.5 * np.array(drawing.extent(self._client.scene, text, NUMBERS)) / self._pixels
+        half = 0.5 * self._room.extent(text, NUMBERS)
         middles = spot + np.array([side for _, side in SIDES]) * (away + half)
         front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
         others = sum((np.all(np.abs(at - middles) < half + size, axis=1) for at, size in written), np.zeros(len(SIDES)))
@@ -187,15 +185,9 @@ class SlowStage(ABC):
         return best
 
     @property
-    def _pixels(self) -> float:
-        """Of a length of the stage."""
-        camera, (x0, x1, y0, y1) = self._client.camera, drawing.RECTANGLE
-        return min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0))
-
-    @property
     def width(self) -> int:
         """Letters that a line of the caption has room for, up to the right end of what is always seen."""
-        return drawing.letters(self._client.scene, (drawing.RECTANGLE[1] - LEFT) * self._pixels, CAPTION)
+        return self.sheet.room.letters(RECTANGLE[1] - LEFT, CAPTION)
 
     def _seen(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
         """Which points of the stage (m, 2) lie in the picture, with what reaches so far around them."""
@@ -216,6 +208,7 @@ class SlowStage(ABC):
     _above: float
     _aside: np.ndarray
     _per_metre: float
+    _room: Room
 
     @abstractmethod
     def _look_at(self, a: StepBreakdown) -> None:
@@ -234,7 +227,7 @@ class SlowStage(ABC):
         """Vectors (m, D) as they lie on the stage (m, 2), as long."""
 
     @abstractmethod
-    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: tuple[int, int, int], thickness: float) -> None:
+    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
         """Draw the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
 
     @abstractmethod

@@ -1,6 +1,6 @@
 """The axis of a plot whose values come and go: it ends at round numbers, holds all that is there and moves calmly."""
 
-from app.scale import round_up
+from app.frame.scale import round_up
 
 STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: what an axis may end at
 ROOM = 1.1  # an axis goes on so far beyond its last number, and values with it

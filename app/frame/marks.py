@@ -1,0 +1,142 @@
+"""Marks: what is drawn on a stage, as data. A renderer draws them: the viewer, the offline player, a picture.
+
+The stage is a plane in which x goes from 0 to 1 along the colour bar and y goes up; every problem fits ``RECTANGLE``.
+What has a higher z lies on top.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, Protocol
+
+import numpy as np
+
+from app.frame.scale import ColourScale
+
+Colour = tuple[int, int, int]
+RECTANGLE = (-0.105, 1.055, -0.11, 1.09)  # x0, x1, y0, y1 of all that is drawn
+FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
+DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
+UNKNOWN = 225  # grey of a particle whose error nobody knows
+AWAY = -50.0  # where points that cannot be shown are, far outside the view
+LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size
+LINE_HEIGHT = 15.0  # of a line of such letters, with what is around it
+
+Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
+                 "bottom-center", "bottom-right"]
+#: What a label is: a half's title or why it is empty, which run this is, what the marks mean, an axis's number or name,
+#: words at a step in slow motion, or words at a place of the body, which every renderer writes.
+Role = Literal["title", "silence", "name", "note", "number", "caption", "step", "place"]
+
+
+@dataclass(frozen=True)
+class Label:
+    """A text whose ``anchor`` is at (x, y), in lines of at most ``width`` letters if it says so, ``size`` times as
+    large as usual."""
+
+    name: str
+    text: str
+    x: float
+    y: float
+    anchor: Anchor
+    role: Role
+    size: float = 1.0
+    width: int = 0
+
+
+@dataclass(eq=False, slots=True)
+class Dots:
+    """Points (n, 3), ``size`` across and counted from an ``origin``, with colours (n, 3) or one for all (3,), 0 to 255.
+
+    They alone show a colour exactly as it is given. Who has made them writes to the arrays no more.
+    """
+
+    name: str
+    points: np.ndarray
+    colours: np.ndarray
+    size: float
+    shape: Literal["circle", "square"] = "circle"
+    origin: tuple[float, float] = (0.0, 0.0)
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(eq=False, slots=True)
+class Lines:
+    """Segments (n, 2, 3) in one colour or one for each end (n, 2, 3), of a thickness in pixels."""
+
+    name: str
+    segments: np.ndarray
+    colours: Colour | np.ndarray
+    thickness: float
+
+    def __len__(self) -> int:
+        return len(self.segments)
+
+
+Mark = Label | Dots | Lines
+
+
+@dataclass(frozen=True)
+class Room:
+    """How large a stage is drawn: ``pixels`` for a length of one, and letters so many times as large as usual."""
+
+    pixels: float
+    lettering: float = 1.0
+
+    def letters(self, length: float, size: float = 1.0) -> int:
+        """How many letters of a size there is room for in a length of the stage."""
+        return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
+
+    def extent(self, text: str, size: float = 1.0) -> np.ndarray:
+        """Width and height (2,) that a text of this size takes on the stage, about."""
+        scale, lines = size * self.lettering / self.pixels, text.split("\n")
+        return scale * np.array([LETTER_WIDTH * max(map(len, lines)), LINE_HEIGHT * len(lines)])
+
+
+class Sheet(Protocol):
+    """What marks are drawn on. One shown under the name of another takes its place; an empty one is not seen."""
+
+    visible: bool
+
+    @property
+    def room(self) -> Room: ...
+
+    def show(self, *marks: Mark) -> None: ...
+
+    def child(self, name: str) -> Sheet:
+        """A sheet that is seen with this one."""
+
+
+def shades(scale: ColourScale, sizes: np.ndarray | None, count: int) -> np.ndarray:
+    """Colours (P, 3) of error sizes; plain grey where nothing is known."""
+    if sizes is None or not np.isfinite(sizes).any():
+        return np.full((count, 3), UNKNOWN, np.uint8)
+    return scale.colours(sizes)
+
+
+def flash_colours(seconds_ago: np.ndarray) -> np.ndarray:
+    """Colours (P, 3) that fade from the flash to the white of the ground."""
+    fade = np.clip(seconds_ago / FLASH_SECONDS, 0, 1)[:, None]
+    return (np.array(FLASH) + fade * (255 - np.array(FLASH))).astype(np.uint8)
+
+
+def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:
+    """Points (n, 3) from coordinates (n,) or one for all; written in place, for it is done with every frame."""
+    points = np.empty((len(x), 3), np.float32)
+    points[:, 0], points[:, 1], points[:, 2] = x, y, z
+    return points
+
+
+def joined(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Line segments (n, 2, 3) between points (n, 3)."""
+    return np.stack([starts, ends], axis=1)
+
+
+@lru_cache(1000)
+def wrapped(text: str, width: int) -> str:
+    """The text in lines of at most so many characters; as it is for 0."""
+    return "\n".join(textwrap.wrap(text, width)) if width else text

@@ -1,0 +1,156 @@
+"""A plane problem's panels in a run's picture: particles, estimate on the left half and truth on the right, and the
+profile of the error over R."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
+
+from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
+from app.frame.planar import PLACES, RADIUS, PlanarStage
+from app.frame.silences import EMPTY_HALVES, NOTHING_TO_SHOW
+from app.frame.stage import Seat
+from app.renderers.picture import (
+    MOST_CELL_LINES,
+    colour_bar,
+    drawable,
+    positive,
+    say,
+    shared_scale,
+    styled,
+    thinned,
+    when_text,
+    write_places,
+)
+from solvers.scene.scene import Scene
+from solvers.solver.result import Result
+
+UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
+LEGEND_ROOM = 0.3  # above the data, as a part of their decades
+MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
+
+
+def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage]) -> None:
+    """Where between the inner and the outer radius the error is: each particle, and the RMS over a thin shell."""
+    at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
+    radius = np.linalg.norm(at.material_position, axis=1)
+    lines = [] if at.error is None else [("truth", at.error[:, 0], TRUTH, "-")]
+    lines += [(f"estimate ({name})", at.estimate[name][:, 0], colour, style) for name, colour, style in styled(result)]
+    few, drawn = thinned(len(radius)), []
+    for label, sizes, colour, style in lines:
+        shown = positive(sizes)
+        if not np.isfinite(shown).any():
+            continue
+        size = float(np.clip(2000 / len(few), 1.0, 8.0))
+        axes.scatter(radius[few], shown[few], s=size, color=colour, alpha=0.25, linewidths=0)
+        axes.plot(*_shells(result, radius, shown, inner, outer), color=colour, linestyle=style, linewidth=1.6,
+                  label=label, zorder=3)
+        drawn.append(shown)
+    axes.set_title(f"error of x {when_text(result)}, over the thickness", fontsize=10)
+    axes.set(xlabel=f"material radius R (m), from the inner surface {inner} to the outer {outer}",
+             ylabel="|error of x| (m)", xlim=(inner, outer))
+    if not drawn:
+        axes.set_yticks([])
+        say(axes, NOTHING_TO_SHOW)
+        return
+    low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
+    axes.set(yscale="log", ylim=(low, high * (high / low) ** LEGEND_ROOM))
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper right", fontsize=8, ncols=2, framealpha=0.9, title="dots: particles, lines: RMS at R",
+                title_fontsize=8)
+
+
+def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
+            outer: float) -> tuple[np.ndarray, np.ndarray]:
+    """Mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
+    scene = result.scene
+    thickness = outer - inner
+    count = int(np.clip(round(thickness * scene.ppc / scene.spacing), 2, MOST_BINS))
+    shell = np.clip(((radius - inner) / thickness * count).astype(int), 0, count - 1)
+    known = np.isfinite(sizes)
+    shell, radius, sizes = shell[known], radius[known], sizes[known]
+    held = np.bincount(shell, minlength=count)
+    there = held > 0
+    with np.errstate(over="ignore"):  # a run gone bad
+        squares = np.bincount(shell, weights=sizes**2, minlength=count)
+    return (np.bincount(shell, weights=radius, minlength=count)[there] / held[there],
+            np.sqrt(squares[there] / held[there]))
+
+
+def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage], reach: float,
+                lines: Iterable[np.ndarray], told: str, per_metre: float) -> None:
+    """The particles out to ``reach`` metres, once an estimator, on one scale.
+
+    Of a body that its stage mirrors at x = 0 the estimate is the left image and the truth the right one; else each half
+    has its own particles. ``lines`` (n, 2) in metres are exact, ``told`` says which; a metre is ``per_metre`` points.
+    """
+    shown, mirrored = result.shown, (-1, 1) in stage.MIRRORS
+    few = thinned(len(shown.position))
+    few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
+    x, y = drawable(shown.position[few]).T
+    truth = None if shown.error is None else shown.error[few, 0]
+    estimates = {name: shown.estimate[name][few, 0] for name in result.scene.active_estimators}
+    scale = shared_scale(truth, list(estimates.values()))
+    names = list(estimates) or [""]
+    panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
+    for axes, name in zip(panels, names, strict=True):
+        _frame(axes, result.scene, stage, reach, lines, told)
+        for side, sizes, title, colour, silence in (
+                (-1, estimates.get(name), f"estimate ({name})", ESTIMATE, EMPTY_HALVES[0]),
+                (1, truth, "truth", TRUTH, EMPTY_HALVES[1])):
+            own = slice(None) if mirrored else (x < 0) == (side < 0)
+            look = {"color": UNKNOWN_COLOUR} if sizes is None else \
+                {"c": sizes[own], "cmap": COLOUR_MAP, "norm": scale}
+            axes.scatter(side * x[own] if mirrored else x[own], y[own], s=_dot_area(result, len(few), per_metre),
+                         linewidths=0, zorder=2, **look)
+            axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
+                      transform=axes.transAxes, color="0.3" if sizes is None else colour, fontsize=11,
+                      fontweight="bold", va="top", ha="right" if side > 0 else "left",
+                      bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2})
+        if not len(few):
+            say(axes, "no particle is left")
+        coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
+        axes.set_title(f"particles {when_text(result)}{coloured}", fontsize=10)
+    panels[0].set_ylabel("y (m)")
+    if len(few) and (estimates or truth is not None):
+        colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
+                   "|error of x| (m), one scale for both halves", aspect=60, shrink=0.75)
+
+
+def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lines: Iterable[np.ndarray],
+           told: str) -> None:
+    """Cell lines, what is exact and the line between the halves; equal scales, so that a circle is one."""
+    least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-reach, "")
+    cells = _draw_cells(axes, scene, reach, least, stage.first_line(scene))
+    for line in lines:
+        axes.plot(*line.T, color="0.25", linewidth=0.9, zorder=3)
+    axes.axvline(0, color="0.25", linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
+    axes.set(xlim=(-reach, reach), ylim=(least, reach), aspect="equal",
+             xlabel=f"x (m){mirrored}{cells}; dark lines: {told}")
+    (x, y), _ = PLACES[Seat.ALONE]
+    metres = stage.outermost(scene) / RADIUS
+    write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
+
+
+def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
+    """Lines between cells out to ``reach`` metres from the middle, above y = ``least``; a line is at ``start``. Returns
+    what the label of an axis says of them."""
+    if scene.cells > MOST_CELL_LINES:
+        return ""
+    lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
+    lines = lines[np.abs(lines) <= reach]
+    width = min(0.7, 20 / scene.cells)
+    axes.vlines(lines, least, reach, color="0.8", linewidth=width, zorder=0)
+    axes.hlines(lines[lines >= least], -reach, reach, color="0.8", linewidth=width, zorder=0)
+    return "; grey lines: cells"
+
+
+def _dot_area(result: Result, shown: int, per_metre: float) -> float:
+    """Area of a dot in points squared: about as wide as the particles are apart, not so wide that they merge.
+
+    A metre is ``per_metre`` points of the picture, roughly."""
+    apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, shown))
+    return float(np.clip((0.8 * apart * per_metre) ** 2, 0.5, 64.0))
