@@ -97,6 +97,24 @@ def test_sums_at_the_nodes_are_the_particles(method):
     assert np.abs(kirchhoff.sum(0)).max() > 1e3 * scale * np.abs(force).sum()
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_particles_take_their_step_from_the_nodes(method):
+    """v += dt sum S a, x += dt sum S v and F <- (I + dt L) F with the nodes' new velocities, on any state: rounding."""
+    solver = stirred(replace(BASE, method=method))
+    a, dt = solver._arrays, solver.scene.time_step
+    motion, F = a.position_velocity.copy(), a.deformation_gradient.copy()
+    solver.advance(1)
+    moved, stretched = a.position_velocity.copy(), a.deformation_gradient.copy()
+    a.deformation_gradient[:] = F  # by which domains reach where they did
+    here, by_x, by_y = (aligned(np.zeros((len(a.mass), 4))) for _ in range(3))
+    map_back(solver._pack, here, by_x, by_y, solver._switches)
+    L = np.stack([by_x[:, :2], by_y[:, :2]], axis=2)
+    np.testing.assert_allclose(moved, motion + dt * here, rtol=0, atol=1e-12 * np.abs(motion).max())
+    expected = (np.eye(2) + dt * L) @ F.reshape(-1, 2, 2)
+    np.testing.assert_allclose(stretched.reshape(-1, 2, 2), expected, rtol=0, atol=1e-12)
+    assert dt * np.abs(L).max() > 1e-3
+
+
 def test_body_force_in_the_kernel_is_the_exact_one():
     """The kernel's force at every radius, at the step's time: 1e-12 of the largest term."""
     solver = RingSolver(replace(BASE, density=1300.0, modulus=3e6))
