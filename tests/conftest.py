@@ -62,11 +62,13 @@ def pytest_configure(config: pytest.Config) -> None:
 
 #: Files with tests in the browser, shared out to two processes: each starts a server and a browser once.
 BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser").rglob("test_*.py"))
-#: Few tests that take long. The files with most tests are begun first, and these would be last: one process would still
-#: be at them, half a minute long, when the others have ended.
-DEAR = [f"tests/{name}.py" for name in (
-    "solvers/estimators/test_extension", "app/serving/test_attacks", "app/lessons/test_lessons",
-    "solvers/study/test_cluster", "solvers/kernels/test_compile_time", "app/serving/test_killed")]
+#: What takes longest is begun first: one process would still be at it when the others have ended. The browser's halves
+#: take two of them for most of the time; then come the files that take ten seconds of a processor and more.
+FIRST = ["browser 0", "browser 1", *(f"tests/{name}.py" for name in (
+    "solvers/estimators/test_accuracy", "solvers/judging/test_judge", "app/lessons/test_lessons",
+    "app/commands/test_sweep_command", "app/commands/test_cli", "solvers/estimators/test_extension",
+    "app/serving/test_attacks", "solvers/study/test_tables", "app/pictures/test_plots", "app/commands/test_bench",
+    "solvers/estimators/test_recovered", "app/commands/test_class"))]
 
 
 class FileByFile(LoadScopeScheduling):
@@ -74,7 +76,7 @@ class FileByFile(LoadScopeScheduling):
     alphabet, which halves the time that they take (every second file was one of three fifths of it)."""
 
     def _assign_work_unit(self, node: WorkerController) -> None:
-        for path in DEAR:
+        for path in reversed(FIRST):
             if path in self.workqueue:
                 self.workqueue.move_to_end(path, last=False)
         super()._assign_work_unit(node)

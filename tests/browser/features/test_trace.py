@@ -28,7 +28,7 @@ def traced(page):
     return field(page).input_value(), len(plotted(page))
 
 
-def test_a_click_traces_a_particle(page):
+def a_click_traces_a_particle(page):
     """A plot of its own from the first frames on, until it is said that it is enough; by its number too."""
     until(lambda: time(page) > 0.3, "frames to look back at")
     click_a_particle(page, 550, 290)  # a third along the bar, in the lower lane
@@ -48,7 +48,7 @@ def test_a_click_traces_a_particle(page):
     until(lambda: traced(page) == ("", 3), "nothing traced")
 
 
-def test_looking_back_goes_back_and_play_goes_on_from_now(page):
+def looking_back_goes_back_and_play_goes_on_from_now(page):
     until(lambda: time(page) > 0.5, "frames to look back at")
     slider = row(page, "Look back").locator("[role=slider]")  # hidden while it is out of use
     click(page, "Pause")
@@ -66,7 +66,7 @@ def test_looking_back_goes_back_and_play_goes_on_from_now(page):
     until(lambda: slider.get_attribute("aria-valuenow") == "0", "the slider at now")
 
 
-def test_plots_show_the_last_periods(page):
+def plots_show_the_last_periods(page):
     """Two of them, though the run is longer; all of it again on request."""
     speed = row(page, "Speed, typed").get_by_role("textbox")
     speed.fill("8")
@@ -80,6 +80,13 @@ def test_plots_show_the_last_periods(page):
     until(lambda: all(1.5 < length < 2.01 for length in lengths()), "two periods")
     choose(page, "Plots show", "all")
     until(lambda: all(length > 2.5 for length in lengths()), "all of it")
+
+
+def test_what_was_is_seen_again(page):
+    """One visitor for all three."""
+    a_click_traces_a_particle(page)
+    looking_back_goes_back_and_play_goes_on_from_now(page)
+    plots_show_the_last_periods(page)
 
 
 def test_a_mirror_image_of_the_ring_is_traced(page):

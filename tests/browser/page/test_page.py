@@ -38,7 +38,7 @@ from tests.browser.driving import (
 )
 
 
-def test_bar_moves_and_is_coloured(page):
+def the_bar_moves_and_is_coloured(page):
     """Frames follow each other, lanes carry the map's own colours, time runs and all three plots fill."""
     until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
     first, before = stage(page), time(page)
@@ -50,7 +50,7 @@ def test_bar_moves_and_is_coloured(page):
     assert page.title() == "mpm-lab"
 
 
-def test_nothing_of_the_viewer_shows(page):
+def nothing_of_the_viewer_shows(page):
     """No default branding, no share button, no developer's buttons."""
     text = page.locator("body").inner_text().lower()
     assert "viser" not in text and "share" not in text
@@ -99,8 +99,9 @@ def test_sizes_can_be_typed_and_come_back_exactly(page):
     until(lambda: norm.search(readout(page))[1] != before, "the numbers of the new step")
 
 
-def test_pause_step_play_reset(page):
-    """Pause stops time, Step takes one step, Play goes on, Reset begins at zero."""
+def pause_step_play_and_reset_do_so(page):
+    """Pause stops time, Step takes one step, Play goes on, Reset begins at zero. There nothing has been measured, and
+    the plots show nothing of the run before."""
     until(lambda: steps(page) > 100, "steps")
     click(page, "Pause")
     until(lambda: "paused" in readout(page), "paused")
@@ -113,9 +114,17 @@ def test_pause_step_play_reset(page):
     until(lambda: "paused" in readout(page), "paused again")
     click(page, "Reset")
     until(lambda: steps(page) == 0, "the beginning")
+    until(lambda: all((points, last) == (2, 1) for points, last in plotted(page)), "empty plots")
 
 
-def test_beyond_the_exact_solution_is_refused_in_words(page):
+def test_a_first_look(page):
+    """One visitor for all three: a page of their own would cost each more than what is looked at."""
+    the_bar_moves_and_is_coloured(page)
+    nothing_of_the_viewer_shows(page)
+    pause_step_play_and_reset_do_so(page)
+
+
+def beyond_the_exact_solution_is_refused_in_words(page):
     """An amplitude that no exact bar has is refused, the present run goes on, and a good one clears the notice."""
     press(page, "Amplitude A", "End")
     page.locator(".lab-refused").wait_for()
@@ -126,7 +135,7 @@ def test_beyond_the_exact_solution_is_refused_in_words(page):
     page.locator(".lab-refused").wait_for(state="detached")
 
 
-def test_a_refused_value_stays_wished(page):
+def a_refused_value_stays_wished(page):
     """The slider shows the refused amplitude, so another slider must not quietly clear the notice or half obey."""
     press(page, "Amplitude A", "End")
     page.locator(".lab-refused").wait_for()
@@ -142,14 +151,9 @@ def test_a_refused_value_stays_wished(page):
     page.locator(".lab-refused").wait_for(state="detached")
 
 
-def test_reset_while_paused_empties_the_plots(page):
-    """At t = 0 nothing has been measured, and the plots show nothing of the run before."""
-    until(lambda: time(page) > 0.3, "a run under way")
-    click(page, "Pause")
-    until(lambda: "paused" in readout(page), "paused")
-    click(page, "Reset")
-    until(lambda: steps(page) == 0, "the beginning")
-    until(lambda: all((points, last) == (2, 1) for points, last in plotted(page)), "empty plots")
+def test_what_is_refused(page):
+    beyond_the_exact_solution_is_refused_in_words(page)
+    a_refused_value_stays_wished(page)
 
 
 def test_instability_is_said_and_survived(page):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from axe_playwright_python.sync_playwright import Axe
 
 from app.page.panels.patience import MARK
@@ -110,6 +111,7 @@ def test_the_run_goes_on_when_the_window_changes(page):
     assert "paused" in readout(page) and steps(page) == at
 
 
+@pytest.mark.slow
 def test_a_folded_panel_gives_its_room_to_the_stage(own_page):
     before = stage_box(own_page)["width"]
     own_page.get_by_role("button", name="Collapse panel area").first.click()
@@ -149,6 +151,7 @@ def seen_whole(page, selector, size):
         and boxes[0]["y"] >= least["y"] + least["height"] and boxes[0]["y"] + boxes[0]["height"] <= size[1]
 
 
+@pytest.mark.slow
 def test_an_address_asks_for_the_presenters_view(server, chromium):
     with visit(chromium, server[0], "&present") as page:
         until(lambda: page.get_by_role("button", name="End", exact=True).is_visible(), "the presenter's view")
