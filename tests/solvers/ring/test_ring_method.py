@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import taichi as ti
 
+from solvers.estimators.memory import memory_parts
 from solvers.kernels.kinds import quads
 from solvers.problems.planar.method import phases
 from solvers.problems.ring import exact
@@ -113,6 +114,50 @@ def test_particles_take_their_step_from_the_nodes(method):
     expected = (np.eye(2) + dt * L) @ F.reshape(-1, 2, 2)
     np.testing.assert_allclose(stretched.reshape(-1, 2, 2), expected, rtol=0, atol=1e-12)
     assert dt * np.abs(L).max() > 1e-3
+
+
+def mappings(solver: RingSolver) -> list[np.ndarray]:
+    """S, S_x and S_y of the weights that the last step kept, particles (P) by nodes (N): four unit fields at a time."""
+    a = solver._arrays
+    P, N = len(a.mass), len(a.node_motion)
+    found = [np.zeros((P, N + 4)) for _ in range(3)]
+    for first in range(0, N, 4):
+        units = np.arange(first, min(first + 4, N))
+        a.node_motion[:] = 0
+        a.node_motion[units, units - first] = 1
+        parts = [aligned(np.zeros((P, 4))) for _ in range(3)]
+        map_back(solver._pack, *parts, solver._switches)
+        for matrix, part in zip(found, parts, strict=True):
+            matrix[:, first:first + 4] = part
+    return [matrix[:, :N] for matrix in found]
+
+
+@pytest.mark.parametrize("method", ["ugimp", "cpdi"])
+def test_transport_has_the_papers_defects_at_the_nodes(method):
+    """Eqs 46 and 47 with dense matrices, at nodes that no mirror image reaches: (sum D) f + (sum D r - 1) a in x and y,
+    each term of which is a hundredth of it and more."""
+    solver = stirred(replace(BASE, method=method, body_force="none", estimators=("transport",), effects=("estimate",),
+                             sample_every=1))
+    a, scene = solver._arrays, solver.scene
+    x, F = a.position_velocity[:, :2].copy(), a.deformation_gradient.copy()
+    solver.advance(1)
+    error = memory_parts(solver.HOOKS, a.memory)["transport_error"][:, :2].copy()
+    acceleration = a.node_motion[:, 2:].copy()
+    a.deformation_gradient[:] = F
+    S, *slopes = mappings(solver)
+    F = F.reshape(-1, 2, 2)
+    V = a.mass / scene.density * np.linalg.det(F)
+    kirchhoff = 0.5 * scene.modulus * (F @ F.transpose(0, 2, 1) - np.eye(2)) * (a.mass / scene.density)[:, None, None]
+    places = node_places(scene)
+    inside = (places.min(axis=1) > 3 * scene.spacing) & (S.T @ a.mass > 1e-3 * a.mass.max())
+    mass, volume = (S.T @ a.mass)[inside], (S.T @ V)[inside]
+    for k in (0, 1):
+        D = -(V[:, None] * slopes[k])
+        r = x[:, k][:, None] - places[:, k]
+        constant = D.sum(0)[inside] / volume * (S.T @ kirchhoff[:, k, k])[inside] / mass
+        linear = ((D * r).sum(0)[inside] / volume - 1) * acceleration[inside, k]
+        np.testing.assert_allclose(error[inside, k], constant + linear, rtol=0, atol=1e-9 * np.abs(constant).max())
+        assert min(np.abs(constant).max(), np.abs(linear).max()) > 0.01 * np.abs(error[inside, k]).max()
 
 
 def test_body_force_in_the_kernel_is_the_exact_one():
