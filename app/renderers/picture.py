@@ -19,6 +19,7 @@ Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plo
 DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture
 MOST_DOTS = 20_000  # more particles cannot be told apart in a picture
 MOST_CELL_LINES = 400
+GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2}  # of words on what is drawn
 LEAST, MOST = 1e-100, 1e100  # of what axes are asked to show: they take powers and products of it
 NO_ERROR = 1.0  # end of the scale where every error is zero
 SCALE_OVER_TRUTH = 10  # an estimate that has lost its way must not blank the truth
@@ -91,4 +92,5 @@ def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tupl
     for label in stage.labels(Words(), Seat.ALONE):
         if label.role == "place":
             up, across = label.anchor.split("-")
-            axes.text(*in_axes(label), label.text, va=up, ha=across, fontsize=9 * label.size, clip_on=True)
+            axes.text(*in_axes(label), label.text, va=up, ha=across, fontsize=9 * label.size, clip_on=True, bbox=GROUND,
+                      zorder=5)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
-from weakref import ReferenceType, WeakKeyDictionary, ref
+from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 import viser
@@ -18,6 +17,8 @@ class Sheet:
 
     def __init__(self, client: viser.ClientHandle, at: str):
         self._client, self._at = client, at
+        self._lettering = _LETTERING.setdefault(client.scene, _Lettering())
+        self._lettering.sheets.add(self)
         self._root = client.scene.add_frame(at, show_axes=False)
         self._drawn: dict[str, tuple[Any, Mark]] = {}  # with its handle what was last seen under each name
 
@@ -33,7 +34,7 @@ class Sheet:
     def room(self) -> Room:
         camera, (x0, x1, y0, y1) = self._client.camera, RECTANGLE
         return Room(min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0)),
-                    _lettering(self._client.scene).factor)
+                    self._lettering.factor)
 
     def child(self, name: str) -> Sheet:
         return Sheet(self._client, f"{self._at}/{name}")
@@ -49,11 +50,18 @@ class Sheet:
             if handle is not None and handle.visible != seen:
                 handle.visible = seen
 
+    def letter(self) -> None:
+        """Write the labels as large as those of their scene are now."""
+        for handle, mark in list(self._drawn.values()):
+            if isinstance(mark, Label):
+                handle.font_screen_scale = self._lettering.factor * mark.size
+
     def _made(self, mark: Mark) -> Any:
         s, name = self._client.scene, f"{self._at}/{mark.name}"
         match mark:
             case Label():
-                return label(s, name, mark.text, mark.x, mark.y, mark.anchor, mark.size)
+                return s.add_label(name, wrapped(mark.text, mark.width), position=(mark.x, mark.y, 0.0),
+                                   anchor=mark.anchor, font_screen_scale=self._lettering.factor * mark.size)
             case Lines():
                 return s.add_line_segments(name, np.full((1, 2, 3), AWAY, np.float32), (0, 0, 0),
                                            thickness=mark.thickness, thickness_units="screen")
@@ -64,8 +72,8 @@ class Sheet:
 
     def _update(self, handle: Any, mark: Mark, before: Any) -> None:
         if isinstance(mark, Label):
-            resize(self._client.scene, handle, mark.size)
-            for name, value in (("text", wrapped(mark.text, mark.width)), ("anchor", mark.anchor)):
+            for name, value in (("text", wrapped(mark.text, mark.width)), ("anchor", mark.anchor),
+                                ("font_screen_scale", self._lettering.factor * mark.size)):
                 if getattr(handle, name) != value:
                     setattr(handle, name, value)
             if before is None or (mark.x, mark.y) != (before.x, before.y):
@@ -83,44 +91,20 @@ class Sheet:
             handle.position = (*mark.origin, 0.0)
 
 
-@dataclass
 class _Lettering:
-    """The labels of a scene by name, with their usual sizes, and how many times as large they are written. A label
-    knows its scene: held here, it would keep that for ever."""
+    """How many times as large as usual the labels of a scene are written, and the sheets that they are on."""
 
-    factor: float = 1.0
-    sizes: dict[str, tuple[ReferenceType[viser.LabelHandle], float]] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self.factor, self.sheets = 1.0, WeakSet[Sheet]()  # a sheet knows its scene: held here, it would keep that
 
 
 _LETTERING: WeakKeyDictionary[viser.SceneApi, _Lettering] = WeakKeyDictionary()
 
 
-def _lettering(s: viser.SceneApi) -> _Lettering:
-    return _LETTERING.setdefault(s, _Lettering())
-
-
-def label(s: viser.SceneApi, name: str, text: str, x: float, y: float, anchor: Any,
-          size: float = 1.0) -> viser.LabelHandle:
-    """A label of a usual size, written as large as all of its scene."""
-    handle = s.add_label(name, text, position=(x, y, 0.0), anchor=anchor,
-                         font_screen_scale=_lettering(s).factor * size)
-    resize(s, handle, size)
-    return handle
-
-
-def resize(s: viser.SceneApi, handle: viser.LabelHandle, size: float) -> None:
-    """Give a label of a scene another usual size."""
-    lettering = _lettering(s)
-    lettering.sizes[handle.name] = ref(handle), size
-    if handle.font_screen_scale != lettering.factor * size:
-        handle.font_screen_scale = lettering.factor * size
-
-
 def enlarge(s: viser.SceneApi, factor: float) -> None:
     """Write all labels of a scene so many times as large as usual."""
-    lettering = _lettering(s)
+    lettering = _LETTERING.setdefault(s, _Lettering())
     if lettering.factor != factor:
         lettering.factor = factor
-        for known, size in list(lettering.sizes.values()):
-            if handle := known():
-                resize(s, handle, size)
+        for sheet in list(lettering.sheets):
+            sheet.letter()
