@@ -16,8 +16,8 @@ from app.words import title
 
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
-SCRIPTS = ("words", "tracks", "colours", "field", "bar", "plane", "stage", "readout", "controls", "sha256", "progress",
-           "answers", "lesson", "main")
+SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "stage", "readout", "controls", "sha256",
+           "progress", "answers", "lesson", "main")
 USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only where they are asked for
 
 Progress = Callable[[float, str], None]
@@ -54,7 +54,7 @@ def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, 
     stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs})
               for k, one in enumerate(plans)]
     texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # most runs say the same
-    data = {**vocabulary(), "stages": stages, "lesson": lesson, "texts": texts,
+    data = {**vocabulary({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson, "texts": texts,
             "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
                      for run in runs]}
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"

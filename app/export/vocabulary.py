@@ -1,23 +1,25 @@
 """What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at."""
 
 import base64
+from collections.abc import Iterable
 from typing import Any
 
 from app import words
 from app.colours import PINNED, TRUTH, colour_table
 from app.export import quantise
-from app.frame import axis, marks, scale, sentence, silences
+from app.frame import axis, colour_bar, marks, scale, sentence, silences
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE, counting
 from app.frame.data import as_data
 from app.problems.views import VIEWS
 from solvers.scene.registry import ESTIMATORS
 
 
-def vocabulary() -> dict[str, Any]:
-    """All of it as a JSON object, the same in every file."""
+def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
+    """All of it as a JSON object, with the stages of some problems."""
     return {"formats": formats(), "codes": quantise.CODES,
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
-                      "memory": scale.MEMORY, "smallest": scale.SMALLEST},
+                      "memory": scale.MEMORY, "smallest": scale.SMALLEST,
+                      "bar": {"middle": colour_bar.MIDDLE, "height": colour_bar.HEIGHT, "gap": colour_bar.TICK_GAP}},
             "axis": {"steps": axis.STEPS, "room": axis.ROOM},
             "colours": _colours(), "flash_seconds": marks.FLASH_SECONDS,
             "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
@@ -26,7 +28,7 @@ def vocabulary() -> dict[str, Any]:
                           "nothing_yet": sentence.NOTHING_YET, "not_counted": silences.NOT_COUNTED},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
-            "problems": {name: as_data(view.stage) for name, view in VIEWS.items()}}
+            "problems": {name: as_data(VIEWS[name].stage) for name in sorted(problems)}}
 
 
 def formats() -> dict[str, Any]:

@@ -65,7 +65,8 @@ class FieldPlot:
         if (now := (unknown, self._axis.top, self.raised)) != self._said:
             self._said = now
             yield from self._axes()
-            yield from labels(self._place, self.raised, self._axis.top, QUANTITIES[quantity].unit,
+            top = with_unit(self._axis.top, QUANTITIES[quantity].unit)
+            yield from labels(self._place, self.raised, f"−{top.split()[0]}", top,  # little room: the unit once
                               counting(field_caption(scene, self._place.component, quantity, magnified), unknown))
         self._dots = self.points(at, values)
         yield Dots("field/particles", self._dots, OWN, self.size)
@@ -138,12 +139,12 @@ class PinnedField:
         return Dots("field", points, OTHER, self._plot.size)
 
 
-def labels(place: Place, raised: float, top: float, unit: str, told: str) -> Iterator[Label]:
-    """What is written at a plot: the ends of its axis, from -top to top in a unit, those of the body, and a caption."""
-    middle, number = place.middle + raised, with_unit(top, unit)
+def labels(place: Place, raised: float, low: str, high: str, told: str) -> Iterator[Label]:
+    """What is written at a plot: the ``low`` and ``high`` end of its axis, those of the body, and a caption."""
+    middle = place.middle + raised
     below = middle - place.height - 0.035
-    for name, text, y in (("low", f"−{number.split()[0]}", middle - place.height),  # little room: the unit once
-                          ("zero", "0", middle), ("high", number, middle + place.height)):
+    for name, text, y in (("low", low, middle - place.height), ("zero", "0", middle),
+                          ("high", high, middle + place.height)):
         yield Label(f"field/{name}", text, -0.01, y, "center-right", "number", 0.85)
     for name, text, x in (("start", place.ends[0], 0.0), ("end", place.ends[1], 1.0)):
         yield Label(f"field/{name}", text, x, below, "top-center", "number", 0.85)

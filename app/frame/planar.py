@@ -28,7 +28,7 @@ class PlanarStage(Stage[PlaneScene]):
     """Makes marks of frames of a plane problem. Of a body with symmetry planes its mirror images are drawn too."""
 
     MIRRORS: ClassVar[Mirrors] = ((1, 1),)
-    OUTLINED: ClassVar[Mirrors] = ((1, 1),)  # images whose domains are drawn
+    OUTLINED: ClassVar[Mirrors] = ((1, 1),)
     DOMAINS_HINT = "outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to " \
                    f"{MOST_DOMAINS:,} particles"
     RECTANGLE = (*RECTANGLE[:2], LOW, RECTANGLE[3])

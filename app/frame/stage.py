@@ -59,6 +59,7 @@ class Stage(ABC, Generic[AnyScene]):
     MARKED: ClassVar[str]  # what is said of the marks
     ANCHORS: ClassVar[Mapping[str, tuple[float, float]]]  # what is where on the stage, of a run alone
     MIRRORS: ClassVar[tuple[tuple[int, int], ...]] = ()  # signs of x and y in each image of a body in the plane
+    OUTLINED: ClassVar[tuple[tuple[int, int], ...]] = ()  # images whose domains are drawn
     DOMAINS_HINT: ClassVar[str] = ""  # what it is to outline domains, on a stage that can
 
     def __init__(self, sheet: Sheet, scale: ColourScale, beside: "Stage | None" = None):

@@ -1,5 +1,5 @@
 // The colour scale that estimate and truth share. Its top follows the largest error of the last period, in round numbers,
-// as in app/scale.py.
+// as in app/frame/scale.py.
 
 const {tops: TOPS, decades: DECADES, beyond: BEYOND, memory: MEMORY, smallest: SMALLEST} = DATA.scale;
 const {truth: TRUTH, pinned: PINNED, flash: FLASH, dot: DOT, faint: FAINT, cell: CELL, unknown: UNKNOWN} = DATA.colours;
@@ -41,33 +41,13 @@ function ticksOf(scale) {
   return ticks;
 }
 
-// The bar with its numbers, from x0 to x1, its top at y.
-function drawColourBar(pen, scale, measures, unit, x0, x1, y) {
-  const power = scale.logarithmic ? 0 : powerOfTen(scale.top), steps = Math.ceil(x1 - x0);
-  words(pen, `${measures} / ${powerText(power)}${unit}`, x0, y - 6, "left", "bottom", x1 - x0);
+// The colour bar; returns its title and its numbers as labels.
+function drawColourBar(pen, place, scale, measures, unit) {
+  const {middle, height, gap} = DATA.scale.bar, steps = Math.ceil(place.across), power = scale.logarithmic ? 0 : powerOfTen(scale.top);
   for (let k = 0; k < steps; k++) {
     pen.fillStyle = SHADES[Math.floor(255 * k / steps)];
-    pen.fillRect(x0 + k, y, 1.5, 13);
+    pen.fillRect(place.left + k, place.y(middle + height / 2), 1.5, place.unit * height);
   }
-  for (const [at, text] of ticksOf(scale)) words(pen, text, x0 + at * (x1 - x0), y + 17, at > 0.95 ? "right" : at ? "center" : "left", "top");
-}
-
-// A text at a place, in lines no longer than there is room for; y is its first line's.
-function words(pen, text, x, y, align = "left", baseline = "alphabetic", room = 0, colour = "#222831") {
-  pen.fillStyle = colour;
-  pen.textAlign = align;
-  pen.textBaseline = baseline;
-  const lines = room ? linesOf(pen, text, room) : [text];
-  const first = baseline === "bottom" ? y - 15 * (lines.length - 1) : baseline === "middle" ? y - 7.5 * (lines.length - 1) : y;
-  lines.forEach((line, k) => pen.fillText(line, x, first + 15 * k));
-}
-
-function linesOf(pen, text, room) {
-  const lines = [""];
-  for (const word of text.split(" ")) {
-    const longer = `${lines[lines.length - 1]} ${word}`.trim();
-    if (pen.measureText(longer).width <= room || !lines[lines.length - 1]) lines[lines.length - 1] = longer;
-    else lines.push(word);
-  }
-  return lines;
+  return [{name: "scale", text: `${measures} / ${powerText(power)}${unit}`, x: 0, y: middle + gap, anchor: "bottom-left"},
+    ...ticksOf(scale).map(([x, text], k) => ({name: `tick${k}`, text, x, y: middle - gap, anchor: "top-center"}))];
 }

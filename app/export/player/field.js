@@ -1,7 +1,6 @@
 // The field plot: the quantity whose error is shown, of the particles and exact, against where they were at rest.
 
 const {steps: AXIS_STEPS, room: ROOM} = DATA.axis;
-const NARROW = 540;  // pixels: less has no room for all words of a line
 
 // The exact field at a share of the way from the plot's start to its end.
 function exactAt(curve, share) {
@@ -41,37 +40,25 @@ function axisTop(run, view) {
   return run[key];
 }
 
-// Particles as dots on the exact curve within a box; those in `flashed` in magenta; a pinned run's in grey.
-function drawField(pen, run, pinned, view, at, caption, box, flashed) {
-  const {ends} = DATA.problems[run.problem].plot, quantity = DATA.quantities[view.quantity];
-  const own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own;
-  const middle = box.y + box.height / 2, half = box.height / 2 / ROOM;
-  const x = (share) => box.x + share * box.width;
-  const y = (value) => Math.min(Math.max(middle - half * value / top, box.y - 4), box.y + box.height + 4);
-  pen.lineWidth = 1;
-  pen.strokeStyle = FAINT;
-  stroke(pen, [[box.x, middle], [box.x + box.width, middle]]);
-  stroke(pen, [[box.x, box.y], [box.x, box.y + box.height]]);
-  const unit = withUnit(top, quantity.unit);
-  words(pen, unit, box.x - 6, y(top), "right", "middle");
-  words(pen, "0", box.x - 6, middle, "right", "middle");
-  words(pen, `−${unit.split(" ")[0]}`, box.x - 6, y(-top), "right", "middle");
-  if (pinned) drawDots(pen, pinned.run, fieldValues(pinned.run, view, pinned.at), x, y, () => FAINT, 2.6);
+// Particles as dots on the exact curve; those in `flashed` in magenta; a pinned run's in grey. Returns the texts of its labels.
+function drawField(pen, run, pinned, view, at, caption, place, flashed) {
+  const {plot} = DATA.problems[run.problem], own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own;
+  const end = ROOM * plot.height, y = (value) => place.y(plot.middle + Math.min(Math.max(plot.height * value / top, -end), end));
+  Object.assign(pen, {lineWidth: 1, strokeStyle: FAINT});
+  stroke(pen, [[place.x(0), y(0)], [place.x(1), y(0)]]);
+  stroke(pen, [[place.x(0), place.y(plot.middle - end)], [place.x(0), place.y(plot.middle + end)]]);
+  if (pinned) drawDots(pen, pinned.run, fieldValues(pinned.run, view, pinned.at), place.x, y, () => FAINT, 2.6);
   const curve = run.tracks[`curve.${view.quantity}`];
   if (curve) {
     const exact = row(curve, at);
-    pen.lineWidth = 3.5;
-    pen.strokeStyle = TRUTH;
-    stroke(pen, Array.from(exact, (value, k) => [x(k / (exact.length - 1)), y(value)]));
+    Object.assign(pen, {lineWidth: 3.5, strokeStyle: TRUTH});
+    stroke(pen, Array.from(exact, (value, k) => [place.x(k / (exact.length - 1)), y(value)]));
   }
-  const lit = new Set(flashed);
-  drawDots(pen, run, fieldValues(run, view, at), x, y, (p) => lit.has(p) ? `rgb(${FLASH})` : DOT, Math.min(2.4, Math.max(1.4, 0.28 * box.width / run.shown + 0.6)));
+  const lit = new Set(flashed), size = Math.min(2.4, Math.max(1.4, 0.28 * place.across / run.shown + 0.6));
+  drawDots(pen, run, fieldValues(run, view, at), place.x, y, (p) => lit.has(p) ? `rgb(${FLASH})` : DOT, size);
   const unknown = run.tracks[`unknown.${view.quantity}`], count = unknown ? unknown.values[Math.floor(at)] : 0;
-  const told = count ? fill(DATA.unknown, {caption, unknown: count}) : caption;
-  const below = box.y + box.height + 8, narrow = box.width < NARROW;
-  words(pen, ends[0], box.x, below, "left", "top");
-  words(pen, ends[1], box.x + box.width, below, "right", "top");
-  words(pen, told, box.x + box.width / 2, below + (narrow ? 16 : 0), "center", "top", narrow ? box.width + 40 : 0);
+  const number = withUnit(top, DATA.quantities[view.quantity].unit);
+  return {"field/high": number, "field/low": `−${number.split(" ")[0]}`, "field/caption": count ? fill(DATA.unknown, {caption, unknown: count}) : caption};
 }
 
 function drawDots(pen, run, values, x, y, colour, size) {
@@ -81,10 +68,4 @@ function drawDots(pen, run, values, x, y, colour, size) {
     pen.fillStyle = colour(p);
     pen.fillRect(x(shares[p]) - size, y(values[p]) - size, 2 * size, 2 * size);
   }
-}
-
-function stroke(pen, points) {
-  pen.beginPath();
-  points.forEach(([x, y], k) => k ? pen.lineTo(x, y) : pen.moveTo(x, y));
-  pen.stroke();
 }

@@ -1,38 +1,22 @@
-// A plane problem: a ring, or a quarter of one and its mirror images, estimate on the left half, truth on the right, and
-// the field plot below.
+// A body in the plane: a ring, or a quarter of one and its mirror images, estimate on the left half, truth on the right.
 
-function drawPlane(pen, run, pinned, view, scene) {
-  const {width, height, at, sizes, scale, said} = scene, {plot: {end: outer}, mirrors, lines} = DATA.problems[run.problem];
-  const room = width - 88, narrow = room < NARROW || height < 640, plot = Math.max(80, 0.15 * height);
-  const top = 84, start = height - plot - (narrow ? 58 : 30), size = Math.max(60, Math.min(room, start - 34 - top));
-  const across = Math.min(room, Math.max(1.35 * size, 480)), left = 66 + (room - across) / 2, right = left + across;
-  const middle = [(left + right) / 2, top + size / 2];
-  const reach = 1.05 * run.outermost, metre = size / 2 / reach;
-  drawColourBar(pen, scale, said.measures, scene.unit, left, right, 24);
-  words(pen, said.titles[0], left, 60, "left", "top");
-  words(pen, said.titles[1], right, 60, "right", "top");
-  drawSquares(pen, run, middle, metre, reach);
+function drawBody(pen, run, view, at, place, {sizes, scale, flashed}) {
+  const {anchors, mirrors, outlined, lines} = DATA.problems[run.problem];
+  const middle = [place.x(anchors.middle[0]), place.y(anchors.middle[1])], metre = place.radius / run.outermost;
+  drawSquares(pen, run, middle, metre, 1.05 * run.outermost);
   const places = row(run.tracks.position, at), n = run.shown;
   const dot = Math.max(1.2, 0.56 * run.spacing / run.ppc * metre * Math.sqrt(run.particles / n));
   drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, dot);
-  const outlined = mirrors.length > 1 ? [[1, 1], [-1, 1]] : mirrors;
   if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
   if (run.tracks.line) drawLines(pen, row(run.tracks.line, at), lines, middle, metre);
   pen.fillStyle = `rgb(${FLASH})`;
-  for (const [p] of scene.flashed) {
+  for (const [p] of flashed) {
     for (const [sx, sy] of mirrors) {
       pen.beginPath();
       pen.arc(middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], Math.max(1.3, 0.45 * dot), 0, 7);
       pen.fill();
     }
   }
-  if (said.silences[0]) words(pen, said.silences[0], middle[0] - 6, middle[1], "right", "middle", 0.6 * outer * metre);
-  if (said.silences[1]) words(pen, said.silences[1], middle[0] + 6, middle[1], "left", "middle", 0.6 * outer * metre);
-  const low = top + size + 6;
-  words(pen, run.note, left, low, "left", "top");
-  words(pen, run.marks, right, low + (narrow ? 15 : 0), "right", "top", 0, "#8a0052");
-  drawField(pen, run, pinned, view, at, said.field, {x: left, y: start, width: right - left, height: plot},
-    scene.flashed.map(([p]) => p));
 }
 
 function drawSquares(pen, run, middle, metre, reach) {

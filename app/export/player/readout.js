@@ -127,10 +127,10 @@ function drawChart(run, view) {
   pen.strokeStyle = "#dfe3e8";
   for (const share of [0, 0.5, 1]) {
     stroke(pen, [[left, y(share * top)], [right, y(share * top)]]);
-    words(pen, number(share * top / 10 ** power), left - 5, y(share * top), "right", "middle", 0, "#4a525c");
+    words(pen, number(share * top / 10 ** power), left - 5, y(share * top), "right", "middle", "#4a525c");
   }
-  words(pen, "0", left, low + 4, "left", "top", 0, "#4a525c");
-  words(pen, `${number(end)} s`, right, low + 4, "right", "top", 0, "#4a525c");
+  words(pen, "0", left, low + 4, "left", "top", "#4a525c");
+  words(pen, `${number(end)} s`, right, low + 4, "right", "top", "#4a525c");
   for (const line of lines) {
     const [, colour, dashes, thickness, of] = line, values = norms(line);
     Object.assign(pen, {strokeStyle: colour, lineWidth: thickness});

@@ -100,15 +100,21 @@ function draw() {
   const pen = canvas.getContext("2d"), {run, view} = stage, at = pictureAt(run, stage.time);
   pen.scale(pixels, pixels);
   pen.font = "12.5px system-ui, sans-serif";
-  if (stage.refusal) return words(pen, capital(stage.refusal), box.width / 2, box.height / 2, "center", "middle", 0.7 * box.width);
-  const said = saidOf(run, view), {silences} = said;
+  if (stage.refusal) {
+    linesOf(pen, capital(stage.refusal), 0.7 * box.width).forEach((line, k) => words(pen, line, box.width / 2, box.height / 2 + LINE * k, "center"));
+    return;
+  }
+  const said = saidOf(run, view), {labels} = DATA.problems[run.problem], place = placeOf(run.problem, box.width, box.height);
   const pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
   const sizes = [estimatedSizes(run, view.quantity, view.estimator, view.difference, at), trueSizes(run, view.quantity, at)];
-  (run.problem === "bar" ? drawBar : drawPlane)(pen, run, pinned, view, {
-    width: box.width, height: box.height, at, said,
-    sizes: sizes.map((each, half) => !silences[half] && each && each.some(Number.isFinite) ? each : null),
-    scale: {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic},
-    unit: DATA.quantities[view.quantity].unit, flashed: flashedAt(run, view, stage.time)});
+  const flashed = flashedAt(run, view, stage.time), scale = {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic};
+  const measured = drawColourBar(pen, place, scale, said.measures, DATA.quantities[view.quantity].unit);
+  (place.radius ? drawBody : drawLanes)(pen, run, view, at, place,
+    {scale, flashed, sizes: sizes.map((each, half) => !said.silences[half] && each && each.some(Number.isFinite) ? each : null)});
+  const field = drawField(pen, run, pinned, view, at, said.field, place, flashed.map(([p]) => p));
+  const halves = ["estimate", "truth"].flatMap((half, k) => [[`${half}-title`, said.titles[k]], [`${half}-silence`, said.silences[k]]]);
+  writeLabels(pen, place, [...measured, ...labels],
+    {...Object.fromEntries(halves), "size-note": run.note, "crossings-note": run.marks, ...field}, {"crossings-note": "#8a0052"});
 }
 
 stage.onChange.push(draw);

@@ -27,7 +27,8 @@ class BarStage(Stage[BarScene]):
 
     PAIR_RECTANGLE = (*RECTANGLE[:2], RECTANGLE[2] - NAME_LINE - LOWER, 1.14)
     PLOT, PLOT_DOT, PAIR_PLOT = Place(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field), 0.006, -NAME_LINE - LOWER
-    ANCHORS: ClassVar = {"estimate": (0.0, ESTIMATE_LANE), "truth": (0.0, TRUTH_LANE)}
+    ANCHORS: ClassVar = {"estimate": (0.0, ESTIMATE_LANE), "truth": (0.0, TRUTH_LANE),
+                         "lane": (0.0, ESTIMATE_LANE + LANE_HEIGHT / 2)}
     MOST_MARKED, MARKED = 200, "magenta: particles that cross a cell boundary"
 
     @staticmethod
