@@ -52,8 +52,23 @@ class FieldPlot:
 
     def draw(self, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray, t: float,
              crossed: np.ndarray) -> Iterator[Mark]:
-        """The ``field`` (P, 2) of particles at rest ``at`` (P,) in metres: values and their deviations from the
-        exact, which are drawn ``magnified`` times. ``crossed`` (P,) says which have just crossed a cell boundary."""
+        """The marks of a field.
+
+        Parameters
+        ----------
+        scene
+        quantity
+            Key of x, v, sigma or a.
+        magnified
+            How many times deviations are drawn.
+        at : (P,) array, m
+            Where the particles were at rest.
+        field : (P, 2) array, in the unit of the quantity
+            Values, and their deviations from the exact ones.
+        t : float, s
+        crossed : (P,) array of bool
+            Which have just crossed a cell boundary.
+        """
         if (scene, quantity, magnified) != self._drawn or t < self._time:
             self._axis.forget()
             self._said = None

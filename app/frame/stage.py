@@ -101,8 +101,19 @@ class Stage(ABC, Generic[AnyScene]):
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float, foreign: bool = False) -> None:
-        """Show a frame. ``estimated`` and ``true`` are sizes of errors (P,); t in s, ``speed`` in simulated s per s.
-        Particles of a ``foreign`` run began anywhere and may be others at any time."""
+        """Show a frame.
+
+        Parameters
+        ----------
+        scene, arrays
+            What runs, and its particles.
+        estimated, true : (P,) array or None
+            Sizes of both errors, in one unit.
+        t : float, s
+        speed : float, simulated s per s
+        foreign
+            Whether particles began anywhere and may be others at any time.
+        """
         if scene != self._drawn_scene or foreign or self._foreign:
             self._drawn_scene, self._foreign = scene, foreign
             at_rest = arrays.position - arrays.displacement if foreign else None
@@ -156,7 +167,7 @@ class Stage(ABC, Generic[AnyScene]):
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage."""
 
     def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
-        """The particle drawn nearest to a point of the stage; None in an empty place."""
+        """The number of the particle drawn nearest to a point of the stage; None in an empty place."""
         apart = np.linalg.norm(self.images(arrays, slice(None))[:, :, :2] - point, axis=2)
         image, particle = np.unravel_index(np.argmin(np.nan_to_num(apart, nan=np.inf)), apart.shape)
         return int(particle) if apart[image, particle] < TOUCH else None
