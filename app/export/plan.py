@@ -35,7 +35,6 @@ class Plan:
 
     @property
     def pinned(self) -> str | None:
-        """The text of the pinned run."""
         return None if self.state.pinned is None else write(State(ending(self.state.pinned, self.scene)))
 
     @property
@@ -47,7 +46,6 @@ class Plan:
 
     @property
     def runs(self) -> list[str]:
-        """The texts of all that is to be run."""
         return [text for text in (*self.texts, *([self.pinned] if self.pinned else [])) if not text.startswith("!")]
 
 

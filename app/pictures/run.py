@@ -20,7 +20,6 @@ DOTS_PER_INCH = 110
 
 
 def run_figure(result: Result) -> Figure:
-    """The picture of a run, ready to be saved."""
     view = VIEWS[result.scene.problem]
     height, lower = view.picture
     figure = Figure(figsize=(12.5, height), layout="constrained")
@@ -39,14 +38,12 @@ def run_figure(result: Result) -> Figure:
 
 
 def png_bytes(figure: Figure) -> bytes:
-    """A figure as the content of a PNG file."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
     return buffer.getvalue()
 
 
 def save_png(result: Result, path: str) -> None:
-    """Draw a run and write the picture to ``path``."""
     Path(path).write_bytes(png_bytes(run_figure(result)))
 
 

@@ -26,14 +26,12 @@ UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "mar
 
 
 def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
-    """A figure with rows by columns of axes."""
     figure = Figure(figsize=size, layout="constrained")
     figure.suptitle(title, fontsize=12)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
 def nothing(title: str, sentence: str) -> Figure:
-    """A figure that says why it is empty."""
     figure, axes = frame(title, 1, 1, (8.0, 2.5))
     axes[0, 0].set_axis_off()
     say(axes[0, 0], f"nothing to show: {sentence}")

@@ -25,7 +25,6 @@ LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 
 
 def figure(table: dict) -> Figure:
-    """The picture, ready to be saved."""
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
     whole = Figure(figsize=(width, height), layout="constrained")
     whole.suptitle(f"{table['title']}\n{table['caption']}", fontsize=13)
@@ -184,7 +183,6 @@ def _ticks(axes: Axes, labels: Mapping[float, str]) -> None:
 
 
 def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
-    """One legend for all panels, under the title."""
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns, fontsize=9,
                   frameon=False)
 

@@ -26,7 +26,6 @@ SCALE_OVER_TRUTH = 10  # an estimate that has lost its way must not blank the tr
 
 
 def line_style(estimator: str) -> Any:
-    """An estimator's dashes as a line style."""
     dashes = ESTIMATORS[estimator].dashes
     return (0, tuple(DASH_SCALE * length for length in dashes)) if dashes else "-"
 
@@ -59,7 +58,6 @@ def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Norma
 
 def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, aspect: float,
                shrink: float = 1.0) -> None:
-    """The colour bar of a shared scale, below the axes."""
     bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02, label=label)
     bar.ax.ticklabel_format(axis="x", scilimits=(-2, 3))
     if drawn.norm.vmax == NO_ERROR:

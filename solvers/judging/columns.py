@@ -158,5 +158,4 @@ def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> n
 
 
 def _at(component: tuple[int, ...]) -> Any:
-    """The index of a component in all rows."""
     return (slice(None), *component)

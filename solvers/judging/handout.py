@@ -10,7 +10,7 @@ from solvers.estimators.standalone import ElasticBody, Lost, solve
 from solvers.judging.columns import LETTERS
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import OF_METHODS, Start, Texts
+from solvers.problems.reference import OF_METHODS, Start
 from solvers.scene.rules import SceneError, field_key
 from solvers.scene.scene import Scene
 
@@ -19,10 +19,6 @@ SCHEMA = "mpm-lab/problem/1"
 
 def start(scene: Scene) -> Start:
     return PROBLEMS[scene.problem].reference.start(scene)
-
-
-def texts(scene: Scene) -> Texts:
-    return PROBLEMS[scene.problem].reference.texts(scene)
 
 
 def initial(scene: Scene) -> Frame:

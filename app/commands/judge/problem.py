@@ -15,6 +15,7 @@ from app.commands.output import json_text, say
 from app.commands.scene_flags import SceneFlags
 from app.words import per_cell, title
 from solvers.judging.columns import column_names
+from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS, Texts
 from solvers.scene.rules import field_key
 from solvers.scene.scene import Scene
@@ -92,7 +93,7 @@ def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
         "body_force.csv": writing.csv(force, {"problem": scene.problem}),
         f"{name}.csv": writing.csv(writing.table(solution), said),
         "problem.json": json_text({"schema": handout.SCHEMA, **numbers}, lines=True).encode(),
-        "problem.md": page(scene, handout.texts(scene), times, name).encode()}
+        "problem.md": page(scene, PROBLEMS[scene.problem].reference.texts(scene), times, name).encode()}
 
 
 def _in_space(vectors: np.ndarray) -> np.ndarray:

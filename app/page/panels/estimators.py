@@ -24,11 +24,9 @@ class EstimatorChoice:
 
     @property
     def chosen(self) -> tuple[str, ...]:
-        """The estimators whose boxes are ticked."""
         return tuple(name for name, box in self._boxes.items() if box.value)
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Make the widgets, for the session's present scene."""
         wished = self._session.scene.estimators
         gui.add_html("<div class='lab-group'>Estimators, one or several</div>")
         self._boxes = {}

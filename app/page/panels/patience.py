@@ -17,7 +17,6 @@ class Patience:
         self._marked: Any = None
 
     def changed(self, widget: Any) -> None:
-        """The visitor has changed a widget."""
         with self._lock:
             self._last = widget
 

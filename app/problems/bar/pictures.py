@@ -26,7 +26,6 @@ from solvers.solver.result import Result
 
 
 def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
-    """The bar's part of a run's picture."""
     _draw_curve(space, result)
     _draw_lanes(figure, figure.add_subplot(particles), result)
 

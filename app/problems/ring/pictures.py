@@ -19,7 +19,6 @@ _ANGLES = np.linspace(0, 0.5 * np.pi, 181)
 
 
 def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
-    """The ring's part of a run's picture."""
     scene, shown = cast(RingScene, result.scene), result.shown
     rims = [R * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1) for R in (exact.INNER, exact.OUTER)]
     moved = [rim + exact.displacement(scene, rim, shown.time) for rim in rims]

@@ -18,7 +18,6 @@ _ANGLES = np.linspace(0, 2 * np.pi, 361)
 
 
 def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
-    """The vortex's part of a run's picture."""
     scene = cast(VortexScene, result.scene)
     lines = VortexStage.exact_lines(scene, result.shown.time, SPOKES * scene.solution_known)
     rims = [R * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1) for R in (INNER, OUTER)]  # circles that stay

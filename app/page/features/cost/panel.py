@@ -50,7 +50,6 @@ class CostTab:
             self.runs.add(row, LIVE)
 
     def refresh(self) -> None:
-        """Show what has changed."""
         status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
         self._quiet.follow(status.running)
         self._drop_what_is_old()

@@ -17,7 +17,6 @@ HINTS = {"now": "root of the mean square over the particles, at the time that is
 
 
 def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> str:
-    """What is seen, in one sentence."""
     words, when = QUANTITIES[quantity], f"{run.name} at t = {number(run.times[k])} s"
     true, estimated = _now(run.true, k, quantity), _now(run.estimate, k, quantity)
     if true is not None:
@@ -33,7 +32,6 @@ def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str
 
 
 def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
-    """The numbers as html."""
     verdict = run.verdict or {}
     rows = [("file", f"<b>{escape(run.name)}</b>"),
             ("frame", f"{k + 1} of {len(run)}"),

@@ -99,7 +99,6 @@ def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
 
     @ti.kernel
     def find_margin(body: State, on: ti.template()):
-        """Find the margin of the step."""
         margin.step_margin_at_once(body, TRAITS, on)
 
     return KernelsAtOnce(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, look, report,

@@ -85,7 +85,6 @@ class OnDevice:
             self._own.fetch(*WATCHED)
 
     def find_margin(self) -> None:
-        """Find the margin of the step."""
         self._kernels.find_margin()
         self._own.fetch(*WATCHED)
 

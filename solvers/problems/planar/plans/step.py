@@ -35,7 +35,6 @@ class Kernels(NamedTuple):
 
 
 def kernels(parts: PlanarParts) -> Kernels:
-    """The kernels of a problem."""
     HOOKS, TRAITS, MEASURES, has_escaped = parts.hooks, parts.traits, parts.measures, parts.has_escaped
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
     State = ti.types.argpack(**parts.arrays.types(), **packing(HOOKS).types)
