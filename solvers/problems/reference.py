@@ -5,9 +5,11 @@ A problem's descriptor has its :class:`ProblemReference`.
 
 from __future__ import annotations
 
+import string
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,8 +44,25 @@ class Texts:
     table: str  # where the points of the table of the force are, and what holds elsewhere
 
 
+class Template(string.Template):
+    """Markdown with formulas, in which ``@name`` stands for something: dollars and braces are taken."""
+
+    delimiter = "@"
+
+
+def read_texts(path: Path, case: str, **numbers: float) -> Texts:
+    """The texts in a file, each a part headed ``## name``, or ``## name: case`` where it is another one in some case.
+    In a part ``@name`` stands for a number, to 15 digits, or for a part further up."""
+    parts = {name: f"{number:.15g}" for name, number in numbers.items()}
+    for part in path.read_text(encoding="utf-8").split("\n## ")[1:]:
+        head, _, text = part.partition("\n")
+        parts[head] = Template(" ".join(text.split())).substitute(parts)
+    return Texts(*(parts.get(f"{text.name}: {case}", parts[text.name]) for text in fields(Texts)))
+
+
 class ProblemReference(ABC):
-    """One problem for other codes; ``axes`` are the names of its D coordinates.
+    """One problem for other codes; ``axes`` are the names of its D coordinates, ``EXACT`` is the module of its exact
+    solution.
 
     Parameters
     ----------
@@ -56,6 +75,7 @@ class ProblemReference(ABC):
         Deformation gradients.
     """
 
+    EXACT: Any
     axes: tuple[str, ...] = ("x",)
 
     @abstractmethod
@@ -70,17 +90,17 @@ class ProblemReference(ABC):
     def table_points(self, scene: Any, count: int) -> np.ndarray:
         """About ``count`` material points (n, D) for a table of the body force."""
 
-    @abstractmethod
     def displacement(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
         """Of the exact solution, where one is built in, u (P, D) in m."""
+        return self.EXACT.displacement(scene, X, t)
 
-    @abstractmethod
     def velocity(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
         """Of it v (P, D) in m/s; at the time 0 of every scene."""
+        return self.EXACT.velocity(scene, X, t)
 
-    @abstractmethod
     def deformation_gradient(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
         """Of it F (P, D, D)."""
+        return self.EXACT.deformation_gradient(scene, X, t).reshape(len(X), *2 * X.shape[1:])
 
     @abstractmethod
     def stress(self, scene: Any, F: np.ndarray) -> np.ndarray:
