@@ -20,7 +20,7 @@ INSTANTS = 32  # of a period at which the exact field is looked at, for the axis
 
 
 @dataclass(frozen=True)
-class Place:
+class PlotPlace:
     """Where a plot stands, from x = 0 to 1 of the stage: ``middle`` and ``height`` (of the upper half) of its axis.
 
     It is plotted against a coordinate at rest from ``start`` to ``end`` in metres, in words ``ends``;
@@ -42,7 +42,7 @@ class FieldPlot:
     ``raised`` is how much higher than its place the plot is, where something else needs that.
     """
 
-    def __init__(self, place: Place, size: float):
+    def __init__(self, place: PlotPlace, size: float):
         self._place, self._axis, self.size, self.raised = place, Axis(), size, 0.0
         self._drawn: tuple[Scene, str, int] | None = None
         self._said: tuple[int, float, float] | None = None  # of what is drawn: numbers that are none, axis and height
@@ -154,7 +154,7 @@ class PinnedField:
         return Dots("field", points, OTHER, self._plot.size)
 
 
-def labels(place: Place, raised: float, low: str, high: str, told: str) -> Iterator[Label]:
+def labels(place: PlotPlace, raised: float, low: str, high: str, told: str) -> Iterator[Label]:
     """What is written at a plot: the ``low`` and ``high`` end of its axis, those of the body, and a caption."""
     middle = place.middle + raised
     below = middle - place.height - 0.035

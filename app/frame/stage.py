@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 import numpy as np
 
 from app.frame.captions import marks_note
-from app.frame.field import FieldPlot, PinnedField, Place
+from app.frame.field import FieldPlot, PinnedField, PlotPlace
 from app.frame.marks import FLASH_SECONDS, RECTANGLE, Label, Mark, Sheet
 from app.frame.scale import ColourScale
 from app.frame.view import Half
@@ -50,7 +50,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     RECTANGLE: ClassVar[Rectangle] = RECTANGLE  # of all that is drawn
     PAIR_RECTANGLE: ClassVar[Rectangle]  # with a pinned run beside it
-    PLOT: ClassVar[Place]  # of the field
+    PLOT: ClassVar[PlotPlace]  # of the field
     PLOT_DOT: ClassVar[float]  # size of a particle in it
     PAIR_PLOT: ClassVar[float]  # how much higher the plot is with a pinned run
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked

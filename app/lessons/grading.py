@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import INTERVAL, PREDICT, Lesson, Numbers, drawn, filled
-from app.lessons.marks import Mark, mark, shown
+from app.lessons.marks import AnswerMark, mark, shown
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
 
@@ -22,7 +22,7 @@ class Graded:
     file: str
     progress: Progress
     lesson: Lesson
-    answers: dict[str, tuple[str, Mark | None]]
+    answers: dict[str, tuple[str, AnswerMark | None]]
 
     @property
     def right(self) -> int:
@@ -78,7 +78,7 @@ def coverage(rows: Sequence[Graded]) -> list[str]:
 
 
 def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
-            outcomes: Outcomes) -> tuple[str, Mark | None]:
+            outcomes: Outcomes) -> tuple[str, AnswerMark | None]:
     step, answer = lesson.questions[key], progress.answers[key]
     assert step.question is not None
     given = answer.first if step.kind == PREDICT else answer.last

@@ -14,7 +14,7 @@ TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 
 @dataclass(frozen=True)
-class Mark:
+class AnswerMark:
     """``right`` is None for an answer that nobody marks; ``expected`` says what is right, in words."""
 
     right: bool | None
@@ -31,7 +31,7 @@ class Right:
     value: float | str = 0.0
 
 
-def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Outcomes) -> Mark:
+def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Outcomes) -> AnswerMark:
     """The mark of an answer that fits the step's question; runs what it needs.
 
     Raises :class:`~app.lessons.outcomes.RunFailed` and :class:`~app.lessons.claims.ClaimError`.
@@ -39,9 +39,9 @@ def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Ou
     asked = step.question
     assert asked is not None
     if asked.kind == TEXT:
-        return Mark(None, "")
+        return AnswerMark(None, "")
     found = right(lesson, step, numbers, outcomes)
-    return Mark(_fits(asked, answer, found), found.told)
+    return AnswerMark(_fits(asked, answer, found), found.told)
 
 
 def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Right:

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from app.frame.field import Place
+from app.frame.field import PlotPlace
 from app.frame.marks import CELL, RECTANGLE, Dots, Label, Lines, Mark, flash_colours, in_plane, joined, shades
 from app.frame.stage import TOUCH, Seat, Stage, Words
 from solvers.engine.frames import FrameArrays
@@ -26,7 +26,8 @@ class BarStage(Stage[BarScene]):
     """Makes marks of frames of the bar."""
 
     PAIR_RECTANGLE = (*RECTANGLE[:2], RECTANGLE[2] - NAME_LINE - LOWER, 1.14)
-    PLOT, PLOT_DOT, PAIR_PLOT = Place(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field), 0.006, -NAME_LINE - LOWER
+    PLOT, PLOT_DOT = PlotPlace(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field), 0.006
+    PAIR_PLOT = -NAME_LINE - LOWER
     ANCHORS: ClassVar = {"estimate": (0.0, ESTIMATE_LANE), "truth": (0.0, TRUTH_LANE),
                          "lane": (0.0, ESTIMATE_LANE + LANE_HEIGHT / 2)}
     MOST_MARKED, MARKED = 200, "magenta: particles that cross a cell boundary"

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field import Place
+from app.frame.field import PlotPlace
 from app.frame.marks import Dots, Mark, shades
 from app.frame.planar import PlanarStage
 from solvers.problems.ring import exact
@@ -18,7 +18,7 @@ MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first tw
 class RingStage(PlanarStage[RingScene]):
     """Makes marks of frames of the ring."""
 
-    PLOT = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
+    PLOT = PlotPlace(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
     MIRRORS, OUTLINED = MIRRORS, MIRRORS[::2]
 
     @staticmethod

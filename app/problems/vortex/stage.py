@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from app.colours import TRUTH, rgb
-from app.frame.field import Place
+from app.frame.field import PlotPlace
 from app.frame.marks import Dots, Lines, Mark, joined, shades
 from app.frame.planar import PlanarStage
 from solvers.engine.frames import FrameArrays
@@ -22,7 +22,7 @@ SPOKES_AT_REST = np.linspace(INNER, OUTER, SPOKE_POINTS)[:, None] * np.stack([np
 class VortexStage(PlanarStage[VortexScene]):
     """Makes marks of frames of the vortex. Its four quarters are alike, so that half of it shows all."""
 
-    PLOT = Place(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "angular")
+    PLOT = PlotPlace(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "angular")
     LINES = SPOKES
 
     @staticmethod

@@ -66,21 +66,21 @@ def test_sweep_runs_in_a_process_that_ends(jobs):
     assert jobs.process_id == process
     wait(lambda: not jobs.status.running)
     assert jobs.status == JobStatus("sweep", done=2, total=2)
-    assert [run.row["asked"]["cells"] for run in jobs._runs.all()] == [10, 20] and not alive(process)
-    assert all(run.row["seconds"]["min"] > 0 for run in jobs._runs.all())
+    assert [run.row["asked"]["cells"] for run in jobs.runs.all()] == [10, 20] and not alive(process)
+    assert all(run.row["seconds"]["min"] > 0 for run in jobs.runs.all())
 
 
 def test_cancel_keeps_rows_and_makes_room(jobs):
     """Cancelled between rows: what was measured stays, the process is gone and its place is free."""
     jobs.sweep([*small_sweep(SCENE)[:1], task_of(BarScene(cells=2000, periods=100), repeats=1)])
-    other = Jobs(Runs(), jobs._slots)
+    other = Jobs(Runs(), jobs.slots)
     other.sweep(small_sweep(SCENE))
     assert "server busy" in words.going(other.status) and not other.status.running
     wait(lambda: jobs.status.done == 1)
     process = jobs.process_id
     jobs.cancel()
     wait(lambda: not jobs.status.running)
-    assert not alive(process) and len(jobs._runs.all()) == 1 and jobs.status.trouble is None
+    assert not alive(process) and len(jobs.runs.all()) == 1 and jobs.status.trouble is None
     assert "cancelled" in words.going(jobs.status)
     other.search(SearchJob(task_of(SCENE).to_dict(), (), (2,), (0.5,), "x", 1.0, 1.0))
     wait(lambda: not other.status.running)
@@ -93,7 +93,7 @@ def test_process_that_dies_is_said(jobs):
     os.kill(jobs.process_id, signal.SIGKILL)
     wait(lambda: not jobs.status.running)
     assert "SIGKILL" in words.going(jobs.status)
-    assert jobs._slots.taken == 0
+    assert jobs.slots.taken == 0
 
 
 def test_process_that_cannot_start_is_said(jobs, monkeypatch):
@@ -104,7 +104,7 @@ def test_process_that_cannot_start_is_said(jobs, monkeypatch):
     jobs.sweep(small_sweep(SCENE))
     wait(lambda: not jobs.status.running)
     assert "temporarily unavailable" in words.going(jobs.status) and not jobs.status.running
-    assert jobs._slots.taken == 0
+    assert jobs.slots.taken == 0
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs):
@@ -167,20 +167,52 @@ def test_stage_stands_still_while_a_job_runs():
     assert not stage.playing  # it did not move before
 
 
-def test_tab_says_what_disturbs_the_times_and_gives_way_to_it():
-    tab, ways = CostTab.__new__(CostTab), []
-    tab.jobs = SimpleNamespace(status=JobStatus("sweep", running=True), others=False, give_way=lambda: ways.append(1))
-    tab._session = Stage()
-    tab._quiet = QuietStage(tab._session)
-    tab._quiet.follow(True)
-    assert "paused" in tab._stage_word(tab.jobs.status) and not ways and "paused" in tab.notice().sentence
-    tab._session.others_playing = True
-    assert "Other visitors" in tab._stage_word(tab.jobs.status) and ways
-    tab._session.play(True)
-    tab._quiet.follow(True)
-    assert tab._stage_word(tab.jobs.status).startswith("Your stage runs") and tab.notice() is None
+class Widgets:
+    """A panel of widgets that nobody sees: a test sets and clicks them by their labels, and reads what is said."""
+
+    def __init__(self):
+        self.by_label, self._texts = {}, []
+
+    def __getattr__(self, kind):
+        def add(label, value="", **_):
+            widget = SimpleNamespace(value=value, content="", on_update=lambda act: None)
+            widget.on_click = lambda act: setattr(widget, "click", lambda: act(None))
+            self._texts.append(widget)
+            self.by_label[label] = widget
+            return widget
+
+        return add
+
+    @property
+    def said(self):
+        return " ".join(widget.content for widget in self._texts)
+
+
+@pytest.fixture
+def tab():
+    """The Cost tab of a visitor on ``tab.stage``, with the ``tab.widgets`` it has made."""
+    stage, widgets = Stage(), Widgets()
+    tab = CostTab(SimpleNamespace(gui=widgets), stage, lambda scene: setattr(stage, "scene", scene))
+    tab.stage, tab.widgets = stage, widgets
+    yield tab
+    tab.jobs.close()
+
+
+def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
+    ways = []
+    tab.jobs.status, tab.jobs.give_way = JobStatus("sweep", running=True), lambda: ways.append(1)
+
+    def said():
+        tab.refresh()
+        return tab.widgets.said
+
+    assert "paused" in said() and not ways and "paused" in tab.notice().sentence
+    tab.stage.others_playing = True
+    assert "Other visitors" in said() and ways
+    tab.stage.play(True)
+    assert "<p>Your stage runs" in said() and tab.notice() is None
     tab.jobs.status = JobStatus("sweep")
-    assert tab._stage_word(tab.jobs.status) == ""
+    assert "Your stage" not in said() and "Other visitors" not in said() and "paused" not in said()
 
 
 def test_job_gives_way_when_told_to(jobs):
@@ -189,38 +221,38 @@ def test_job_gives_way_when_told_to(jobs):
     assert before == os.getpriority(os.PRIO_PROCESS, 0) and not jobs.others
     jobs.give_way()
     assert os.getpriority(os.PRIO_PROCESS, jobs.process_id) > before or before == 19
-    assert Jobs(Runs(), jobs._slots).others
+    assert Jobs(Runs(), jobs.slots).others
 
 
-def box(value):
-    return SimpleNamespace(value=value)
+SEARCH = "Find the cheapest run"
+FOUND = {"met": True, "task": task_of(SCENE).to_dict(), "error": None, "measured": False, "seconds": 1.0, "why": "",
+         "looks": 1}
 
 
-def test_advice_goes_when_what_was_asked_changes():
+def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
-    tab = CostTab.__new__(CostTab)
-    tab.jobs, tab._session, tab._tolerance, tab._budget = Jobs(Runs(), Slots(1)), Stage(), box("1e-2"), box("10")
-    tab.jobs.status, tab._asked = JobStatus("search", advice={"met": True}), tab._question()
-    tab._say("Run 1 is on the stage.")
-    tab._drop_what_is_old()
-    assert tab.jobs.status.advice and tab._remark
-    tab._session.scene = replace(SCENE, method="cpgimp", cells=28, ppc=3, cfl=0.5, effects=(), estimators=())
-    tab._drop_what_is_old()
-    assert tab.jobs.status.advice and not tab._remark
-    tab._tolerance.value = "1e-3"
-    tab._drop_what_is_old()
+    tab.jobs.search = lambda job: None
+    tab.widgets.by_label[SEARCH].click()
+    tab.jobs.status = JobStatus("search", advice=FOUND)
+    tab.widgets.by_label["Load this scene"].click()
+    tab.refresh()
+    assert tab.jobs.status.advice and "advice is on the stage." in tab.widgets.said
+    tab.stage.scene = replace(SCENE, method="cpgimp", cells=28, ppc=3, cfl=0.5, effects=(), estimators=())
+    tab.refresh()
+    assert tab.jobs.status.advice and "advice is on the stage" not in tab.widgets.said
+    tab.widgets.by_label["Tolerance / A"].value = "1e-2"
+    tab.refresh()
     assert tab.jobs.status == JobStatus()
     for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
         assert question(replace(SCENE, **change)) != question(SCENE)
 
 
-def test_search_ends_when_what_was_asked_changes(jobs):
-    tab = CostTab.__new__(CostTab)
-    tab.jobs, tab._session, tab._tolerance, tab._budget, tab._remark = jobs, Stage(), box("1e-2"), box("10"), ""
-    jobs.search(search(SCENE, 1e-2, 10.0))
-    tab._asked = tab._question()
-    tab._session.scene = replace(SCENE, amplitude=0.01)
-    tab._drop_what_is_old()
-    wait(lambda: not jobs.status.running)
-    tab._drop_what_is_old()
-    assert words.going(jobs.status) == "The search was cancelled." and tab._remark == "What it was to find has changed."
+def test_search_ends_when_what_was_asked_changes(tab):
+    tab.widgets.by_label[SEARCH].click()
+    assert tab.jobs.status.running
+    tab.stage.scene = replace(SCENE, amplitude=0.01)
+    tab.refresh()
+    wait(lambda: not tab.jobs.status.running)
+    tab.refresh()
+    assert words.going(tab.jobs.status) == "The search was cancelled."
+    assert "What it was to find has changed." in tab.widgets.said

@@ -84,10 +84,11 @@ class JobStatus:
 
 
 class Jobs:
-    """Starts and ends one visitor's jobs. Rows of a sweep go to ``runs``. Any thread may call."""
+    """Starts and ends one visitor's jobs, in ``slots`` that all share. Rows of a sweep go to ``runs``. Any thread may
+    call."""
 
     def __init__(self, runs: Runs, slots: Slots = SLOTS):
-        self._runs, self._slots, self._lock = runs, slots, threading.Lock()
+        self.runs, self.slots, self._lock = runs, slots, threading.Lock()
         self._pool: WorkerPool | None = None  # of one process, while a job runs
         self._closed = False
         self.status = JobStatus()
@@ -101,7 +102,7 @@ class Jobs:
     @property
     def others(self) -> bool:
         """Whether jobs of other visitors run on this server."""
-        return self._slots.taken > self.status.running
+        return self.slots.taken > self.status.running
 
     def forget(self) -> None:
         """What the last job has said no longer holds. Its rows stay."""
@@ -138,7 +139,7 @@ class Jobs:
         with self._lock:
             if self.status.running or self._closed:
                 return
-            if not self._slots.take():
+            if not self.slots.take():
                 self.status = JobStatus(kind, trouble=BUSY.format(MOST_JOBS))
                 return
             self.status = JobStatus(kind, running=True, total=total)
@@ -151,7 +152,7 @@ class Jobs:
         with self._lock:
             before = self.status
             if "row" in message:
-                self._runs.add(message["row"], SWEEP)
+                self.runs.add(message["row"], SWEEP)
                 self.status = replace(before, done=before.done + 1)
             elif "look" in message:
                 self.status = replace(before, done=message["look"] - 1, total=message["coarse"],
@@ -166,7 +167,7 @@ class Jobs:
         with self._lock:
             trouble = None if self.status.cancelled else _trouble(job.exception()) or self.status.trouble
             self.status, self._pool = replace(self.status, running=False, trouble=trouble), None
-            self._slots.give_back()
+            self.slots.give_back()
 
 
 def _trouble(error: BaseException | None) -> str | None:

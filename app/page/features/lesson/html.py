@@ -5,7 +5,7 @@ from html import escape
 
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, Numbers, Step, filled
-from app.lessons.marks import Mark, shown
+from app.lessons.marks import AnswerMark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
 
@@ -48,7 +48,7 @@ def step_html(step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
            f"{_notes(step.notes, teacher)}</div>"
 
 
-def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: Mapping[str, Mark | str],
+def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: Mapping[str, AnswerMark | str],
                   numbers: Numbers) -> str:
     """Each answer beside what came out; ``marks`` has a sentence where there is no mark yet."""
     rows = []

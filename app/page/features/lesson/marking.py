@@ -7,7 +7,7 @@ from typing import Any
 
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
-from app.lessons.marks import Mark, mark
+from app.lessons.marks import AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
 
@@ -21,7 +21,7 @@ class Marker:
     def __init__(self, outcomes: Outcomes):
         self._outcomes = outcomes
         self._thread = ThreadPoolExecutor(1)
-        self.marks: dict[str, Mark | str] = {}
+        self.marks: dict[str, AnswerMark | str] = {}
 
     def close(self) -> None:
         self._thread.shutdown(wait=False, cancel_futures=True)
@@ -30,7 +30,7 @@ class Marker:
         """Another lesson, or another student: marks mean something else."""
         self.marks = {}
 
-    def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[Mark | str], None]) -> None:
+    def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[AnswerMark | str], None]) -> None:
         """Mark what a step was answered last, and ``tell``."""
         answer = progress.answers[step.key].last
         self._later(lambda: tell(self._marked(lesson, step, progress, answer)))
@@ -47,7 +47,7 @@ class Marker:
 
         self._later(work)
 
-    def _marked(self, lesson: Lesson, step: Step, progress: Progress, answer: Any) -> Mark | str:
+    def _marked(self, lesson: Lesson, step: Step, progress: Progress, answer: Any) -> AnswerMark | str:
         try:
             return mark(lesson, step, answer, drawn(lesson, progress.name), self._outcomes)
         except (RunFailed, ClaimError):

@@ -11,7 +11,7 @@ from app import state
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.lessons.marks import LONGEST, TOLD_AFTER, Mark, shown, trouble
+from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.classroom import Classroom
@@ -188,7 +188,7 @@ class Player:
 
         record.on_click(take)
 
-    def _taken(self, lesson: Lesson, step: Step, found: Mark | str | None) -> str:
+    def _taken(self, lesson: Lesson, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
         assert step.question is not None and self._progress is not None
         answer = self._progress.answers[step.key]
