@@ -22,6 +22,7 @@ def found():
     assert parts == sorted(parts) and parts[-1] == 1.0
 
 
+@pytest.mark.slow
 def test_all_see_a_moving_picture(found):
     assert found["schema"] == SCHEMA and found["visitors"] == found["moving"] == VISITORS and found["lost"] == []
     assert 0 < found["joined_median"] <= found["joined_95"]
@@ -34,6 +35,7 @@ def test_all_see_a_moving_picture(found):
     assert json.loads(json.dumps(found, allow_nan=False)) == found
 
 
+@pytest.mark.slow
 def test_a_table_for_a_person(found):
     table = class_table(found)
     for words in (f"{VISITORS} visitors for {SECONDS:g} s", f"{VISITORS} of {VISITORS}", "frames a second each",

@@ -29,7 +29,7 @@ def overlap(a, b):
     return min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
 
 
-def test_everything_has_a_place_of_its_own(page):
+def everything_has_a_place_of_its_own(page):
     """The stage has three fifths of the width or all of it, and 400 pixels where the window has as many. Names of
     controls stand in one line, and no panel has more to its right than can be seen."""
     to_the_ring(page)  # its labels are the longest
@@ -48,7 +48,7 @@ def test_everything_has_a_place_of_its_own(page):
             .filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1).length""") == 0
 
 
-def test_the_word_beside_a_control_that_waits_takes_no_room(page):
+def the_word_beside_a_control_that_waits_takes_no_room(page):
     """Below the label, in the gap between two rows: nothing moves, and it stays in the label's column."""
     unfold(page, "Method details", "Effects: compute")
     for size in (LAPTOP, PHONE):
@@ -77,14 +77,14 @@ def labels_that_wrap(page):
         .map(e => e.innerText)""")
 
 
-def test_a_phone_finds_the_measurements(page):
+def a_phone_finds_the_measurements(page):
     """Folded below the controls, they open."""
     resize(page, PHONE)
     page.get_by_role("button", name="Expand panel Measurements").click()
     until(page.get_by_text("periods/s").first.is_visible, "the readout")
 
 
-def test_the_open_tab_stays_open_when_the_window_changes(page):
+def the_open_tab_stays_open_when_the_window_changes(page):
     """The viewer makes its tabs anew for a narrow window, and for a wide one."""
     def opened(name):
         return page.get_by_role("tab", name=name, exact=True, selected=True).is_visible()
@@ -98,7 +98,7 @@ def test_the_open_tab_stays_open_when_the_window_changes(page):
         until(lambda tab=tab: opened(tab), f"{tab} open again")
 
 
-def test_the_run_goes_on_when_the_window_changes(page):
+def the_run_goes_on_when_the_window_changes(page):
     """The browser makes the page's widgets anew then, and says again which link it has: that is no wish."""
     until(lambda: steps(page) > 20, "a run under way")
     click(page, "Pause")
@@ -118,7 +118,7 @@ def test_a_folded_panel_gives_its_room_to_the_stage(own_page):
     until(lambda: stage_box(own_page)["width"] > before + 150, "a broader stage")
 
 
-def test_presenter_sees_stage_and_one_plot(page):
+def a_presenter_sees_stage_and_one_plot(page):
     """No controls, one plot, large text; Escape brings all back, and so does the button."""
     until(lambda: coloured(stage(page)) > 0.002, "a stage with colours")
 
@@ -159,7 +159,7 @@ def test_an_address_asks_for_the_presenters_view(server, chromium):
         until(lambda: row(page, "Method").first.is_visible(), "the controls")
 
 
-def test_axe_finds_nothing_serious(page):
+def axe_finds_nothing_serious(page):
     """In the page as it comes, with all folders open, and in the tab of costs."""
     unfold(page, "Method details", "Effects: compute")
     until(lambda: serious(page) == [], "names for all in Explore")
@@ -172,3 +172,20 @@ def serious(page):
     found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
     return [(violation["id"], [node["html"][:160] for node in violation["nodes"]]) for violation in found
             if violation["impact"] in ("serious", "critical")]
+
+
+def test_places(page):
+    """One visitor for both: a page of their own would cost each more than what is looked at. So below."""
+    everything_has_a_place_of_its_own(page)
+    the_word_beside_a_control_that_waits_takes_no_room(page)
+
+
+def test_windows_that_change(page):
+    the_run_goes_on_when_the_window_changes(page)
+    the_open_tab_stays_open_when_the_window_changes(page)
+    a_phone_finds_the_measurements(page)
+
+
+def test_a_presenter_and_those_who_do_not_see(page):
+    a_presenter_sees_stage_and_one_plot(page)
+    axe_finds_nothing_serious(page)

@@ -34,7 +34,7 @@ def halves(page, upper=slice(180, 230), lower=slice(280, 326)):
     return coloured(picture[upper]), coloured(picture[lower])
 
 
-def test_table_names_index_distance_and_worst_region(page):
+def the_table_names_index_distance_and_worst_region(page):
     """The truth and the estimator have a line each, and the worst region by each of them."""
     until(lambda: re.search("transport" + LINE, readout(page)), "norm, index and distance")
     until(lambda: len(re.findall(r"X = 0\.\d\d–\d\.\d\d m", readout(page))) == 2, "two regions")
@@ -42,7 +42,7 @@ def test_table_names_index_distance_and_worst_region(page):
     until(lambda: len(re.findall(r"(inner|middle|outer) third, \d+–\d+°", readout(page))) == 2, "regions of the ring")
 
 
-def test_difference_takes_the_upper_lane(page):
+def the_difference_takes_the_upper_lane(page):
     """Compared, the upper lane changes and the lower, the truth, keeps its meaning; paused, it is there at once."""
     until(lambda: time(page) > 0.3, "a run under way")
     click(page, "Pause")
@@ -75,7 +75,7 @@ def test_without_an_exact_solution(page, problem):
         until(lambda: max(halves(page)) < 0.05, "no difference either")
 
 
-def test_no_estimator_and_back(page):
+def no_estimator_and_back(page):
     """With none ticked the page says so; ticked again, the estimate is back."""
     until(lambda: re.search("transport" + LINE, readout(page)), "an estimate")
     for name in FIRST_SCENE.estimators:
@@ -104,9 +104,8 @@ def test_several_at_once(page):
     assert row(page, "On the stage").get_by_role("combobox").input_value() != others[-1]
 
 
-def test_not_valid_is_said_instead_of_a_number(page):
+def not_valid_is_said_instead_of_a_number(page):
     """An estimator that does not hold has a sentence in the table, no curve and no colours; the truth stays."""
-    to_the_ring(page)
     tick(page, "companion")
     until(lambda: re.search("companion" + LINE, readout(page)), "the companion running")
     choose(page, "On the stage", "companion")
@@ -118,7 +117,7 @@ def test_not_valid_is_said_instead_of_a_number(page):
     until(lambda: drawn(page)[1:] == [1, 1], "the truth and the other estimate drawn")
 
 
-def test_explanations_are_set_as_mathematics(page):
+def explanations_are_set_as_mathematics(page):
     """Each estimator's explanation opens in the About tab, and its fractions and sums have the height of such."""
     page.get_by_role("tab", name="About").click()
     for name in ("transport", "recovered", "companion", "two-grid"):
@@ -130,3 +129,15 @@ def test_explanations_are_set_as_mathematics(page):
         assert text.locator("math[display=block]").first.bounding_box()["height"] > 15
         title.click()
         text.wait_for(state="hidden")
+
+
+def test_the_bars_estimators(page):
+    """One visitor for all three: a page of their own would cost each more than what is looked at."""
+    no_estimator_and_back(page)
+    the_difference_takes_the_upper_lane(page)
+    explanations_are_set_as_mathematics(page)
+
+
+def test_the_rings_estimators(page):
+    the_table_names_index_distance_and_worst_region(page)
+    not_valid_is_said_instead_of_a_number(page)

@@ -261,6 +261,7 @@ def test_a_changed_setup_or_solver_is_not_a_finished_row(tmp_path, counted, unwr
     assert len(counted) == 6
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 def test_a_killed_run_goes_on_where_it_was(tmp_path, results, counted, capsys):
     code = f"""
