@@ -120,6 +120,19 @@ def test_scale_says_when_something_exceeds_it():
     assert not scale.exceeded
 
 
+def test_two_runs_share_one_scale():
+    """Of estimate and truth, of the run on the stage and of one beside it, the largest that counts makes the top: a
+    colour means the same everywhere. Without any truth the larger estimate counts."""
+    small, large = np.full(3, 1.0), np.full(3, 5.0)
+    for own, beside in (((small, large), (small, small)), ((small, small), (small, large)),
+                        ((large, small), (small, small)), ((small, small), (large, small)),
+                        ((None, small), (None, large)), ((small, None), (large, None)), ((large, None), (small, None))):
+        scale = ColourScale()
+        scale.follow(*own, 0.0, beside)
+        assert scale.top == 5, (own, beside)
+        assert not scale.exceeded
+
+
 @pytest.mark.parametrize("logarithmic", [False, True])
 def test_scale_is_used_and_its_numbers_are_round(logarithmic):
     """Whatever the largest error, it is in the upper quarter of the scale, and a tick has two digits at most."""
