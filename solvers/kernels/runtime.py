@@ -31,8 +31,7 @@ def allow_forks() -> None:
 def leave() -> NoReturn:
     """End the process: write what it has compiled to disk, and go. Taichi's own end would wait for threads that, of a
     fork, only its parent has."""
-    if (program := ti.lang.impl.get_runtime().prog) is not None:
-        program.finalize()
+    _write()
     os._exit(0)
 
 
@@ -72,6 +71,18 @@ def on_processor() -> bool:
 
 
 @atexit.register  # later than Taichi's own end, and so run before it
+def _end() -> None:
+    """Write what has been compiled to disk, which Taichi does when its program goes: by itself that hangs on the order
+    in which Python lets go of classes and modules, and may be never."""
+    _let_go()
+    _write()
+
+
+def _write() -> None:
+    if (program := ti.lang.impl.get_runtime().prog) is not None:
+        program.finalize()
+
+
 def _let_go() -> None:
     """Have all that was made of the running Taichi go before it does: later it would look for what is no more."""
     for holder in list(holders):

@@ -25,14 +25,15 @@ class WatchedRing(WatchedBody, RingBody):
 HOOKS = registry.hooks_of("ring", {
     "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.hooks(TRAITS),
     "two-grid": two_grid.HOOKS})
+PARTS = PlanarParts(HOOKS, WatchedRing, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
+KERNELS = kernels(PARTS)
 
 
 class RingSolver(PlanarSolver):
     """Owns the arrays of one ring."""
 
     HOOKS = HOOKS
-    PARTS = PlanarParts(HOOKS, WatchedRing, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
-    KERNELS = kernels(PARTS)
+    PARTS, KERNELS = PARTS, KERNELS
     scene: RingScene
 
     def _escape(self) -> str:

@@ -26,14 +26,15 @@ class WatchedVortex(WatchedBody, VortexBody):
 
 HOOKS = registry.hooks_of("vortex", {
     "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.hooks(TRAITS)})
+PARTS = PlanarParts(HOOKS, WatchedVortex, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
+KERNELS = kernels(PARTS)
 
 
 class VortexSolver(PlanarSolver):
     """Owns the arrays of one vortex."""
 
     HOOKS = HOOKS
-    PARTS = PlanarParts(HOOKS, WatchedVortex, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
-    KERNELS = kernels(PARTS)
+    PARTS, KERNELS = PARTS, KERNELS
     scene: VortexScene
 
     def _escape(self) -> str:
