@@ -8,6 +8,8 @@ import textwrap
 import pytest
 
 from app.lessons.checking import checks
+from app.lessons.lesson import CHOICE
+from app.lessons.marks import expressions, right
 from app.lessons.outcomes import Outcomes, scene_texts
 from app.lessons.shelf import lessons, names
 from solvers.problems.bar.scene import BarScene
@@ -15,6 +17,28 @@ from solvers.problems.ring.scene import RingScene
 from solvers.running.run import run
 from tests.paths import LESSONS
 
+#: Right answers with a lesson's first numbers, to two per cent: what a mark is given for does not change by chance.
+RIGHT: dict[str, dict[str, float]] = {
+    "01-one-step": {
+        "where-does-the-mass-of-particle-10-go": 1, "the-mass-of-a-node": 125, "how-far-and-how-fast": 0.878,
+        "a-particle-that-is-drawn-out": 0.16, "the-error-at-the-end": 4.74},
+    "02-what-is-an-error": {
+        "the-norm-at-the-end": 36.9, "the-error-of-the-velocity": 1.51, "the-distance-of-transport": 0.289,
+        "what-the-companion-says": 121},
+    "03-order": {"a-ratio-of-two-norms": 17.1, "the-floor": 81, "always-shorter-steps": 0.785, "what-was-gained": 0.785},
+    "04-grid-crossing": {
+        "the-stress-of-the-hat-functions": 0.0602, "where-does-the-trouble-begin": 3.125,
+        "leave-it-where-the-first-particle-crosses": 0.003125, "how-much-of-the-stress-is-wrong": 19.5},
+    "05-who-is-to-blame": {
+        "the-error-on-160-cells": 354, "the-error-on-160-cells-force-at-the-particles": 3.28,
+        "your-own-amplitude": 55.5},
+    "06-ring": {"the-acceleration-of-cpdi": 66.1},
+    "07-what-accuracy-costs": {
+        "twice-the-cells": 3.99, "how-many-steps": 533, "your-best-w": 9652, "bet-1-a-finer-grid": 31.7,
+        "bet-2-hat-functions": 1372, "bet-3-a-ring": 356},
+    "08-how-it-breaks": {"how-long-was-it-accurate": 5.85},
+    "09-four-judges": {
+        "which-judge-still-speaks-and-is-far-off": 0.722, "the-judge-who-says-zero": 1, "how-many-times-too-large": 33}}
 LONG = ("07", "09")  # lessons that run what tests of the Cost tab and of each estimator run, for half a minute each
 
 
@@ -29,11 +53,16 @@ def outcomes():
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name[:2] in LONG else name
                                   for name in names()])
 def test_every_claim_of_a_lesson_holds(name, outcomes):
+    """And what is asked has the right answers that it had."""
     lesson = lessons()[name]
     outcomes.prepare(scene_texts(lesson, lesson.variants[0]), lambda done, total: None)
     found = list(checks(lesson, outcomes, variants=1))
     assert [str(check) for check in found if not check.holds] == []
     assert len(found) > 10
+    numbers = lesson.variants[0]
+    asked = {key: right(lesson, step, numbers, outcomes).value for key, step in lesson.questions.items()
+             if step.question.kind != CHOICE and expressions(step.question, numbers)}
+    assert asked == pytest.approx(RIGHT[name], rel=0.02)
 
 
 @pytest.mark.slow
