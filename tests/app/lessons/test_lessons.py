@@ -25,7 +25,8 @@ RIGHT: dict[str, dict[str, float]] = {
     "02-what-is-an-error": {
         "the-norm-at-the-end": 36.9, "the-error-of-the-velocity": 1.51, "the-distance-of-transport": 0.289,
         "what-the-companion-says": 121},
-    "03-order": {"a-ratio-of-two-norms": 17.1, "the-floor": 81, "always-shorter-steps": 0.785, "what-was-gained": 0.785},
+    "03-order": {
+        "a-ratio-of-two-norms": 17.1, "the-floor": 81, "always-shorter-steps": 0.785, "what-was-gained": 0.785},
     "04-grid-crossing": {
         "the-stress-of-the-hat-functions": 0.0602, "where-does-the-trouble-begin": 3.125,
         "leave-it-where-the-first-particle-crosses": 0.003125, "how-much-of-the-stress-is-wrong": 19.5},

@@ -60,7 +60,8 @@ def test_a_run_of_ours_is_judged_to_have_our_own_errors(own_run, kind, tmp_path)
 PATCH = ["--motion", "patch", "--ppc", "2.5", "--cells", "20"]
 
 
-@pytest.mark.parametrize("method", PROBLEMS["bar"].scene.choices("method"))
+@pytest.mark.parametrize("method", [pytest.param(method, marks=() if method in ("mpm", "ugimp") else pytest.mark.slow)
+                                    for method in PROBLEMS["bar"].scene.choices("method")])
 def test_a_patch_test_of_ours_is_judged_to_have_our_own_errors(method, tmp_path):
     """Those of B-splines and hats to rounding; where errors are round-off themselves, to round-off."""
     file, out = tmp_path / "run.npz", tmp_path / "verdict"

@@ -19,7 +19,8 @@ def state(solver) -> np.ndarray:
     return np.concatenate([solver._arrays.position_velocity, solver._arrays.deformation_gradient], axis=1)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [pytest.param(method, marks=() if method in ("ugimp", "cpdi") else pytest.mark.slow)
+                                    for method in METHODS])
 def test_plans_agree(method):
     """Slabs add in another order: a rounding (1e-16 of v) a step, measured 3e-13 m/s; crossings and index the same."""
     scene = replace(SCENE, method=method, effects=("truth", "estimate", "crossings", "energy"))
