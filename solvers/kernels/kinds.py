@@ -15,7 +15,7 @@ reals = ti.types.ndarray(dtype=real, ndim=1)
 pairs = ti.types.ndarray(dtype=ti.types.vector(2, real), ndim=1)
 quads = ti.types.ndarray(dtype=ti.types.vector(4, real), ndim=1)
 octets = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)
-rows = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)  # octets that estimators keep by themselves, unpacked
+rows = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)  # octets that a ``Packing`` leaves as they are
 matrix = ti.types.ndarray(dtype=real, ndim=2)
 integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
 integer_quads = ti.types.ndarray(dtype=ti.types.vector(4, ti.i32), ndim=1)

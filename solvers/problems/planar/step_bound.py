@@ -1,16 +1,27 @@
 """Weights of the particles of a plane body at their nodes, in numpy, for the bound on its step before it has run."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH
+from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import stencil
 
 Links = tuple[np.ndarray, np.ndarray, np.ndarray]  # nodes, weights and sizes of gradients (P, M)
 #: From nodes' places in x and y, in cells, to their numbers, 0 or more; images of each other may have the same.
 Number = Callable[[np.ndarray, np.ndarray], np.ndarray]
+MOST_PARTICLES = 10_000  # that are looked at
+
+
+def coarsened(scene: PlanarScene) -> PlanarScene:
+    """The scene on so few cells that its particles are quickly looked at: a finer one meets the grid in the same ways,
+    and its bound is as much shorter as its cells are."""
+    while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
+        scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
+    return scene
 
 
 def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,

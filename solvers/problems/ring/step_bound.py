@@ -4,24 +4,18 @@ For P = mu (F - F^-T) a change of F by g F with g = v grad S costs mu (g b : g +
 of b = F F^T) |g|^2 per reference volume; in material form, for frozen weights, mu (1 + 1/smallest eigenvalue of b).
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.step_bound import boxes, corners
+from solvers.problems.planar.step_bound import boxes, coarsened, corners
 from solvers.problems.ring import exact
 from solvers.scene.step_bound import INSTANTS, bound
-
-MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
 
 
 def critical_time_step(scene: PlanarScene) -> float:
     """The smallest bound, in seconds, over the ring's motion from one extreme to the other."""
-    fine = scene
-    while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
-        scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
+    fine, scene = scene, coarsened(scene)
     layout = particle_layout(scene)
     sizes = scene.amplitude * np.linspace(-1, 1, INSTANTS)
     return min(_at(scene, layout, size) for size in sizes) * fine.spacing / scene.spacing

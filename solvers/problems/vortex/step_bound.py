@@ -9,24 +9,19 @@ particles is enough, if a node has one number with the three where it then comes
 whose file imports this one.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from solvers.problems.planar.layout import box_stretch, particle_layout
-from solvers.problems.planar.step_bound import boxes, corners
+from solvers.problems.planar.step_bound import boxes, coarsened, corners
 from solvers.problems.vortex import exact
 from solvers.scene.step_bound import INSTANTS, bound
-
-MOST_PARTICLES = 10_000  # of the ring that is looked at; a finer one meets the grid in the same ways
 
 
 def critical_time_step(scene: Any) -> float:
     """The smallest bound, in seconds, over the motion from rest to the largest turn; the other way is its mirror."""
-    fine = scene
-    while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
-        scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
+    fine, scene = scene, coarsened(scene)
     layout, instants = particle_layout(scene), np.linspace(0, 0.25 * scene.period, INSTANTS)
     kept = a_quarter(layout.position)
     X, volume, edges = layout.position[kept], layout.volume[kept], layout.edges[kept]

@@ -1,7 +1,7 @@
 """Contradictions within a bar, seen without its exact solution (see ``solvers.solver.soundness``).
 
 Neighbours X_p and X_q = X_p + dX should stand dX (F_p + F_q)/2 from each other. What they miss, r_p, is looked at by
-itself (apart) and summed up along the bar (torn): (x - X) less the integral of F - 1.
+itself (``neighbour_gap``) and summed up along the bar (``displacement_mismatch``): (x - X) less the integral of F - 1.
 """
 
 import taichi as ti
@@ -11,8 +11,8 @@ from solvers.solver.samples import column
 
 @ti.func
 def look(bar: ti.template(), row, drift):
-    """Write how far neighbours are apart, the body is adrift from the ``drift`` that it should have, and its
-    displacement torn from its deformation, in m."""
+    """Write how far neighbours are from where they should stand, the body from the ``drift`` that it should have, and
+    its displacement from what its deformation says, in m."""
     P, dX = bar.particles, bar.volume  # a particle's volume at rest is its length
     squares, worst, place = 0.0, -1.0, 0
     moved = 0.0  # sum of x - X

@@ -55,7 +55,8 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
 
 @ti.func
 def take_gradient(body: ti.template(), traits: ti.template(), metric, node):
-    """|grad S|/sqrt(m) of the present particle at a node, kept there; the gradient goes, lest it be taken twice."""
+    """|grad S|/sqrt(m) of the present particle at a node, kept there in place of the gradient: corners of a domain that
+    share the node ask again, and then find 0."""
     record = body.node_bound[node]
     scaled = scaled_size(body, traits, metric, ti.Vector([record[0], record[1]]), node)
     if scaled > 0:

@@ -13,7 +13,7 @@ from solvers.solver.samples import column
 
 @ti.func
 def look(ring: ti.template(), row):
-    """Write how far neighbours are apart and the ring is out of shape, in metres."""
+    """Write how far neighbours are from where they should stand, and the ring is out of shape, in metres."""
     look_at_neighbours(ring, row)
     around = 0.0
     for k in range(ring.radius_count):

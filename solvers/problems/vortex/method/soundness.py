@@ -13,7 +13,7 @@ from solvers.solver.samples import column
 
 @ti.func
 def look(vortex: ti.template(), row):
-    """Write how far neighbours are apart and circles are out of shape, in metres.
+    """Write how far neighbours are from where they should stand, and circles are out of shape, in metres.
 
     Displacements in the frame of each particle at rest are the same along a circle; their scatter is a strict lower
     bound of the error. A cartesian layout has next to no two particles on a circle, and shows little of it.
