@@ -7,8 +7,11 @@ function placeOf(problem, width, height) {
   const {rectangle: [, , low, high], anchors} = DATA.problems[problem], room = width - EDGES.left - EDGES.right;
   const unit = (height - (room < NARROW ? 2 * LINE : 0)) / (high - low);  // there the caption below takes more lines
   const across = anchors.middle ? Math.min(room, Math.max(unit, 480)) : room, left = EDGES.left + (room - across) / 2;
-  const radius = anchors.middle && (anchors.outermost[0] - anchors.middle[0]) * Math.min(unit, across / 0.93);
-  return {width, unit, left, across, radius, x: (x) => left + across * x, y: (y) => (high - y) * unit};
+  const size = Math.min(unit, across / 0.93), {middle} = anchors, radius = middle && (anchors.outermost[0] - middle[0]) * size;
+  const x = (share) => left + across * share, y = (up) => (high - up) * unit;
+  // A place on a body in the plane, which is as wide as it is high.
+  const onBody = (at, up) => middle ? [x(middle[0]) + size * (at - middle[0]), y(middle[1]) - size * (up - middle[1])] : [x(at), y(up)];
+  return {width, unit, left, across, radius, x, y, onBody};
 }
 
 // Labels with these texts, or with their own, by their names; one that would lie on another goes below it.
@@ -19,14 +22,15 @@ function writeLabels(pen, place, labels, texts, colours = {}) {
     if (!text) continue;
     const [upright, side] = anchor.split("-"), lines = linesOf(pen, text, Math.min(place.width - 8, 6 * width || place.width, role === "silence" && place.radius ? 0.52 * place.radius : place.width));
     const long = Math.max(...lines.map((line) => pen.measureText(line).width)), high = LINE * lines.length;
-    const left = Math.min(Math.max(place.x(x) - long * SHARES[side], 4), place.width - long - 4);
-    let top = Math.max(0, place.y(y) - high * SHARES[upright]);
+    const [across, down] = role === "place" ? place.onBody(x, y) : [place.x(x), place.y(y)];
+    const left = Math.min(Math.max(across - long * SHARES[side], 4), place.width - long - 4);
+    let top = Math.max(0, down - high * SHARES[upright]);
     for (const other of taken) {
       const apart = left > other.left + other.long + 8 || other.left > left + long + 8 || top >= other.top + other.high || other.top >= top + high;
       if (!apart) top = other.top + other.high;
     }
     taken.push({left, long, top, high});
-    if (role === "silence") {
+    if (role === "silence" || role === "place") {
       pen.fillStyle = "#fff";
       pen.fillRect(left - 4, top - 1, long + 8, high + 2);
     }
