@@ -13,7 +13,7 @@ from app.page.panels.looking import Looking
 from app.page.panels.motion import MotionControls
 from app.page.panels.patience import Patience
 from app.page.panels.size import Size
-from app.page.stage.sight import Choice
+from app.page.source import Choice
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State

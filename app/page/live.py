@@ -7,7 +7,7 @@ from app.frame.silences import why_no_index
 from app.frame.view import View, look
 from app.page.measurements import Numbers
 from app.page.panels.readout import extra_lines, pinned_lines, readout
-from app.page.stage.sight import Choice, Picture, Sight
+from app.page.source import Choice, Picture, Sight
 from app.page.stage.worst import WorstRegions
 from app.page.summary import compared, summary
 from app.page.visit.notice import Notice

@@ -8,6 +8,7 @@ from time import thread_time
 import viser
 
 from app.frame.scale import ColourScale
+from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.classroom import Classroom
@@ -25,7 +26,6 @@ from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.texts import add_about
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
-from app.page.stage.canvas import Canvas
 from app.page.summary import Speaker
 from app.page.visit.recent import Recent
 from app.page.visit.session import FIRST_SCENE, PageLinks, Session

@@ -5,7 +5,7 @@ from app.page.features.own.panel import OwnCode
 from app.page.features.own.run import JUDGE
 from app.page.features.own.words import lines, readout, sentence
 from app.page.measurements import Numbers
-from app.page.stage.sight import Choice, Picture, Sight
+from app.page.source import Choice, Picture, Sight
 from app.page.stage.worst import WorstRegions
 from app.page.visit.notice import Notice
 

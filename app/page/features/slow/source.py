@@ -4,8 +4,7 @@ from dataclasses import replace
 
 from app.page.features.slow.panel import SlowMotion
 from app.page.measurements import Numbers
-from app.page.source import Source
-from app.page.stage.sight import Choice, Picture, Sight
+from app.page.source import Choice, Picture, Sight, Source
 from app.page.visit.notice import Notice
 
 

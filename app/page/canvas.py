@@ -9,9 +9,9 @@ from app.frame.colour_bar import ColourBar
 from app.frame.marks import RECTANGLE
 from app.frame.scale import ColourScale
 from app.frame.stage import Stage
+from app.page.source import Choice, Picture, Sight
 from app.page.stage.camera import FlatCamera
 from app.page.stage.probe import Probe
-from app.page.stage.sight import Choice, Picture, Sight
 from app.page.stage.trace_rings import TraceRings
 from app.page.visit.trace import Trace
 from app.problems.views import VIEWS
