@@ -82,6 +82,7 @@ def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
     assert said == marks and {"yes", "no"} >= set(predicted)
 
 
+@pytest.mark.slow
 def test_a_link_shows_the_same_scene_to_another_visitor(server, chromium):
     text = "bar;method=mpm;cells=24;amplitude=0.03;estimators=companion;error-of=sigma;magnify=10;pinned;cells=12"
     with visit(chromium, server[0], query=f"#{text}") as page:

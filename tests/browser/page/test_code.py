@@ -50,6 +50,7 @@ def test_code_that_is_typed_lets_in_and_a_wrong_one_says_so(stranger, address):
     there(stranger)
 
 
+@pytest.mark.slow
 def test_code_in_the_link_is_taken_and_removed(stranger, address):
     """Also of one who is in already."""
     asked = []

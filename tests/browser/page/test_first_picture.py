@@ -58,6 +58,7 @@ def test_nothing_half_made_is_ever_seen(server, chromium):
         assert page.evaluate("[window.covered > 0, window.bare]") == [True, 0]
 
 
+@pytest.mark.slow
 def test_a_refusal_is_not_covered(chromium):
     """Who finds every place taken reads so."""
     with serving(arguments=("--max-sessions", "1")) as (address, _), Raw(address) as first, newcomer(chromium) as page:

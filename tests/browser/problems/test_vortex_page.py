@@ -30,6 +30,7 @@ def test_both_halves_are_coloured_and_numbers_are_said(vortex):
     until(lambda: np.any(np.abs(stage(vortex) - first) > 30, axis=2).mean() > 0.005, "another picture")
 
 
+@pytest.mark.slow
 def test_methods_and_domains(vortex):
     row(vortex, "Cells, h = ").locator("input.mantine-NumberInput-input").fill("24")
     until(lambda: scene(vortex)["cells"] == 24, "a coarse vortex")
