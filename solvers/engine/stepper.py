@@ -1,7 +1,6 @@
 """One session inside an engine: a solver, a clock that says how far it should be, and its frames."""
 
 import contextlib
-from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
 from time import perf_counter
@@ -59,7 +58,7 @@ class Stepper:
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
         self._breakdown: StepBreakdown | None = None  # of the last step
-        self._put_back: Callable[[], None] | None = None  # to where that step began
+        self._before_step: tuple[int, dict[str, np.ndarray]] | None = None  # where that step began
         self._kernel_seconds, self._kernel_steps = 0.0, 0
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
         self._start_clock()
@@ -85,8 +84,8 @@ class Stepper:
             self._advance(min(steps, self.solver.longest_advance), particle)
             if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
                 self._rows.append(self.solver.measure())
-        elif particle is not None and particle != old.frame.broken_down and self._put_back:
-            self._put_back()
+        elif particle is not None and particle != old.frame.broken_down and self._before_step:
+            self.solver.put(*self._before_step)
             self._breakdown = self.solver.break_down(particle)[1]
         self._start_clock()
         return anew
@@ -94,7 +93,7 @@ class Stepper:
     def state(self) -> dict[str, Any]:
         """All that a stepper in another process needs to go on from here (:meth:`resumed`); clocks are shared."""
         return {**{name: value for name, value in vars(self).items()
-                   if name not in ("solver", "partner", "_block", "_put_back")},
+                   if name not in ("solver", "partner", "_block")},
                 "solver": self.solver.state()}
 
     @classmethod
@@ -103,7 +102,7 @@ class Stepper:
         scene."""
         stepper, scene = cls.__new__(cls), state["wish"].scene
         solver = prepared if prepared and prepared.scene == scene else build(scene)
-        vars(stepper).update(state, solver=solver, partner=None, _put_back=None, _block=_attach(state["wish"].memory))
+        vars(stepper).update(state, solver=solver, partner=None, _block=_attach(state["wish"].memory))
         stepper.solver.put(*state["solver"])
         return stepper
 
@@ -241,13 +240,13 @@ class Stepper:
 
     def _advance(self, steps: int, broken_down: int | None = None) -> None:
         """Take steps, the last of them apart around the particle ``broken_down``, if any."""
-        begun, self._breakdown, self._put_back = perf_counter(), None, None
+        begun, self._breakdown, self._before_step = perf_counter(), None, None
         if broken_down is None:
             self._rows.append(self.solver.advance(steps))
         else:
             self._rows.append(self.solver.advance(steps - 1))
             if self.solver.sound:
-                self._put_back = self.solver.bookmark()
+                self._before_step = self.solver.state()
                 rows, self._breakdown = self.solver.break_down(broken_down)
                 self._rows.append(rows)
         took = max(perf_counter() - begun, 1e-7)

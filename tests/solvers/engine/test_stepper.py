@@ -12,6 +12,7 @@ import pytest
 
 from solvers.engine import frames as memory
 from solvers.engine import stepper
+from solvers.engine.frames import FrameOptions
 from solvers.engine.messages import FRAME_SECONDS, Pace, Wish
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.engine.stepper import Stepper
@@ -137,6 +138,20 @@ def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
             replacement.close()
 
 
+def test_a_step_taken_apart_can_be_looked_at_from_another_particle_after_a_hand_over(clock):
+    """The engine that takes over knows where that step began: else whoever asks waits for ever."""
+    first = Wish(1, 1, "", SCENE, Pace(False, single_steps=0), FrameOptions(broken_down=3))
+    with one_session(first) as session:
+        session.accept(replace(session.wish, pace=Pace(False, single_steps=5)))
+        replacement = Stepper.resumed(session.state(), None)
+        for one in (session, replacement):
+            one.accept(replace(one.wish, frame=FrameOptions(broken_down=7)))
+        theirs, ours = session.frame().breakdown, replacement.frame().breakdown
+        assert theirs.particle == ours.particle == 7 and theirs.step == ours.step
+        np.testing.assert_array_equal(theirs.velocity, ours.velocity)
+        replacement.close()
+
+
 def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
     """Judged a frame at a time, it is lost from the same sample on, in the same words, and stays so."""
     scene = replace(SCENE, cells=40, ppc=1)
@@ -160,7 +175,7 @@ def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
 def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
     """Found at first, dropped once the estimator is found not to hold, and no later one is missed for it."""
     scene = replace(SCENE, estimators=("recovered",))
-    solver = SimpleNamespace(scene=scene, sound=True, lost=lambda found: found.sentence)
+    solver = BarSolver(scene)
     names = [*samples.BASE, *(f"recovered/{name}" for name in samples.EACH)]
     row = np.full((2, len(names)), np.nan)
     row[:, 0] = 10, 20
