@@ -55,6 +55,12 @@ def test_problems_do_not_look_up(graph, problem, room):
     assert chain is None, " -> ".join(chain)
 
 
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_a_scene_names_the_estimators_that_its_solver_has(problem):
+    """The one without Taichi, the other with it."""
+    assert tuple(PROBLEMS[problem].solver.HOOKS) == PROBLEMS[problem].estimators
+
+
 def test_only_kernel_files_are_spared_by_mypy():
     overrides = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["mypy"]["overrides"]
     rules = {name: override["ignore_errors"] for override in overrides if "ignore_errors" in override
