@@ -10,10 +10,10 @@ import tyro
 from app.commands.flags import BadInput, NumberFlag, Switch, TextFlag, default_hint
 from app.commands.lesson import lesson_called
 from app.commands.output import Target, say, working
+from app.lessons.lesson import LessonError
 from app.state import StateError, begins, read
 from solvers.scene.rules import require_whole
 
-OK, FAILED = 0, 1
 LONGEST_RUN = 2e9  # particle-steps: a minute or two
 
 
@@ -39,29 +39,24 @@ class Export:
     def execute(self) -> int:
         require_whole("processes", self.processes, 1, 64)
         is_scene = begins(self.what)
-        name = "" if is_scene else lesson_called(self.what)
         if is_scene:
             _check_scene(self.what)
+        name = self.what if is_scene else lesson_called(self.what)
         target = Target("out", self.out, ending=".html")
-        with working(self.quiet) as show:
-            page = self._scene(show) if is_scene else self._lesson(name, show)
-        target.write(page.encode())
-        say(f"{target.text}: {len(page.encode()) / 1e6:.1f} MB")
-        return OK
-
-    def _scene(self, show) -> str:
-        from app.export.page import scene_page  # here: bad input and --help must not wait for the page's imports
-        return scene_page(self.what, self.processes, show)
-
-    def _lesson(self, name: str, show) -> str:
-        from app.export.lesson import lesson_page
-        from app.lessons import shelf
-        from app.lessons.lesson import LessonError
-        try:
-            lesson = shelf.lesson(name)
-        except LessonError as error:
-            raise BadInput("", name, str(error)) from None
-        return lesson_page(lesson, self.processes, show)
+        with working(self.quiet) as show:  # imports here: bad input and --help must not wait for the page's
+            if is_scene:
+                from app.export.page import scene_page
+                page = scene_page(name, self.processes, show).encode()
+            else:
+                from app.export.lesson import lesson_page
+                from app.lessons import shelf
+                try:
+                    page = lesson_page(shelf.lesson(name), self.processes, show).encode()
+                except LessonError as error:
+                    raise BadInput("", name, str(error)) from None
+        target.write(page)
+        say(f"{target.text}: {len(page) / 1e6:.1f} MB")
+        return 0
 
 
 def _check_scene(text: str) -> None:

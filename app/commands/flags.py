@@ -70,7 +70,7 @@ def several_of(choices: Iterable[str]) -> Any:
     return _lenient("{" + ",".join(choices) + "} ...", _words)
 
 
-def several_to_choose(choices: Iterable[str], default: str, text: str) -> Any:
+def choices_of(choices: Iterable[str], default: str, text: str) -> Any:
     """The type of such a flag with its help, where "default" stands for none given."""
     return Annotated[Any, several_of(choices), default_hint(default), tyro.conf.arg(help=text)]
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_target, json_text, say, working
+from app.commands.output import Target, json_target, put_result, put_text, say, working
+from app.lessons.lesson import Lesson, LessonError
 from solvers.scene.rules import require_whole
 
 if TYPE_CHECKING:
-    from app.lessons.lesson import Lesson
     from app.lessons.outcomes import Outcomes
     from app.lessons.progress import Progress
 
@@ -34,17 +34,11 @@ class LessonList:
 
     def execute(self) -> int:
         from app.lessons import shelf
-        from app.lessons.lesson import LessonError
-        status, width = OK, max(map(len, shelf.names()), default=0)
-        for name in shelf.names():
-            try:
-                lesson = shelf.lesson(name)
-            except LessonError as error:
-                say(error)
-                status = FAILED
-            else:
-                print(f"{name:<{width}}  {lesson.minutes:>3} min  {lesson.title}")
-        return status
+        lessons, mistakes = _read(())
+        width = max(map(len, shelf.names()), default=0)
+        for lesson in lessons:
+            print(f"{lesson.name:<{width}}  {lesson.minutes:>3} min  {lesson.title}")
+        return FAILED if mistakes else OK
 
 
 @dataclass(frozen=True)
@@ -71,7 +65,6 @@ class LessonCheck:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
         lessons, mistakes = _read(self.names)
-        found = []
         with working(self.quiet) as show, _running(self.processes) as outcomes:
             from app.lessons.checking import checks
             from app.lessons.outcomes import scene_texts
@@ -82,11 +75,9 @@ class LessonCheck:
         failed = [check for check in found if not check.holds]
         for check in failed:
             say(check)
-        if target:
-            target.write(json_text({"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
-                                    "checks": [vars(check) for check in found]}, lines=not target.is_stdout).encode())
-        else:
-            print(f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}, {len(found)} checks, {len(failed)} failed")
+        told = f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}, {len(found)} checks, {len(failed)} failed"
+        put_result({"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
+                    "checks": [vars(check) for check in found]}, target, lambda _: told)
         return FAILED if failed or mistakes else OK
 
 
@@ -115,10 +106,7 @@ class LessonGuide:
             return FAILED
         with working(self.quiet), _running(1) as outcomes:
             text = guide.KINDS[ending or ".md"](lessons[0], outcomes)
-        if target:
-            target.write(text.encode())
-        else:
-            print(text, end="", flush=True)
+        put_text(text, target)
         return OK
 
 
@@ -148,11 +136,7 @@ class LessonGrade:
             for done, (file, progress) in enumerate(read):
                 show(done / len(read))
                 rows.append(grading.graded(file, progress, lessons[progress.lesson], outcomes))
-        text = grading.table(rows)
-        if target:
-            target.write(text.encode("utf-8-sig"))  # by which a spreadsheet knows the characters
-        else:
-            print(text, end="", flush=True)
+        put_text(grading.table(rows), target, "utf-8-sig")  # by which a spreadsheet knows the characters
         for sentence in () if self.quiet else grading.coverage(rows):
             say(sentence)
         return OK if len(read) == len(self.files) else FAILED
@@ -180,7 +164,6 @@ def _running(processes: int) -> contextlib.closing[Outcomes]:
 def _read(names: tuple[str, ...]) -> tuple[list[Lesson], int]:
     """The lessons of these names, or all, and how many files have a mistake, which is told."""
     from app.lessons import shelf
-    from app.lessons.lesson import LessonError
     lessons, mistakes = [], 0
     for name in dict.fromkeys(map(lesson_called, names)) if names else shelf.names():
         try:

@@ -9,8 +9,9 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from app.commands.flags import BadInput
 
@@ -159,12 +160,63 @@ def json_target(text: str | None) -> Target | None:
 
 def put_result(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
     """A result as JSON where a file was asked for, else as ``text`` makes it, on standard output."""
+    put_text(json_text(values, lines=not target.is_stdout) if target else text(values) + "\n", target)
+
+
+def put_text(text: str, target: Target | None, encoding: str = "utf-8") -> None:
+    """A text to a file where one was asked for, else to standard output."""
     if target:
-        target.write(json_text(values, lines=not target.is_stdout).encode())
+        target.write(text.encode(encoding))
     else:
-        print(text(values), flush=True)
+        print(text, end="", flush=True)
 
 
 def _is_device(path: str) -> bool:
     """A pipe, a terminal or the like, which must be written to and not replaced."""
     return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
+
+
+def made_directory(path: str, typed: str) -> list[str]:
+    """Make a directory, and those above it, of what was ``typed`` after ``--out``; what is in it already."""
+    try:
+        os.makedirs(path, exist_ok=True)
+        return os.listdir(path)
+    except (OSError, ValueError) as error:  # a character that no name can have is the latter
+        why = (getattr(error, "strerror", None) or str(error)).lower()
+        raise BadInput("out", typed, f"cannot be a directory: {why}; give one that exists or can be made and may be "
+                                     "written to") from None
+
+
+class Folder:
+    """The directory after ``--out``, made and tried now: new or empty, so that nothing of anybody's is overwritten."""
+
+    def __init__(self, text: str | None):
+        self.text = (text or "").strip()
+        if not self.text:
+            raise BadInput("out", "", "give a directory for the files")
+        self.path = Path(self.text)
+        if made_directory(self.text, self.text):
+            raise BadInput("out", self.text, "is not empty; give an empty or a new directory")
+        Target("out", str(self.path / "try"))  # says now what would fail later
+
+    def put(self, name: str, content: bytes) -> None:
+        """Write a file into the directory, whole or not at all."""
+        Target("out", str(self.path / name)).write(content)
+
+
+def draw(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable[[str, bytes], None], out: str,
+         rest: str) -> tuple[list[str], int]:
+    """Draw ``values`` in every way and put the pictures into ``out``, but where a figure is None; one that fails costs
+    nothing else, ``rest``. The files' names, and the exit status."""
+    from app.pictures.run import png_bytes
+
+    drawn, status = [], 0
+    for name, figure in figures.items():
+        try:
+            if (picture := figure(values)) is not None:
+                put(f"{name}.png", png_bytes(picture))
+                drawn.append(f"{name}.png")
+        except Exception as error:
+            say(f"--out {out}: the picture {name} failed ({type(error).__name__}: {error}); {rest}")
+            status = 1
+    return drawn, status

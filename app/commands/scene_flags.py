@@ -21,12 +21,8 @@ class SceneFlags:
     OUTPUT: ClassVar[frozenset[str]] = frozenset()
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset()  # fields of a scene that are no flags here
 
-    def scene(self) -> Scene:
-        """The scene that the flags describe; the scene itself checks it."""
-        return self.scene_with()
-
-    def scene_with(self, **instead: Any) -> Scene:
-        """The same with some inputs replaced."""
+    def scene(self, **instead: Any) -> Scene:
+        """The scene that the flags describe, with some inputs replaced; the scene itself checks it."""
         return self.SCENE(**{key_field(key): value for key, value in {**self.inputs(), **instead}.items()})
 
     def inputs(self) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The teacher's guide to a lesson: its steps, notes and right answers, as Markdown or as a page to print."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import CHOICE, TEXT, Lesson, Numbers, Step
@@ -8,16 +9,10 @@ from app.lessons.marks import in_unit, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.shelf import FOLDER
+from app.templates import rendered
 from solvers.study.markdown import grid
 
-STYLE = """
-body { font: 15px/1.55 system-ui, sans-serif; max-width: 46em; margin: 2em auto; padding: 0 1em; color: #222831; }
-table { border-collapse: collapse; margin: 0.6em 0; } td, th { padding: 2px 10px; border-bottom: 1px solid #d0d6dd; }
-img { max-width: 100%; } code { background: #f1f3f6; padding: 0 3px; } h2 { margin-top: 1.6em; }
-blockquote { margin: 0.6em 0; padding: 2px 14px; background: #fff6e0; border-left: 4px solid #e69f00; }
-@media print {
-  body { margin: 0; max-width: none; } h2 { break-after: avoid; } table, blockquote { break-inside: avoid; }
-}"""
+PAGE = Path(__file__).parent / "guide.html"
 
 
 def markdown(lesson: Lesson, outcomes: Outcomes) -> str:
@@ -29,15 +24,15 @@ def markdown(lesson: Lesson, outcomes: Outcomes) -> str:
     parts += [f"Open the class on it: `mpm-lab serve --lesson {lesson.name}`. Handed-in files become one table by "
               "`mpm-lab lesson grade FILES`.", *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
     for number, step in enumerate(lesson.steps, 1):
-        parts += [f"## {number}. {step.kind.capitalize()}: {step.title}", step.text, *_runs(step),
+        stage = f"On the stage: `{step.stage}`" if step.stage else ""
+        parts += [f"## {number}. {step.kind.capitalize()}: {step.title}", step.text, stage,
                   *_question(lesson, step, outcomes), _quoted(step.notes)]
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
 
 def page(lesson: Lesson, outcomes: Outcomes) -> str:
     """The guide as one html file, with its pictures in it."""
-    return f"<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>{lesson.title}</title>" \
-           f"<style>{STYLE}</style></head><body>{html(markdown(lesson, outcomes), FOLDER)}</body></html>\n"
+    return rendered(PAGE, title=lesson.title, body=html(markdown(lesson, outcomes), FOLDER))
 
 
 def _variants(lesson: Lesson) -> Iterator[str]:
@@ -45,11 +40,6 @@ def _variants(lesson: Lesson) -> Iterator[str]:
     if names:
         rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
         yield "Numbers differ from student to student, drawn from the name:\n\n" + grid(["variant", *names], rows)
-
-
-def _runs(step: Step) -> Iterator[str]:
-    if step.stage:
-        yield f"On the stage: `{step.stage}`"
 
 
 def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:

@@ -129,7 +129,7 @@ def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[st
             "lost": lost}
 
 
-def class_table(found: dict[str, Any]) -> str:
+def class_table(found: dict[str, Any], /) -> str:
     def seconds(value: float | None) -> str:
         return "none" if value is None else f"{value:.1f} s"
 

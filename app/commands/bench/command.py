@@ -8,7 +8,7 @@ import tyro
 
 from app.commands.bench.text import bench_table
 from app.commands.flags import NumberFlag, PathFlag, Switch, default_hint
-from app.commands.output import Target, json_target, put_result, working
+from app.commands.output import json_target, put_result, working
 from solvers.scene.rules import require_number, require_whole
 
 COMMAND = (sys.executable, "-m", "app", "--version")
@@ -37,18 +37,14 @@ class Bench:
     def execute(self) -> int:
         target = json_target(self.json)
         if self.visitors is not None:
-            return self._attend(target)
-        with working(self.quiet) as show:
-            from solvers.bench.bench import bench  # here: bad input and --help must not wait for Taichi
-            values = bench(self.quick, COMMAND, show)
-        put_result(values, target, bench_table)
-        return 0
-
-    def _attend(self, target: Target | None) -> int:
-        require_whole("class", self.visitors, 1, MOST_VISITORS)
-        require_number("minutes", self.minutes, 0, MOST_MINUTES)
-        with working(self.quiet) as show:
-            from app.commands.bench.class_load import Load, class_load, class_table  # here, as above
-            found = class_load(Load(self.visitors, 60 * self.minutes), show)
-        put_result(found, target, class_table)
+            require_whole("class", self.visitors, 1, MOST_VISITORS)
+            require_number("minutes", self.minutes, 0, MOST_MINUTES)
+        with working(self.quiet) as show:  # imports here: bad input and --help must not wait for Taichi
+            if self.visitors is None:
+                from solvers.bench.bench import bench
+                values, table = bench(self.quick, COMMAND, show), bench_table
+            else:
+                from app.commands.bench.class_load import Load, class_load, class_table
+                values, table = class_load(Load(self.visitors, 60 * self.minutes), show), class_table
+        put_result(values, target, table)
         return 0

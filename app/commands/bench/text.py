@@ -3,7 +3,7 @@
 from app.commands.run.text import NOTHING, formatted
 
 
-def bench_table(values: dict) -> str:
+def bench_table(values: dict, /) -> str:
     """Rates, prices, what is paid for effects that are off, start-up, and the example."""
     return "\n\n".join([
         _heading(values), _rates(values["rates"], values["example"]), _gpu(values["gpu"]),

@@ -8,9 +8,8 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
-from app.commands.folder import Folder, draw
 from app.commands.judge.problem import times_of
-from app.commands.output import json_text, working
+from app.commands.output import Folder, draw, json_text, working
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import FileError
 from solvers.problems.reference import OF_METHODS
@@ -51,7 +50,7 @@ class Judge(SceneFlags):
             raise BadInput("", f"{len(self.files)} files", f"are too many; give at most {MOST_FILES:,}, each with many "
                            "times perhaps")
         cells = self._cells()
-        scene, *_ = (self.scene_with(cells=count) for count in cells)  # each says what is wrong with it
+        scene, *_ = (self.scene(cells=count) for count in cells)  # each says what is wrong with it
         times = times_of(self.time, "time")
         if times and len(times) != len(self.files):
             raise BadInput("time", " ".join(self.time),

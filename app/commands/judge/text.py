@@ -10,6 +10,7 @@ import numpy as np
 
 from app.lessons.markup import html
 from app.problems.views import VIEWS
+from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, title, with_unit
 from solvers.judging.measure import QUANTITIES as JUDGED
 from solvers.judging.verdict import Judgement
@@ -20,14 +21,7 @@ CAPTIONS = {"norms.png": "Error norms over time: against the truth where there i
             "order.png": "Largest errors over the cell size, beside our own methods"}
 #: Inputs that some problems have: their keys, names and units.
 OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
-WHAT = """Errors are computed minus exact at each particle's material point; their sizes are Euclidean and Frobenius
-norms, and a norm is the root of the mean square over the particles that are there, as in our own runs. *Final*,
-*largest* and *mean* are over the times in the files after the start. The *companion* is a spectral-element solution
-of the same problem which knows nothing of the exact one; *index* is its estimate over the truth, summed over time (1
-is perfect), *distance* the size of their difference over that of the truth (0 is perfect). *Crossings* count
-particles that are in another cell than at the time before: between two times they may have gone to and fro. A
-particle is *not where its neighbours are* where its error of x is 20 times as far from a plane through theirs as is
-usual at that time, and by 0.02 h or more; the rim of particles that do not fill the body does that too."""
+HERE = Path(__file__).parent
 
 
 def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
@@ -40,7 +34,7 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order(values)] if values["order"] else []
-    return "\n\n".join([*head, *shown, *order, *body, f"## How it is judged\n\n{WHAT}"]) + "\n"
+    return "\n\n".join([*head, *shown, *order, *body, rendered(HERE / "how.md")])
 
 
 def as_html(text: str, folder: Path) -> str:
@@ -48,9 +42,7 @@ def as_html(text: str, folder: Path) -> str:
     title = escape(text.partition("\n")[0].lstrip("# "))
     body = html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
     body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
-    return (f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
-            f'content="width=device-width, initial-scale=1">\n<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n'
-            f"<body>\n<main>\n{body}</main>\n</body>\n</html>\n")
+    return rendered(HERE / "report.html", title=title, body=body)
 
 
 def _said(values: dict, judged: Judgement) -> str:
@@ -185,14 +177,3 @@ def _over(one: float | None, other: float | None) -> str:
 
 def _percent(value: float | None, whole: float) -> str:
     return NOTHING if value is None else f"{100 * value / whole:.3g} %"
-
-
-STYLE = """
-body { margin: 0; font: 16px/1.5 system-ui, sans-serif; color: #1c2128; background: #fff; }
-main { max-width: 1080px; margin: 0 auto; padding: 16px 20px 48px; }
-h1 { font-size: 1.6em; line-height: 1.2; } h2 { font-size: 1.25em; margin-top: 2em; }
-img { max-width: 100%; height: auto; } .wide { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .9em; margin: .5em 0; }
-code { font-size: .92em; overflow-wrap: anywhere; }
-th, td { padding: 3px 10px; border-bottom: 1px solid #d6dbe1; white-space: nowrap; } th { background: #f3f5f7; }
-"""

@@ -8,17 +8,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from app.commands.flags import (
-    BadInput,
-    PathFlag,
-    RealFlag,
-    Switch,
-    default_hint,
-    number,
-    real,
-    several_of,
-    several_to_choose,
-)
+from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, number, real, several_of
 from app.commands.output import json_target, noted_interrupts, put_result, say, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.rules import require_choice, require_number
@@ -122,10 +112,9 @@ class Advise:
 def search_flags(scene: type[Scene]) -> dict[str, Any]:
     """Flags that hold several values to choose from, where a run has one."""
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
-    return {"method": several_to_choose(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
-            "ppc": several_to_choose(("N",), "2 3 4",
-                                     f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
-            "cfl": several_to_choose(("X",), "0.1 0.3 0.5", "Lengths of the time step, dt c/h, to choose from.")}
+    return {"method": choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
+            "ppc": choices_of(("N",), "2 3 4", f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
+            "cfl": choices_of(("X",), "0.1 0.3 0.5", "Lengths of the time step, dt c/h, to choose from.")}
 
 
 def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
-from app.commands.folder import draw
-from app.commands.output import Target, say
+from app.commands.output import Target, draw, say
 from solvers.scene.rules import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.grid import MOST_ROWS, Task
@@ -20,7 +19,7 @@ from solvers.study.store import Store, StoreError
 if TYPE_CHECKING:
     from solvers.study.places import Place
 
-COMPLETE, INCOMPLETE = 0, 1
+INCOMPLETE = 1  # exit status
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 

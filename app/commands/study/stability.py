@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from app import __version__
-from app.commands.flags import RealFlag, default_hint, number, several_of, several_to_choose
+from app.commands.flags import RealFlag, choices_of, default_hint, number, several_of
 from app.commands.output import json_text
 from app.commands.study.rows import INCOMPLETE, Study
 from app.words import unit_of
@@ -67,10 +66,10 @@ class Stability(Study):
         """The values of each input of a scene, by the name of its flag."""
         for method in self.method:
             require_choice("method", method, self.SCENE.choices("method"))
-        lists = {"amplitude": _numbers(self.amplitude) or list(self.SCENE.HARD_AMPLITUDES),
-                 "cfl": _numbers(self.cfl) or list(DEFAULT_CFL)}
-        one = {name: [getattr(self, name)] for name in ("cells", "ppc", "periods")}
-        axes = {"method": list(self.method or self.SCENE.choices("method")), **one, **lists}
+        axes = {"method": list(self.method or self.SCENE.choices("method")),
+                **{name: [getattr(self, name)] for name in ("cells", "ppc", "periods")},
+                "amplitude": [number([word]) for word in self.amplitude] or list(self.SCENE.HARD_AMPLITUDES),
+                "cfl": [number([word]) for word in self.cfl] or list(DEFAULT_CFL)}
         for name, values in axes.items():
             for value in values:
                 self.SCENE(**{name: value})  # says what is wrong with it
@@ -79,10 +78,10 @@ class Stability(Study):
 
 def map_flags(scene: type[Scene]) -> dict[str, Any]:
     """Flags that hold several values, where a run has one."""
-    return {"method": several_to_choose(scene.choices("method"), "all", "Methods to map."),
-            "amplitude": several_to_choose(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES),
-                                              f"Amplitudes, {unit_of(scene, 'amplitude')}."),
-            "cfl": several_to_choose(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
+    return {"method": choices_of(scene.choices("method"), "all", "Methods to map."),
+            "amplitude": choices_of(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES),
+                                    f"Amplitudes, {unit_of(scene, 'amplitude')}."),
+            "cfl": choices_of(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
             "periods": RealFlag}
 
 
@@ -94,7 +93,3 @@ def _prices(kind: type[Scene], rows: list[dict]) -> dict[tuple[str, str], float]
         scenes.setdefault(method, {"plain": scene_of(kind, row, "plain")})[treatment] = scene_of(kind, row, treatment)
     return {(method, treatment): price for method, treated in scenes.items()
             for treatment, price in prices(treated).items()}
-
-
-def _numbers(words: Iterable[str]) -> list[Any]:
-    return [number([word]) for word in words]

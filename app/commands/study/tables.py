@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_text, say, working
+from app.commands.output import Target, json_text, made_directory, say, working
 from app.commands.study.tables_text import markdown
 from solvers.problems import PROBLEMS
 from solvers.study.store import NotWhole
@@ -58,12 +58,7 @@ def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Targ
     """The files of each table, tried before anything runs; the directory and those above it are made."""
     if not directory.strip():
         raise BadInput("out", directory, "give a directory for the tables")
-    try:
-        os.makedirs(os.path.join(directory, ROWS), exist_ok=True)
-    except (OSError, ValueError) as error:
-        why = (getattr(error, "strerror", None) or str(error)).lower()
-        raise BadInput("out", directory, f"cannot be a directory: {why}; give one that exists or can be made and may "
-                       "be written to") from None
+    made_directory(os.path.join(directory, ROWS), directory)
     return {number: {kind: Target("out", os.path.join(directory, f"table{number}.{kind}")) for kind in KINDS}
             for number in numbers}
 
