@@ -54,8 +54,8 @@ class State:
 
 def write(state: State) -> str:
     """The text of a state, as short as it can be."""
-    view = [_word(key, getattr(state, word.field)) for key, word in VIEW.items()
-            if getattr(state, word.field) != getattr(State(state.scene), word.field)]
+    view = [_word(key, getattr(state, field)) for key, (field, _) in VIEW.items()
+            if getattr(state, field) != getattr(State(state.scene), field)]
     pinned = [] if state.pinned is None else [PINNED, *_scene_words(state.pinned)]
     return ";".join([state.scene.problem, *_scene_words(state.scene), *view, *pinned])
 
@@ -135,7 +135,8 @@ def _take(word: str, view: dict[str, Any]) -> bool:
     key, _, text = word.partition("=")
     if key not in VIEW:
         return False
-    view[VIEW[key].field] = VIEW[key].read(key, text)
+    field, read_word = VIEW[key]
+    view[field] = read_word(key, text)
     return True
 
 
@@ -194,24 +195,12 @@ def _key(field: str) -> str:
     return field.replace("_", "-")
 
 
-@dataclass(frozen=True)
-class _Word:
-    """A word of the view: the field of a state that it sets, and how its text is read."""
-
-    field: str
-    read: Callable[[str, str], Any]
-
-
-#: What may be said of the view, in the order in which it is written.
-VIEW = {
-    "error-of": _Word("quantity", _one_of({key: key for key in QUANTITIES})),
-    "on-stage": _Word("estimator", lambda key, text: text),
-    "difference": _Word("difference", _yes_or_no),
-    "magnify": _Word("magnified", _one_of({str(factor): factor for factor in MAGNIFICATIONS})),
-    "logarithmic": _Word("logarithmic", _yes_or_no),
-    "domains": _Word("domains", _yes_or_no),
-    "speed": _Word("speed", _speed),
-    "trace": _Word("traced", _particle),
-    "stops": _Word("stops", _yes_or_no),
-}
+#: The words of the view, in the order in which they are written: the field of a state that each sets, and how its
+#: text is read.
+VIEW: dict[str, tuple[str, Callable[[str, str], Any]]] = {
+    "error-of": ("quantity", _one_of({key: key for key in QUANTITIES})),
+    "on-stage": ("estimator", lambda _, text: text), "difference": ("difference", _yes_or_no),
+    "magnify": ("magnified", _one_of({str(factor): factor for factor in MAGNIFICATIONS})),
+    "logarithmic": ("logarithmic", _yes_or_no), "domains": ("domains", _yes_or_no), "speed": ("speed", _speed),
+    "trace": ("traced", _particle), "stops": ("stops", _yes_or_no)}
 

@@ -31,12 +31,15 @@ def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> I
         for step in lesson.steps:
             for claim in step.claims:
                 text = filled(claim.text, numbers)
-                yield Check(lesson.name, step.title, claim.line, text, *_judged(lesson, step, text, numbers, outcomes))
-            if step.question:
-                yield from _question(lesson, step, numbers, outcomes)
+                yield Check(lesson.name, step.title, claim.line, text, *_claim(lesson, step, text, numbers, outcomes))
+            if step.question and expressions(step.question, numbers):
+                asked = step.question
+                text = "one option is right" if asked.kind == CHOICE else \
+                    f"{filled(asked.expected, numbers)} has a value"
+                yield Check(lesson.name, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
 
 
-def _judged(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
+def _claim(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
     try:
         result = decide(claim, outcomes.scope(lesson, step, numbers, [claim]))
     except (ClaimError, RunFailed) as error:
@@ -44,22 +47,11 @@ def _judged(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: 
     return result.holds, f"found {result.found}"
 
 
-def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Iterator[Check]:
-    asked = step.question
-    assert asked is not None
-    if not expressions(asked, numbers):
-        return
-    if asked.kind == CHOICE:
-        claim = "one option is right"
-    else:
-        claim = f"{filled(asked.expected, numbers)} has a value"
+def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
     try:
         answer = right(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
-        yield Check(lesson.name, step.title, asked.line, claim, False, str(error))
-        return
-    if asked.kind == CHOICE:
-        holds, found = len(answer.options) == 1, "right are " + (", ".join(map(str, answer.options)) or "none")
-    else:
-        holds, found = True, f"found {answer.value}"
-    yield Check(lesson.name, step.title, asked.line, claim, holds, found)
+        return False, str(error)
+    if step.asked.kind == CHOICE:
+        return len(answer.options) == 1, "right are " + (", ".join(map(str, answer.options)) or "none")
+    return True, f"found {answer.value}"

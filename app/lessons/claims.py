@@ -11,6 +11,7 @@ A path is that of the result's JSON object, with the estimator's name where ther
 
 import ast
 import math
+import operator
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -34,11 +35,10 @@ PATHS: dict[str, tuple[tuple[str, ...], ...]] = {
     "life": (("accurate", "sound", "first_period"),), "seconds": (("run", "estimate"),),
     "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
 _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
-    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b, ast.Pow: lambda a, b: a**b}
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+    ast.Pow: operator.pow}
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
-    "<=": lambda a, b: a <= b, ">=": lambda a, b: a >= b, "==": lambda a, b: a == b, "!=": lambda a, b: a != b,
-    "<": lambda a, b: a < b, ">": lambda a, b: a > b}
+    "<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
 _COMPARED = re.compile(r"(.+?)(<=|>=|==|!=|<|>)(.+)", re.DOTALL)
 _RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
 
@@ -85,10 +85,9 @@ def decide(claim: str, scope: Scope) -> ClaimResult:
     """Whether a claim holds; of several runs, whether it holds of each."""
     parts = _split(claim)
     found = _evaluate(_parsed(parts[0]), scope)
-    if isinstance(found, list):
-        results = [_decided(claim, parts, one, scope) for one in found]
-        return ClaimResult(all(one.holds for one in results), ", ".join(one.found for one in results))
-    return _decided(claim, parts, value(parts[0], scope), scope)
+    each = found if isinstance(found, list) else [value(parts[0], scope)]
+    results = [_decided(claim, parts, one, scope) for one in each]
+    return ClaimResult(all(one.holds for one in results), ", ".join(one.found for one in results))
 
 
 def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> ClaimResult:

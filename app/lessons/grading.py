@@ -80,9 +80,8 @@ def coverage(rows: Sequence[Graded]) -> list[str]:
 def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
             outcomes: Outcomes) -> tuple[str, AnswerMark | None]:
     step, answer = lesson.questions[key], progress.answers[key]
-    assert step.question is not None
     given = answer.first if step.kind == PREDICT else answer.last
-    said = filled(shown(step.question, given), numbers)
+    said = filled(shown(step.asked, given), numbers)
     try:
         return said, mark(lesson, step, given, numbers, outcomes)
     except (ClaimError, RunFailed):

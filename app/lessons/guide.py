@@ -59,13 +59,11 @@ def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
 
 
 def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> str:
-    asked = step.question
-    assert asked is not None
     try:
         found = right(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return f"could not be worked out: {error}"
-    return found.told if asked.kind == CHOICE else in_unit(asked, found.value)
+    return found.told if step.asked.kind == CHOICE else in_unit(step.asked, found.value)
 
 
 def _quoted(notes: str) -> str:

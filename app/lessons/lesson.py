@@ -96,6 +96,12 @@ class Step:
     question: Question | None = None
     claims: tuple[Claim, ...] = ()
 
+    @property
+    def asked(self) -> Question:
+        """The question of a step that has one."""
+        assert self.question is not None
+        return self.question
+
 
 @dataclass(frozen=True)
 class Lesson:

@@ -53,10 +53,6 @@ class Progress:
         return json.dumps({"schema": SCHEMA, **asdict(self)}, ensure_ascii=False)
 
 
-def begun(lesson: Lesson) -> Progress:
-    return Progress(lesson.name, lesson.fingerprint)
-
-
 def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     """The progress that a text says, with those answers that the lesson's questions can have.
 
@@ -80,7 +76,6 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
 
 
 def _fits(lesson: Lesson, key: str, given: dict[str, Any]) -> bool:
-    asked = lesson.questions[key].question
-    assert asked is not None
+    asked = lesson.questions[key].asked
     return not trouble(asked, given["first"]) and not trouble(asked, given["last"]) \
         and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS

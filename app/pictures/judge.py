@@ -98,8 +98,8 @@ def order_figure(judged: Judgement) -> Figure | None:
     figure = Figure(figsize=(11, 4.2), layout="constrained")
     for axes, q in zip(figure.subplots(1, len(JUDGED)), JUDGED, strict=True):
         h = [g.scene.spacing for g in judged.grids]
-        here = [_largest(g, q) for g in judged.grids]
-        axes.plot(h, positive(np.array(here)), "o-", color=THEIRS, linewidth=2, markersize=7, label="these particles")
+        here = np.array([largest(g.norms[q]) for g in judged.grids], dtype=float)  # None becomes NaN
+        axes.plot(h, positive(here), "o-", color=THEIRS, linewidth=2, markersize=7, label="these particles")
         lines: dict[tuple[str, bool], list[tuple[float, float]]] = {}
         for g in judged.grids:
             for run in g.ours:
@@ -117,11 +117,6 @@ def order_figure(judged: Judgement) -> Figure | None:
             axes.set_xlim(h[0] / 1.5, h[0] * 1.5)
     figure.axes[0].legend(fontsize=8)
     return figure
-
-
-def _largest(g: GridJudgement, q: str) -> float:
-    value = largest(g.norms[q])
-    return np.nan if value is None else value
 
 
 FIGURES: dict[str, Callable[[Judgement], Figure | None]] = {

@@ -8,15 +8,25 @@ import io
 import textwrap
 from pathlib import Path
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.pictures.series import DRAWN, draw_index, draw_norm
+from app.colours import ESTIMATE, TRUTH
+from app.frame.silences import NOTHING_TO_SHOW
 from app.problems.views import VIEWS
-from app.words import method_name, moving, per_cell, unit_of
-from solvers.scene.scene import Scene
+from app.renderers.picture import positive, say, styled
+from app.words import QUANTITIES, method_name, moving, per_cell, unit_of
+from solvers.solver.norms import RunningIndex
 from solvers.solver.result import Result
 
 DOTS_PER_INCH = 110
+DRAWN = ("x", "v", "sigma")
+INDEX_STYLES = {"x": "-", "v": "--", "sigma": ":"}
+INDEX_COLOUR = "#333333"  # of one estimator; several have their shades, for the line styles tell quantities apart
+FEW_SAMPLES = 10  # fewer are marked one by one: a line through one point shows nothing
+HIGHEST_INDEX = 10.0  # a run that blows up must not squeeze the 1 out of sight
+MOST_DECADES = 8  # nor its errors everything that came before
 
 
 def run_figure(result: Result) -> Figure:
@@ -28,11 +38,11 @@ def run_figure(result: Result) -> Figure:
     norms = places[0, 0].subgridspec(len(DRAWN), 1).subplots(squeeze=False)[:, 0]
     index, space = places[0, 1].subgridspec(2, 1).subplots(squeeze=False)[:, 0]
     for axes, quantity in zip(norms, DRAWN, strict=True):
-        draw_norm(axes, result, quantity)
+        _draw_norm(axes, result, quantity)
         axes.tick_params(labelbottom=axes is norms[-1])
     norms[0].set_title("error norms (RMS over particles)", fontsize=10)
     norms[-1].set_xlabel("time t (s)")
-    draw_index(index, result)
+    _draw_index(index, result)
     view.draw(figure, space, places[1, :], result)
     return figure
 
@@ -47,17 +57,100 @@ def save_png(result: Result, path: str) -> None:
     Path(path).write_bytes(png_bytes(run_figure(result)))
 
 
-def _moving(scene: Scene) -> str:
-    return f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if scene.swings else moving(scene)
-
-
 def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
     layout = f" ({scene.layout} layout)" if hasattr(scene, "layout") else ""
+    swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if scene.swings else moving(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {per_cell(scene.problem, scene.ppc)} particles per cell{layout}"
-             f" · {_moving(scene)}")
+             f" · {swing}")
     second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · body "
               f"force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to t = {result.time:.4g} s")
     return "\n".join([first, second, *textwrap.wrap(result.reason or "", 130)])
+
+
+def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
+    """The truth and each estimate of one quantity's error norm over time."""
+    lines = [("truth", f"error_{quantity}", TRUTH, "-")]
+    lines += [(f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
+              for name, colour, style in styled(result)]
+    drawn = []
+    for label, key, colour, style in lines:
+        values = positive(result.series[key])
+        if np.isfinite(values).any():
+            axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=1.3, label=label,
+                      marker=_marker(values), markersize=4)
+            drawn.append(values)
+    _time_axis(axes, result)
+    axes.set_ylabel(f"{QUANTITIES[quantity]} ({QUANTITIES[quantity].unit})")
+    silent = _not_estimated(result, quantity)
+    if not drawn:
+        axes.set_yticks([])
+        say(axes, f"nothing to show: not estimated by {', '.join(silent)}, and no true error was computed" if silent
+            else NOTHING_TO_SHOW)
+        return
+    if silent:
+        axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
+                  color=ESTIMATE, ha="right")
+    axes.set(yscale="log", ylim=_span(np.concatenate(drawn)))
+    axes.grid(alpha=0.3)
+    if quantity == "x":
+        axes.legend(loc="lower right", fontsize=8, framealpha=0.9)
+
+
+def _draw_index(axes: Axes, result: Result) -> None:
+    """The error index of the run so far (eq 35): summed estimate over summed truth."""
+    axes.set_title("error index so far: sum of estimates / sum of true errors", fontsize=10)
+    axes.set_xlabel("time t (s)")
+    axes.axhline(1.0, color=TRUTH, linewidth=1.2)
+    highest, silent = 1.0, []
+    several = len(result.scene.active_estimators) > 1
+    for name, colour, _ in styled(result):
+        for quantity, style in INDEX_STYLES.items():
+            symbol = QUANTITIES[quantity].symbol
+            estimated, true = result.series[f"{name}/estimate_{quantity}"], result.series[f"error_{quantity}"]
+            ratio = RunningIndex().extend(estimated, true)
+            ratio = np.where(np.isfinite(ratio), ratio, np.nan)
+            if not np.isfinite(ratio).any():
+                silent += [f"{symbol} by {name}"] * (name in _not_estimated(result, quantity))
+                continue
+            highest = max(highest, float(np.nanpercentile(ratio, 90)))
+            axes.plot(result.series["time"], ratio, color=colour if several else INDEX_COLOUR,
+                      linestyle=style, linewidth=1.4, label=f"{symbol} ({name})" if several else symbol,
+                      marker=_marker(ratio), markersize=4)
+    _time_axis(axes, result)
+    if not axes.get_legend_handles_labels()[0]:
+        axes.set_yticks([])
+        say(axes, "nothing to show: the index needs an estimate and a true error")
+        return
+    axes.set_ylim(0, 1.35 * min(highest, HIGHEST_INDEX))
+    axes.grid(alpha=0.3)
+    axes.text(0.99, 1.0, "perfect ", transform=axes.get_yaxis_transform(), color=TRUTH, fontsize=8, ha="right",
+              va="bottom")
+    if silent:
+        axes.text(0.01, 0.97, f"not estimated: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
+                  color=ESTIMATE, va="top")
+    axes.legend(loc="upper right", fontsize=8, ncols=3, framealpha=0.9)
+
+
+def _not_estimated(result: Result, quantity: str) -> list[str]:
+    """The active estimators that say nothing about a quantity."""
+    return [name for name in result.scene.active_estimators
+            if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
+
+
+def _span(values: np.ndarray) -> tuple[float, float]:
+    """Limits of a logarithmic axis: the first steps, where errors begin at nothing, may leave it below."""
+    low = float(np.nanpercentile(values, 2)) / 2
+    return low, min(2 * float(np.nanmax(values)), low * 10.0**MOST_DECADES)
+
+
+def _marker(values: np.ndarray) -> str | None:
+    return "o" if np.isfinite(values).sum() <= FEW_SAMPLES else None
+
+
+def _time_axis(axes: Axes, result: Result) -> None:
+    """The run's whole time, with room for the marks of the first and the last sample."""
+    end = float(result.series["time"][-1]) or result.scene.time_step
+    axes.set_xlim(-0.02 * end, 1.02 * end)

@@ -13,14 +13,12 @@ from matplotlib.lines import Line2D
 
 from app.colours import ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
 from app.pictures import study_parts as parts
-from app.pictures.series import DRAWN
+from app.pictures.run import DRAWN
 from app.pictures.study_cost import cost_figure
-from app.pictures.study_parts import UNSTABLE_LOOK
-from app.pictures.study_step import error_step_figure
 from app.renderers.picture import Look, say
 from app.words import QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.fit import pareto
+from solvers.study.fit import balance, pareto
 from solvers.study.series import Series, error_of, measured
 
 NO_TRUTH = "no row has a true error"
@@ -29,6 +27,11 @@ MOST_NAMED = 8
 MOST_ORDERS = 8
 MOST_OFF = 100.0  # times the true errors: farther estimates set no scale
 FRONT: Look = {"color": "0.75", "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
+MOST_MISFIT = 0.15  # relative; beyond, the two parts do not describe the points
+SPACE = "space error rules: shorter steps gain little"
+TIME = "time error rules: shorter steps pay"
+NEITHER = "not a sum of space and time error"
+BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": "black", "linestyle": "none"}
 
 
 def error_time_figure(rows: Sequence[dict]) -> Figure:
@@ -92,8 +95,27 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     handles = [*parts.method_handles(rows), Line2D([], [], color=TRUTH, label="perfect"),
                Line2D([], [], color=TRUTH, linestyle=":", label="off by a factor of 2")]
     if any(row["status"] in BROKEN for row in rows):
-        handles.append(Line2D([], [], color="0.3", label="unstable or lost", **UNSTABLE_LOOK))
+        handles.append(Line2D([], [], color="0.3", label="unstable or lost", **parts.UNSTABLE_LOOK))
     figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=len(handles))
+    return figure
+
+
+def error_step_figure(rows: Sequence[dict]) -> Figure:
+    """Error against dt, one line for each method and h, with the dt at which time error and space error are equal."""
+    title = "Time step: where the error of time and the error of space balance"
+    lines = [entry for entry in parts.lined(rows, "dt") if len({row["scene"]["dt"] for row in entry[0].rows}) > 1]
+    if not lines:
+        return parts.nothing(title, "no grid was run with several time steps; give --dt or --cfl several values")
+    shown = parts.known(rows, DRAWN)
+    if not shown:
+        return parts.nothing(title, NO_TRUTH)
+    figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.0))
+    for panel, quantity in zip(axes[0], shown, strict=True):
+        _balances(panel, lines, quantity)
+    balanced = "time error = space error: shorter steps gain at most half"
+    star = Line2D([], [], color="0.7", label=balanced, **BALANCE_LOOK)
+    fit = Line2D([], [], color="0.4", linewidth=1, linestyle="-", label="fit: space + c dt^p")
+    parts.legend_below(figure, lines, [fit, star])
     return figure
 
 
@@ -135,6 +157,31 @@ def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None
         axes.text(right * 1.04, start * ratio ** (power - 0.5), str(power), color="0.3", fontsize=9, va="center")
 
 
+def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -> None:
+    parts.draw_errors(axes, lines, quantity, lambda row: row["scene"]["dt"], joined=False)
+    notes = []
+    for line, look in lines:
+        points = [(row["scene"]["dt"], error) for row in line.rows
+                  if row["status"] == OK and (error := error_of(row, quantity))]
+        found = balance([dt for dt, _ in points], [error for _, error in points])
+        if found is None or found.misfit > MOST_MISFIT:
+            notes += [NEITHER] * (found is not None)
+            if points:
+                axes.plot(*zip(*points, strict=True), color=look["color"], linestyle=look["linestyle"], linewidth=1)
+            continue
+        fine = np.geomspace(found.least, found.most, 60)
+        axes.plot(fine, found.at(fine), color=look["color"], linestyle=look["linestyle"], linewidth=1, zorder=2)
+        if found.dt:
+            axes.plot([found.dt], found.at(np.array([found.dt])), color=look["color"], zorder=4, **BALANCE_LOOK)
+        else:
+            notes.append(SPACE if found.space_rules else TIME)
+    said = "".join(f"\n{note}" + ("" if number == len(lines) else f" ({number} of {len(lines)} series)")
+                   for note in (SPACE, TIME, NEITHER) if (number := notes.count(note)))
+    axes.set_title(axes.get_title() + said, fontsize=10)
+    axes.set_xlabel("time step dt (s)")
+    parts.logarithmic(axes)
+
+
 def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
     name = QUANTITIES[quantity]
     axes.set_title(f"{estimator}: {name}", fontsize=10)
@@ -153,10 +200,11 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     low, high = _common_range(points)
     edge, far = (high / low) ** 0.025, 0
     for true, estimated, method, unstable in points:
-        look = UNSTABLE_LOOK if unstable else {"marker": METHOD_MARKS[method], "linestyle": "none", "markersize": 6}
+        look: Look = {"marker": METHOD_MARKS[method], "linestyle": "none", "markersize": 6}
         x, y = np.clip([true, estimated], edge * low, high / edge)
         far += (x, y) != (true, estimated)
-        axes.plot([x], [y], color=METHOD_COLOURS[method], zorder=3, alpha=0.9, **look)
+        axes.plot([x], [y], color=METHOD_COLOURS[method], zorder=3, alpha=0.9,
+                  **(parts.UNSTABLE_LOOK if unstable else look))
     if far:
         axes.set_title(f"{estimator}: {name}\n{far} beyond the scale, drawn at its edge", fontsize=9)
     ends = np.array([low, high])

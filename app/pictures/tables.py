@@ -28,7 +28,7 @@ def figure(table: dict) -> Figure:
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
     whole = Figure(figsize=(width, height), layout="constrained")
     whole.suptitle(f"{table['title']}\n{table['caption']}", fontsize=13)
-    draw = {"1": (_bar_errors, _bar_indices), "2": (_ring_errors,), "3": (_ring_indices,)}[table["table"]]
+    draw = {"1": (_bar_errors, _indices), "2": (_ring_errors,), "3": (_indices,)}[table["table"]]
     places = whole.add_gridspec(len(draw), 1, height_ratios=(1, 1.75)[:len(draw)], hspace=0.03)
     for k, part in enumerate(draw):
         part(whole.add_subfigure(places[k]), table)
@@ -62,21 +62,15 @@ def _ring_errors(figure: SubFigure, table: dict) -> None:
     _legend(figure, axes[0, 0], columns=1)
 
 
-def _bar_indices(figure: SubFigure, table: dict) -> None:
-    """A column of panels for each case and place of the force."""
-    _indices(figure, {"\n".join(part.rsplit(", ", 1)): rows for part, rows in parts(table).items()})
-
-
-def _ring_indices(figure: SubFigure, table: dict) -> None:
-    """A column of panels for each set-up and method."""
-    _indices(figure, {"\n".join([method_name(method), *part.partition(" (")[0].rsplit(", ", 1)]): rows
-                      for part, found in parts(table).items() for method, rows in _by("method", found).items()})
-
-
-def _indices(figure: SubFigure, columns: dict[str, list[dict]]) -> None:
-    """A row of panels for each quantity that has an index; they share its axis, its numbers and the words outside."""
-    every = [row for rows in columns.values() for row in rows]
-    known = [quantity for quantity in QUANTITIES if any(_has_index(row, quantity) for row in every)]
+def _indices(figure: SubFigure, table: dict) -> None:
+    """A row of panels for each quantity that has an index; they share its axis, its numbers and the words outside. Of
+    the bar a column for each case and place of the force, of the ring for each set-up and method."""
+    if table["table"] == "1":
+        columns = {"\n".join(part.rsplit(", ", 1)): rows for part, rows in parts(table).items()}
+    else:
+        columns = {"\n".join([method_name(method), *part.partition(" (")[0].rsplit(", ", 1)]): rows
+                   for part, found in parts(table).items() for method, rows in _by("method", found).items()}
+    known = [quantity for quantity in QUANTITIES if any(_has_index(row, quantity) for row in table["rows"])]
     if not known:
         say(figure.subplots(), "no estimator gives an index here")
         return

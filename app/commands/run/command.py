@@ -44,9 +44,7 @@ class Output:
         writer = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
             say(f"warning: {sentence}")
-        with working(self.quiet) as show:
-            from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
-            result = run(scene, on_progress=show, on_sample=writer.keep if writer else None)
+        result = _run(scene, self.quiet, writer)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
             say(f"{why}: this ran on the processor ({result.arch})")
@@ -92,6 +90,12 @@ class RunText(Output):
         except state.StateError as error:
             raise BadInput("scene", self.text, str(error)) from None
         return self.run_and_write(scene)
+
+
+def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None) -> Result:
+    with working(quiet) as show:
+        from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
+        return run(scene, on_progress=show, on_sample=writer.keep if writer else None)
 
 
 def _draw(result: Result, target: Target) -> bool:

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from app.pictures.run import png_bytes
-from app.pictures.study import FIGURES, error_spacing_figure, error_time_figure
+from app.pictures.study import FIGURES, error_spacing_figure, error_step_figure, error_time_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
-from app.pictures.study_step import error_step_figure
 from solvers.study import fit, row, series
 from solvers.study import summary as table
 from solvers.study.grid import Task

@@ -35,7 +35,7 @@ class Player:
         self._lock = threading.RLock()
         self._marker = Marker(classroom.outcomes)
         self._lesson: Lesson | None = None
-        self._progress: kept.Progress | None = None
+        self._progress = kept.Progress("", "")  # of the lesson that is open
         self._restored = False  # whether the browser has said what it keeps of this lesson
         self._shown_at = monotonic()
         self._widgets = self._gui.add_folder(None)
@@ -50,7 +50,7 @@ class Player:
     def answers(self) -> str:
         """What the browser should keep of it; "" until it has said what it keeps."""
         with self._lock:
-            return self._progress.text() if self._progress and self._restored else ""
+            return self._progress.text() if self._lesson and self._restored else ""
 
     def close(self) -> None:
         """The visitor has gone."""
@@ -62,7 +62,8 @@ class Player:
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
-            self._lesson, self._progress, self._restored = lesson, kept.begun(lesson), False
+            self._lesson, self._restored = lesson, False
+            self._progress = kept.Progress(lesson.name, lesson.fingerprint)
             self._marker.forget()
         self._offer(lesson.controls)
         self._rebuild()
@@ -89,14 +90,14 @@ class Player:
 
     def _leave(self) -> None:
         with self._lock:
-            self._lesson = self._progress = None
+            self._lesson = None
         self._offer(())
         self._rebuild()
         self._on_change()
 
     def _go(self, by: int) -> None:
         with self._lock:
-            if self._lesson is None or self._progress is None:
+            if self._lesson is None:
                 return
             self._progress.step = min(max(self._progress.step + by, 0), len(self._lesson.steps) + 1)
         self._on_change()  # first: a step that is seen is one to come back to
@@ -112,13 +113,13 @@ class Player:
     def _build(self) -> None:
         self._shown_at = monotonic()
         with self._widgets:
-            if self._lesson is None or self._progress is None:
+            if self._lesson is None:
                 self._build_shelf()
             else:
                 self._gui.add_html(page.head_html(self._lesson, self._progress))
                 at, steps = self._progress.step, self._lesson.steps
                 if at == 0:
-                    self._build_intro(self._lesson, self._progress)
+                    self._build_intro(self._lesson)
                 elif at <= len(steps):
                     self._build_step(self._lesson, steps[at - 1])
                 else:
@@ -131,16 +132,16 @@ class Player:
         choice = self._gui.add_dropdown("Lesson", (NO_LESSON, *titles), hint="opens it here, beside the stage")
         choice.on_update(lambda _: self.open(titles.get(choice.value, "")))
 
-    def _build_intro(self, lesson: Lesson, progress: kept.Progress) -> None:
+    def _build_intro(self, lesson: Lesson) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
         hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
-        name = self._gui.add_text("Your name", progress.name, hint=hint)
+        name = self._gui.add_text("Your name", self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         self._buttons(back=False, onward=True)
 
     def _call(self, name: str) -> None:
         with self._lock:
-            if self._progress and not self._progress.answers:
+            if not self._progress.answers:
                 self._progress.name = name.strip()[:kept.LONGEST_NAME]
                 self._marker.forget()
         self._on_change()
@@ -159,13 +160,12 @@ class Player:
         self._ask(lesson, step)
 
     def _ask(self, lesson: Lesson, step: Step) -> None:
-        assert step.question is not None and self._progress is not None
-        asked, answered = step.question, self._progress.answers.get(step.key)
+        asked, answered = step.asked, self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
         widgets = AnswerWidgets(self._gui, asked, self._numbers, answered.last if answered else None, fixed)
         for text in widgets.texts:
             allow(text, LONGEST)
-        self._said = self._gui.add_html("" if answered is None else self._taken(lesson, step, None))
+        self._said = self._gui.add_html("" if answered is None else self._taken(step, None))
         record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
                                       disabled=fixed)
         onward = self._buttons(back=True, onward=answered is not None)
@@ -176,7 +176,6 @@ class Player:
                 self._said.content = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
                 return
             with self._lock:
-                assert self._progress is not None
                 self._progress.answer(step.key, answer, monotonic() - self._shown_at)
                 self._shown_at = monotonic()
             self._on_change()
@@ -188,11 +187,10 @@ class Player:
 
         record.on_click(take)
 
-    def _taken(self, lesson: Lesson, step: Step, found: AnswerMark | str | None) -> str:
+    def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
-        assert step.question is not None and self._progress is not None
         answer = self._progress.answers[step.key]
-        said = filled(shown(step.question, answer.last), self._numbers)
+        said = filled(shown(step.asked, answer.last), self._numbers)
         if step.kind == PREDICT:
             return page.recorded_html(said, "It is recorded; now see what happens.", None)
         if found is None or isinstance(found, str):
@@ -204,16 +202,13 @@ class Player:
 
     def _check(self, lesson: Lesson, step: Step) -> None:
         """Mark the answer, which may need a run, and say so."""
-        said, progress = self._said, self._progress
-        assert progress is not None and step.question is not None
-        waiting = "" if step.question.kind == TEXT else "Being checked against the run …"
-        said.content = self._taken(lesson, step, waiting)
-        self._marker.check(lesson, step, progress, lambda found: self._show(
-            said, lambda: self._taken(lesson, step, found)))
+        said = self._said
+        said.content = self._taken(step, "" if step.asked.kind == TEXT else "Being checked against the run …")
+        self._marker.check(lesson, step, self._progress, lambda found: self._show(
+            said, lambda: self._taken(step, found)))
 
     def _explained(self, lesson: Lesson, step: Step) -> str:
         """The step's text; where it explains, below what was said and what came out."""
-        assert self._progress is not None
         before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
         return page.step_html(step, self._numbers, before, self._room.teacher)
@@ -221,7 +216,6 @@ class Player:
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Mark what a step looks back on, or everything at the end, and show it there."""
         steps = asked_since(lesson, step) if step else [other for other in lesson.steps if other.question]
-        assert self._progress is not None
         self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
             text, lambda: self._explained(lesson, step) if step else self._end(lesson)))
 
@@ -239,14 +233,12 @@ class Player:
         self._buttons(back=True, onward=False)
 
     def _end(self, lesson: Lesson) -> str:
-        assert self._progress is not None
         steps = [step for step in lesson.steps if step.question]
         table = page.compared_html(steps, self._progress.answers, self._marker.marks, self._numbers)
         return page.end_html(table, sum(step.key not in self._progress.answers for step in steps))
 
     def _hand_in(self, lesson: Lesson) -> None:
         with self._lock:
-            assert self._progress is not None
             called = re.sub(r"[^\w-]+", "-", self._progress.name).strip("-") or "answers"
             self._client.send_file_download(f"{lesson.name}-{called}.json", self._progress.text().encode(),
                                             save_immediately=True)
@@ -266,4 +258,4 @@ class Player:
     @property
     def _numbers(self) -> Numbers:
         """The visitor's own."""
-        return drawn(self._lesson, self._progress.name) if self._lesson and self._progress else {}
+        return drawn(self._lesson, self._progress.name) if self._lesson else {}
