@@ -6,7 +6,7 @@ import socket
 from contextlib import contextmanager
 
 from app.doors.address import Addresses
-from app.page.features.lesson.classroom import Classroom
+from app.page.features.lesson.marking import Classroom
 from app.page.serving import _start_server
 from solvers.workers.processes import free_port
 

@@ -10,7 +10,7 @@ from time import monotonic
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.commands.bench.visitor import is_frame
+from app.commands.bench.class_load import is_frame
 from app.viewer.client import packed, unpacked
 from app.viewer.wire import PROTOCOL
 from tests.processes import HANG, until

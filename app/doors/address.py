@@ -46,9 +46,8 @@ def is_name(text: str) -> bool:
 def is_loopback(host: str) -> bool:
     """Whether only this machine itself can mean this host."""
     host = host.strip("[]").rstrip(".").lower()
-    if host == "localhost" or host.endswith(".localhost"):
-        return True
-    return is_ip(host) and ipaddress.ip_address(host).is_loopback
+    local = host == "localhost" or host.endswith(".localhost")
+    return local or (is_ip(host) and ipaddress.ip_address(host).is_loopback)
 
 
 def is_ip(text: str) -> bool:

@@ -48,12 +48,7 @@ def _formula(latex: str, options: dict) -> str:
     except Exception as error:  # the library raises what comes
         raise MarkupError(latex, f"the formula ${latex}$ cannot be shown ({type(error).__name__}); "
                                  "give plain LaTeX such as $\\frac{h}{2}$") from None
-    return _known(latex, mathml)
-
-
-def _known(latex: str, mathml: str) -> str:
-    """The formula, unless it has a command that nobody knows, which would be shown as it is typed."""
-    if unknown := re.search(r"\\\w+", mathml):
+    if unknown := re.search(r"\\\w+", mathml):  # a command that nobody knows would be shown as it is typed
         raise MarkupError(latex, f"the formula ${latex}$ has {unknown[0]}, which cannot be shown; give plain LaTeX "
                                  "such as $\\frac{h}{2}$")
     return mathml

@@ -7,11 +7,9 @@ import viser
 from app import words
 from app.frame.scale import ColourScale
 from app.page.features.slow.panel import SlowMotion
-from app.page.panels.bound import BoundWidgets
+from app.page.panels.bound import BoundWidgets, Patience
 from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.looking import Looking
-from app.page.panels.motion import MotionControls
-from app.page.panels.patience import Patience
 from app.page.panels.size import Size
 from app.page.source import Choice
 from app.page.visit.session import Session, first_scene
@@ -40,7 +38,6 @@ class Controls:
         self._patience = Patience()
         self._bound = BoundWidgets(gui, session, self._patience)
         self._turn = self._bound.turn  # widgets must not be removed while others are made or changed among them
-        self._motion = MotionControls(gui, session, self._bound)
         self.estimators = EstimatorChoice(session, on_view, self._bound)
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
@@ -171,7 +168,7 @@ class Controls:
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
         with self._part("motion"):
-            self._motion.build_choice(self._move)
+            self._bound.motions(self._move)
         with self._part("method"):
             self._bound.field("method", "shape functions that carry data between particles and grid")
         with self._part("cells"):
@@ -187,9 +184,9 @@ class Controls:
                 self._bound.size(Size("Amplitude A", words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
                                       default.amplitude, view.amplitude_hint),
                                  scene.amplitude, lambda value: session.set(amplitude=value))
-        else:
+        elif view.motion:
             with self._part("stretch"):
-                self._motion.build_sliders()
+                self._bound.sliders(view.motion.sliders)
         with self._part("modulus"):
             self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
                             view.modulus_hint),

@@ -11,7 +11,7 @@ from app.frame.scale import ColourScale
 from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
-from app.page.features.lesson.classroom import Classroom
+from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
 from app.page.features.own.panel import OwnCode
 from app.page.features.own.source import OwnFile
@@ -19,7 +19,7 @@ from app.page.features.slow.panel import SlowMotion
 from app.page.features.slow.source import SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
-from app.page.panels.browser_store import BrowserStore, Hooks
+from app.page.panels.browser_store import BrowserStore
 from app.page.panels.head import add_head, set_up
 from app.page.panels.looking import Looking
 from app.page.panels.presenter import ENLARGED, Presenter
@@ -70,7 +70,7 @@ class Page:
         self._controls.begin()
         if classroom.lesson:
             self._player.open(classroom.lesson)
-        self._store.listen(Hooks(self._follow_link, self._player.restore))
+        self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
         threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()

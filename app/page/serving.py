@@ -18,7 +18,7 @@ from urllib.parse import quote
 from app.doors.address import Addresses
 from app.doors.code import ClassCode, made_up
 from app.lessons import shelf
-from app.page.features.lesson.classroom import Classroom
+from app.page.features.lesson.marking import Classroom
 from app.page.prewarm import usual_scenes
 from app.page.visit.health import Tally
 from app.page.visit.session import FIRST_SCENE, PageLinks

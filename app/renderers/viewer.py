@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from app.frame.marks import AWAY, RECTANGLE, Dots, Label, Lines, Mark, Room, wrapped
-from app.viewer.handles import put_props
+from app.viewer.widgets import put_props
 
 
 class Sheet:

@@ -33,8 +33,8 @@ def _whole(low: int, high: int) -> Callable[[Any], bool]:
     return lambda value: type(value) is int and low <= value <= high
 
 
-def _words(value: Any) -> bool:
-    return type(value) is str and len(value) <= widgets.LONGEST_TEXT
+def _text(longest: int) -> Callable[[Any], bool]:
+    return lambda value: type(value) is str and len(value) <= longest
 
 
 def _or_none(rule: Callable[[Any], bool]) -> Callable[[Any], bool]:
@@ -54,16 +54,12 @@ def _places(value: Any) -> bool:
     return type(value) is list and len(value) <= 2 and all(map(_numbers(2), value))
 
 
-def _file_name(value: Any) -> bool:
-    return type(value) is str and len(value) <= LONGEST_NAME
-
-
 def _value_alone(value: Any) -> bool:
     """Of all that a widget has, a visitor changes the value only."""
     return type(value) is dict and list(value) == ["value"]
 
 
-_SPACE = _numbers(3)
+_SPACE, _words = _numbers(3), _text(widgets.LONGEST_TEXT)
 #: Every kind of message that the page needs, with all of its fields.
 FIELDS: dict[str, Fields] = {
     "GuiUpdateMessage": {"uuid": _words, "updates": _value_alone},
@@ -75,7 +71,7 @@ FIELDS: dict[str, Fields] = {
         "event_type": lambda value: value in ("click", "rect-select"), "ray_origin": _or_none(_SPACE),
         "ray_direction": _or_none(_ray), "screen_pos": _places, "modifier": _or_none(_words)},
     upload.START: {
-        "source_component_uuid": _words, "transfer_uuid": _words, "filename": _file_name,
+        "source_component_uuid": _words, "transfer_uuid": _words, "filename": _text(LONGEST_NAME),
         "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
     upload.PART: {
         "source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),

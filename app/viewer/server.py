@@ -55,12 +55,10 @@ class Lab(viser.ViserServer):
         """Until every browser has been sent the goodbye and all that was said before it; for one that takes nothing no
         longer than that."""
         end = monotonic() + seconds
-        while not (self.visitors.all_told() and self._all_sent()) and monotonic() < end:
+        states = self._websock_server._client_state_from_id
+        while monotonic() < end and not (self.visitors.all_told() and all(
+                cast(Buffer, state.message_buffer).all_sent for state in list(states.values()))):
             sleep(0.01)
-
-    def _all_sent(self) -> bool:
-        buffers = [state.message_buffer for state in list(self._websock_server._client_state_from_id.values())]
-        return all(cast(Buffer, buffer).all_sent for buffer in buffers)
 
     def request_share_url(self, verbose: bool = True) -> None:
         """There is none."""
@@ -156,11 +154,9 @@ class Doors:
             return _said(HTTPStatus.OK if path in PATHS else HTTPStatus.FORBIDDEN, _CODE_PAGE, "text/html")
         if opens_socket:
             return self._wait(who)
-        return self._attend(*looks.groups()) if (looks := _LOOKS.search(path)) else None
-
-    def _attend(self, state: str, token: str) -> Response:
-        """A browser says that its page is seen, or no longer."""
-        known = self._host is not None and self._host.attend(token, state == "here")
+        if not (looks := _LOOKS.search(path)):
+            return None
+        known = self._host is not None and self._host.attend(looks[2], looks[1] == "here")
         return _said(HTTPStatus.NO_CONTENT if known else HTTPStatus.NOT_FOUND, "")
 
     def _wait(self, who: str) -> Response | None:

@@ -13,7 +13,6 @@ from app.commands.output import Folder, draw, json_text, working
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import FileError
 from solvers.problems.reference import OF_METHODS
-from solvers.scene.scene import Scene
 
 MOST_FILES = 10_000
 
@@ -57,7 +56,10 @@ class Judge(SceneFlags):
                            f"gives {len(times)} times for {len(self.files)} files; give one for each")
         folder = Folder(self.out)
         try:
-            judged = self._judge(scene, cells, times)
+            with working(self.quiet) as show:
+                from solvers import judge  # here: bad input must not wait for it
+                judged = judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare,
+                               on_progress=show)
         except FileError as error:
             raise BadInput("", error.file, error.sentence) from None
         return self._write(folder, judged)
@@ -71,11 +73,6 @@ class Judge(SceneFlags):
             raise BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one number for "
                                            "all or one for each")
         return cells
-
-    def _judge(self, scene: Scene, cells: list[int], times: list[float]) -> Any:
-        with working(self.quiet) as show:
-            from solvers import judge  # here: bad input must not wait for it
-            return judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare, on_progress=show)
 
     def _write(self, folder: Folder, judged: Any) -> int:
         """The report in three forms, and its pictures; one that fails costs nothing else."""

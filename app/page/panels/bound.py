@@ -1,4 +1,4 @@
-"""Widgets that are bound to the session: what a visitor changes is wished of the scene."""
+"""Widgets that are bound to the session: what a visitor changes is wished of the scene, and waits for a compiler."""
 
 import functools
 import threading
@@ -9,13 +9,40 @@ import viser
 
 from app import words
 from app.page.panels.head import WIDE_LABEL
-from app.page.panels.patience import Patience
 from app.page.panels.size import Size, SizeControl
-from app.page.visit.session import Session
+from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider
+from app.problems.views import VIEWS
+from app.viewer.widgets import is_removed
 from solvers.scene.effects import Effect
 from solvers.scene.remedies import Remedy
 from solvers.scene.rules import field_label
+from solvers.scene.scene import Scene
+
+MARK = "\ncompiling …"  # below the label, in small letters (style.css): a row is high enough for both
+
+
+class Patience:
+    """Marks the label of one visitor's last changed widget while its wish waits for a compiler."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._last: Any = None
+        self._marked: Any = None
+
+    def changed(self, widget: Any) -> None:
+        with self._lock:
+            self._last = widget
+
+    def show(self, compiling: bool) -> None:
+        """Mark the widget, or take the mark away. Its label may have changed meanwhile."""
+        with self._lock:
+            wanted = self._last if compiling else None
+            marked, self._marked = self._marked, wanted
+            if marked and marked is not wanted and not is_removed(marked):
+                marked.label = marked.label.removesuffix(MARK)
+            if wanted and not is_removed(wanted) and not wanted.label.endswith(MARK):
+                wanted.label += MARK
 
 
 class BoundWidgets:
@@ -85,6 +112,26 @@ class BoundWidgets:
 
     def _set(self, field: str, value: float) -> None:
         self._session.set(**{field: value})
+
+    def motions(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
+        """A dropdown of what the problem does, where it can do several things. ``move`` is called with the scene of
+        another motion, and with the quantity and the speed that it begins with, None for no change and for the usual.
+        """
+        scene = self._session.scene
+        motion = VIEWS[scene.problem].motion
+        if motion is None:
+            return
+        names = words.choices(type(scene), "motion")
+        shown = self._gui.add_dropdown("Motion", tuple(names.values()), hint=motion.hint,
+                                       initial_value=names[scene.to_dict()["motion"]])
+
+        def chosen(_: viser.GuiEvent) -> None:
+            now = self._session.scene
+            code = next(code for code, name in names.items() if name == shown.value)
+            changed = motion.change(now, code, first_scene(now.problem).estimators)
+            move(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
+
+        shown.on_update(chosen)
 
     def size(self, size: Size, value: float, act: Callable[[float], None]) -> SizeControl:
         """A slider and a text for a number of any size."""

@@ -3,7 +3,6 @@ lessons."""
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
 from html import escape
 from typing import Any
 
@@ -15,20 +14,12 @@ LONGEST = 20_000  # characters that a browser may tell at once
 MARK = "<i class='lab-store'></i>"
 
 
-@dataclass(frozen=True)
-class Hooks:
-    """Called with the state that the address has, and with a lesson's name and its kept answers."""
-
-    on_link: Callable[[str], None]
-    on_answers: Callable[[str, str], None]
-
-
 class BrowserStore:
     """One visitor's. What the browser says is believed in nothing: it may be anything."""
 
     def __init__(self, gui: viser.GuiApi):
         self.here = ""  # the address under which this browser has found the lab
-        self._hooks: Hooks | None = None
+        self._listening = False
         self._kept = ""  # the state that the address has
         self._early: list[dict[str, Any]] = []  # said before anybody listened
         gui.add_html(MARK)
@@ -37,9 +28,10 @@ class BrowserStore:
         self._mark = gui.add_html("")
         self._text.on_update(lambda _: self._hear(self._text.value))
 
-    def listen(self, hooks: Hooks) -> None:
-        """From now on, and to what has been said before."""
-        self._hooks = hooks
+    def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
+        """From now on, and to what has been said before: to the state that the address has, and to a lesson's name and
+        its kept answers."""
+        self._on_link, self._on_answers, self._listening = on_link, on_answers, True
         for said in self._early:
             self._act(said)
 
@@ -57,18 +49,16 @@ class BrowserStore:
             return
         if not isinstance(said, dict):
             return
-        if self._hooks is None:
-            self._early = [*self._early[-3:], said]
-        else:
+        if self._listening:
             self._act(said)
+        else:
+            self._early = [*self._early[-3:], said]
 
     def _act(self, said: dict[str, Any]) -> None:
-        hooks = self._hooks
-        assert hooks is not None
         if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
             self.here = here
         # A browser that makes its widgets anew says again what it was told to keep: that is what is there.
         if isinstance(link := said.get("link"), str) and link and link != self._kept:
-            hooks.on_link(link)
+            self._on_link(link)
         if isinstance(lesson := said.get("lesson"), str) and isinstance(answers := said.get("answers"), str):
-            hooks.on_answers(lesson, answers)
+            self._on_answers(lesson, answers)

@@ -7,8 +7,7 @@ import json
 import pytest
 
 from app.cli import main
-from app.commands.bench.class_load import SCHEMA, Load, class_load, class_table
-from app.commands.bench.visitor import BROKEN, Control, Visitor
+from app.commands.bench.class_load import BROKEN, SCHEMA, Control, Load, Visitor, class_load, class_table
 from solvers.workers.processes import LINUX
 
 VISITORS, SECONDS = 3, 4.0

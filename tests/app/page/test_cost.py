@@ -12,10 +12,9 @@ import pytest
 
 from app.page.features.cost import words
 from app.page.features.cost.jobs import timings
-from app.page.features.cost.live import LiveRows, live_row
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.picture import LogAxis, picture
-from app.page.features.cost.runs import LIVE, SWEEP, Runs, csv_bytes
+from app.page.features.cost.runs import LIVE, SWEEP, LiveRows, Runs, csv_bytes, live_row
 from app.page.visit.history import History
 from solvers.engine.messages import FrameReport
 from solvers.engine.soundness_watch import SoundnessWatch

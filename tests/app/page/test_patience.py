@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from app.page.panels.patience import MARK, Patience
+from app.page.panels.bound import MARK, Patience
 
 
 def widget(label):

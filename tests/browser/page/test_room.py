@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
-from app.page.panels.patience import MARK
+from app.page.panels.bound import MARK
 from tests.browser.conftest import visit
 from tests.browser.driving import click, coloured, readout, row, stage, stage_box, steps, to_the_ring, unfold, until
 

@@ -7,10 +7,9 @@ import viser
 
 from app.page.features.cost import words
 from app.page.features.cost.jobs import Jobs, JobStatus, question, search, small_sweep, timings
-from app.page.features.cost.live import LiveRows
 from app.page.features.cost.picture import picture
 from app.page.features.cost.quiet import QuietStage
-from app.page.features.cost.runs import LIVE, Runs, csv_bytes
+from app.page.features.cost.runs import LIVE, LiveRows, Runs, csv_bytes
 from app.page.visit.history import History
 from app.page.visit.limits import too_many
 from app.page.visit.notice import Notice

@@ -1,8 +1,9 @@
-"""Marks for one visitor of a lesson: they wait for runs, and the page does not wait for them."""
+"""Marks for the visitors of lessons: they wait for runs, and the page does not wait for them."""
 
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from typing import Any
 
 from app.lessons.claims import ClaimError
@@ -12,6 +13,17 @@ from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
 
 LATER = "could not be checked just now"
+POLITE = 10  # more than the engines: marks can wait, stages cannot
+
+
+@dataclass(frozen=True)
+class Classroom:
+    """What all visitors of one server share: the lesson that everyone is opened on, if any, whether teacher's notes are
+    shown, and what answers are marked by."""
+
+    lesson: str = ""
+    teacher: bool = False
+    outcomes: Outcomes = field(default_factory=lambda: Outcomes(politeness=POLITE))
 
 
 class Marker:

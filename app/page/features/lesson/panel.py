@@ -14,11 +14,9 @@ from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, dr
 from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
-from app.page.features.lesson.classroom import Classroom
-from app.page.features.lesson.marking import Marker, asked_since
+from app.page.features.lesson.marking import Classroom, Marker, asked_since
 from app.page.panels.head import BESIDE
-from app.viewer.handles import is_removed
-from app.viewer.widgets import allow
+from app.viewer.widgets import allow, is_removed
 
 NO_LESSON = "choose a lesson"
 
