@@ -1,7 +1,5 @@
 """``mpm-lab export LESSON|SCENE --out FILE.html``: one file that plays from disk, without a server or a network."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

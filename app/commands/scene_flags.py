@@ -15,10 +15,9 @@ SPECIAL = {"estimators": ("none",), "effects": ("all", "none"), "remedies": ("no
 
 @dataclass(frozen=True, kw_only=True)
 class SceneFlags:
-    """The flags of a problem's scene. Every field but those in ``OUTPUT`` is an input of ``SCENE``, which checks it."""
+    """The flags of a problem's scene: every field that ``SCENE`` has too is an input of it, which it checks."""
 
     SCENE: ClassVar[type[Scene]]
-    OUTPUT: ClassVar[frozenset[str]] = frozenset()
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset()  # fields of a scene that are no flags here
 
     def scene(self, **instead: Any) -> Scene:
@@ -27,7 +26,7 @@ class SceneFlags:
 
     def inputs(self) -> dict[str, Any]:
         """What was given for each input of a scene, by the name of its flag."""
-        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in self.OUTPUT}
+        values = {key: getattr(self, key) for f in fields(self.SCENE) if hasattr(self, key := field_key(f.name))}
         for name, words in SPECIAL.items():
             if (key := field_key(name)) in values:
                 meanings = {"none": (), "all": self.SCENE.choices(name)}

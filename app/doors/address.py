@@ -5,8 +5,6 @@ of another site has another origin; one that has its own name lead to this machi
 host.
 """
 
-from __future__ import annotations
-
 import ipaddress
 import re
 from dataclasses import dataclass
@@ -33,7 +31,7 @@ class Address(NamedTuple):
     host: str
     port: str | None
 
-    def meets(self, other: Address, scheme: str) -> bool:
+    def meets(self, other: "Address", scheme: str) -> bool:
         """Whether both are the same place, with the port that goes without saying."""
         return (self.host, self.port or _PORTS[scheme]) == (other.host, other.port or _PORTS[scheme])
 

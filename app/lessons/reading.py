@@ -61,8 +61,7 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
     lesson = replace(lesson, steps=tuple(steps))
     _check_names(lesson)
     _check_claims(lesson)
-    _check_text(opening, lesson, folder)
-    for part in parts:
+    for part in (opening, *parts):
         _check_text(part, lesson, folder)
     return lesson
 

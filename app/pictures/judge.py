@@ -1,7 +1,5 @@
 """The pictures of a judgement: norms over time, the error in space, and largest errors over the cell size."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

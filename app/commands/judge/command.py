@@ -1,7 +1,5 @@
 """``mpm-lab judge PROBLEM FILES... --out DIR``: how wrong the particles of any code are."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -28,7 +26,6 @@ class Judge(SceneFlags):
     say what was run. The directory gets report.md, report.html, report.json and pictures.
     Exit status: 0 judged, 1 could not write, 2 bad input.
     """
-    OUTPUT: ClassVar[frozenset[str]] = frozenset({"files", "time", "out", "no_compare", "quiet"})
     LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS - {"dt", "cfl"}
 
     files: Annotated[FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()

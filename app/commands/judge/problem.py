@@ -1,7 +1,5 @@
 """``mpm-lab problem PROBLEM --out DIR``: all that another code needs to set the problem up."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -53,7 +51,6 @@ class ProblemCommand(SceneFlags):
     exact solution at the times asked for, in the form that `mpm-lab judge` reads, and a page of text with the formulas.
     Exit status: 0 ok, 1 could not write, 2 bad input.
     """
-    OUTPUT: ClassVar[frozenset[str]] = frozenset({"out", "times"})
     LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS
 
     out: Annotated[PathFlag, default_hint("none, it must be given")] = None

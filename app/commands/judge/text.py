@@ -1,7 +1,5 @@
 """The report of ``mpm-lab judge`` in Markdown, made from the JSON object, and the same as a page of HTML."""
 
-from __future__ import annotations
-
 from html import escape
 from pathlib import Path
 from typing import Any

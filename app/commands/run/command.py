@@ -1,24 +1,54 @@
 """``mpm-lab run PROBLEM``: one run without a page, to JSON, a picture or a table."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from pathlib import Path
+from typing import Annotated, ClassVar
 
+import numpy as np
 import tyro
 
 from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, say, working
-from app.commands.run.particles import ParticleWriter
 from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
+from solvers.judging.frames import Frame
 from solvers.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from solvers.solver.result import Result
+from solvers.solver.result import Result, Snapshot
 
 OK, FAILED, BROKEN = 0, 1, 3
+KINDS = (".npz", ".csv")  # of files of particles
+MOST_ROWS = 20_000_000  # of particles and times, which is what the judge reads at most
+
+
+class ParticleWriter:
+    """What ``--particles`` asks for; the file is tried now."""
+
+    def __init__(self, text: str, scene: Scene):
+        if Path(text).suffix.lower() not in KINDS:
+            raise BadInput("particles", text, f"give a file that ends in {' or '.join(KINDS)}")
+        rows = scene.particles * (scene.steps // scene.sample_interval + 2)
+        if rows > MOST_ROWS:
+            raise BadInput("particles", text, f"would hold {rows:,} particles of all samples; at most {MOST_ROWS:,} "
+                                              "are allowed: sample more rarely with --sample-every")
+        self._target, self._scene = Target("particles", text), scene
+        self._frames: list[Frame] = []
+
+    def keep(self, shot: Snapshot) -> None:
+        """Keep a sample; one of a run gone bad, with what is no number, is left out."""
+        from solvers.judging.ours import framed
+        frame = framed(shot, self._scene)
+        if all(np.isfinite(v).all() for v in (shot.position, shot.velocity, shot.deformation_gradient)):
+            self._frames.append(frame)
+
+    def write(self) -> None:
+        from solvers.judging import writing
+        if self._target.path.lower().endswith(".npz"):
+            content = writing.npz(self._frames, self._scene)
+        else:
+            said = {"problem": self._scene.problem, "cells": self._scene.cells}
+            content = writing.csv(writing.table(self._frames), said)
+        self._target.write(content)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +97,6 @@ class Run(Output, SceneFlags):
     {setting} Without --json a table goes to standard output.
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
     """
-    OUTPUT: ClassVar[frozenset[str]] = frozenset(Output.__dataclass_fields__)
 
     def execute(self) -> int:
         return self.run_and_write(self.scene())

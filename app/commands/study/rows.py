@@ -1,23 +1,19 @@
 """What commands that run many scenes share: where rows run, how they are kept and told, and what is written of them."""
 
-from __future__ import annotations
-
 import contextlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, draw, say
 from solvers.scene.rules import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.grid import MOST_ROWS, Task
+from solvers.study.places import Cluster, Here, NoCluster, Place, PlaceLost, execute
 from solvers.study.row import FAILED, REFUSED, refused
 from solvers.study.store import Store, StoreError
-
-if TYPE_CHECKING:
-    from solvers.study.places import Place
 
 INCOMPLETE = 1  # exit status
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
@@ -77,7 +73,6 @@ class Study:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
     def _place(self) -> Place:
-        from solvers.study.places import Cluster, Here, NoCluster
         try:
             return Here(self.workers or 1) if self.scheduler is None else Cluster(self.scheduler)
         except NoCluster as error:
@@ -97,8 +92,6 @@ class Study:
 
     def _measure(self, tasks: Sequence[Task], refusals: dict, place: Place, store: Store) -> bool:
         """Fill the store; False if the place where rows run was lost on the way."""
-        from solvers.study.places import PlaceLost, execute
-
         todo = [task for task in tasks if not store.finished(task.key)]
         done = len(tasks) - len(todo)
 

@@ -1,7 +1,5 @@
 """``mpm-lab stability PROBLEM``: how long each method lives, with and without remedies."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 

@@ -1,7 +1,5 @@
 """``mpm-lab sweep PROBLEM``: every combination of values, one row each."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
@@ -30,8 +28,6 @@ class Sweep(Study, SceneFlags):
     errors, estimates, times and status; rows are kept as they finish. Tables and pictures follow at the end.
     Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
     """
-    OUTPUT: ClassVar[frozenset[str]] = frozenset({"out", "workers", "scheduler", "resume", "repeats", "each_effect",
-                                                  "quiet", "no_linearity_preserving"})
     LISTS: ClassVar[frozenset[str]] = frozenset({"estimator", "effects", "remedies"})
 
     no_linearity_preserving: Annotated[Switch, default_hint("on")] = False

@@ -11,6 +11,7 @@ import pytest
 
 from app.cli import main
 from app.commands import commands
+from app.commands.run.command import Output
 from app.commands.run.text import run_table
 from solvers.problems.ring.scene import RingScene
 from tests.paths import ROOT
@@ -46,7 +47,7 @@ def test_json_has_exactly_the_contracts_keys(printed):
 
 
 def test_json_scene_has_every_flag_with_its_default(printed):
-    flags = {field.name for field in fields(RunRing)} - RunRing.OUTPUT
+    flags = {field.name for field in fields(RunRing)} - {field.name for field in fields(Output)}
     assert set(printed["scene"]) == flags | {"problem"}
     assert None not in printed["scene"].values()
     assert printed["scene"]["problem"] == "ring"

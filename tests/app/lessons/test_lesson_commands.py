@@ -12,7 +12,7 @@ from app.cli import main
 from app.lessons import grading, shelf
 from app.lessons.marks import mark, shown, trouble
 from app.lessons.outcomes import Outcomes
-from app.lessons.progress import NotAnswers, Progress, begun, read
+from app.lessons.progress import NotAnswers, Progress, read
 from app.lessons.reading import parse
 from tests.app.lessons.test_lesson_format import TEXT
 
@@ -59,8 +59,7 @@ def outcomes():
 
 
 def answers(lesson, name="Ada", **given) -> Progress:
-    progress = begun(lesson)
-    progress.name = name
+    progress = Progress(lesson.name, lesson.fingerprint, name)
     for key, value in given.items():
         progress.answer(key.replace("_", "-"), value, 1.5)
     return progress

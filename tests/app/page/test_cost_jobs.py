@@ -12,9 +12,8 @@ from types import SimpleNamespace
 import pytest
 
 from app.page.features.cost import words
-from app.page.features.cost.jobs import Jobs, JobStatus, question, search, small_sweep
+from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, question, search, small_sweep
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.quiet import QuietStage
 from app.page.features.cost.runs import Runs
 from app.page.page import Page
 from solvers.problems.bar.scene import BarScene

@@ -1,4 +1,5 @@
-"""One visitor's sweep or search in the background: at most one at a time, and few on the whole server."""
+"""One visitor's sweep or search in the background: at most one at a time, and few on the whole server; the visitor's
+own stage stands still meanwhile, so as not to disturb its times."""
 
 import os
 import threading
@@ -8,6 +9,7 @@ from dataclasses import asdict, dataclass, replace
 
 from app import __version__
 from app.page.features.cost.runs import LIVE, SWEEP, NumberedRun, Runs
+from app.page.visit.session import Session
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.study.grid import Task, task_of
@@ -175,3 +177,27 @@ def _trouble(error: BaseException | None) -> str | None:
     if isinstance(error, OSError):
         return f"No process could be started: {error.strerror or error}."
     return None if error is None else f"the background process {error}"
+
+
+class QuietStage:
+    """Pauses a session's stage while its visitor's job runs, and lets it go on afterwards.
+
+    Play stays the visitor's: who presses it meanwhile has the stage move, and it is left alone from then on.
+    """
+
+    def __init__(self, session: Session):
+        self._session, self._running, self._lock = session, False, threading.Lock()
+        self.paused = False  # by this, and not by the visitor
+
+    def follow(self, running: bool) -> None:
+        """A job of the visitor is to run or runs, or none does. Any thread may call, again and again."""
+        with self._lock:
+            begins, ends, self._running = running and not self._running, self._running and not running, running
+            playing = self._session.playing  # read once: the visitor may press Pause meanwhile, and must not be undone
+            if begins and playing:
+                self.paused = True
+                self._session.play(False)
+            elif self.paused and (playing or ends):
+                self.paused = False
+                if not playing:
+                    self._session.play(True)

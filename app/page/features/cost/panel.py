@@ -6,9 +6,8 @@ from collections.abc import Callable
 import viser
 
 from app.page.features.cost import words
-from app.page.features.cost.jobs import Jobs, JobStatus, question, search, small_sweep, timings
+from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, question, search, small_sweep, timings
 from app.page.features.cost.picture import picture
-from app.page.features.cost.quiet import QuietStage
 from app.page.features.cost.runs import LIVE, LiveRows, Runs, csv_bytes
 from app.page.visit.history import History
 from app.page.visit.limits import too_many

@@ -4,12 +4,11 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from app.lessons import shelf
-from app.lessons.lesson import EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, Numbers, Step, filled
+from app.lessons.lesson import TEXT, Lesson, Numbers, Step, filled
 from app.lessons.marks import AnswerMark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
 
-KIND_WORDS = {PREDICT: "Predict", RUN: "Run", OBSERVE: "Observe", EXPLAIN: "Explain"}
 SIGNS = {True: ("right", "✓", "right"), False: ("wrong", "✗", "not so"), None: ("unmarked", "", "")}
 
 
@@ -43,7 +42,7 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
 
 def step_html(step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
     """A step's text, below what is said ``before`` it, which is html."""
-    return f"<div class='lab-lesson'><h3><span class='lab-kind-{step.kind}'>{KIND_WORDS[step.kind]}</span> " \
+    return f"<div class='lab-lesson'><h3><span class='lab-kind-{step.kind}'>{step.kind.capitalize()}</span> " \
            f"{escape(filled(step.title, numbers))}</h3>{before}{html(filled(step.text, numbers), shelf.FOLDER)}" \
            f"{_notes(step.notes, teacher)}</div>"
 
