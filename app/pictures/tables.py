@@ -12,8 +12,8 @@ from app.colours import ESTIMATE, TRUTH
 from app.renderers.picture import Look, line_style, say
 from app.words import EXTRA_NORMS, QUANTITIES, method_name
 from solvers.scene.registry import ESTIMATORS
-from solvers.study.tables.digits import short
 from solvers.study.tables.document import parts
+from solvers.study.tables.paper import short
 
 PAPER: Look = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")

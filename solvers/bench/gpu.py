@@ -8,7 +8,9 @@ rate; nodes, of which there is one for several particles, are left out of it.
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import taichi as ti
@@ -68,18 +70,14 @@ def measured(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIE
 def row(scene: Scene, where: str, limit: float) -> dict:
     """Rates of a scene, in million particle-steps a second, by the GPU and by the processor's plans, as far as these
     take so many particles; and the share that the first is of what the bandwidth allows."""
-    plans = {"gpu": {"arch": where}, "serial": {}, "parallel": {"plan": "parallel", "threads": os.cpu_count() or 1}}
-    rates = {plan: rate(build(_with(scene, inputs))) if plan == "gpu" or scene.particles <= MOST_PARTICLES else None
+    everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
+    plans: dict[str, dict] = {"gpu": {"arch": where}, "serial": {}, "parallel": everywhere}
+    rates = {plan: rate(build(replace(scene, **inputs))) if plan == "gpu" or scene.particles <= MOST_PARTICLES else None
              for plan, inputs in plans.items()}
     moved = MOVED + MORE[scene.method]
     share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * moved / limit
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells, "particles": scene.particles,
             "rates": rates, "share": share}
-
-
-def _with(scene: Scene, inputs: Mapping) -> Scene:
-    return type(scene)(**{"cells": scene.cells, "method": scene.method, "effects": (), "estimators": (),
-                          "amplitude": scene.amplitude, "arch": "cpu", **inputs})
 
 
 def rate(solver: Solver) -> float | None:

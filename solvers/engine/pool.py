@@ -85,8 +85,7 @@ class SessionLink:
         self.wish: Wish | None = None
         self._partner, self._frame_seconds = partner, frame_seconds
         self._lock = threading.Lock()
-        self._block: SharedMemory | None = None
-        self._outgrown: list[SharedMemory] = []
+        self._blocks: list[SharedMemory] = []  # the last is in use; the engine may still be writing to outgrown ones
         self._deaths = 0
         self._closed = False
         engine.links[session] = self
@@ -123,26 +122,21 @@ class SessionLink:
             if self._closed:
                 return
             self._closed = True
-            _free([*self._outgrown, *([self._block] if self._block else [])])
-            self._block, self._outgrown = None, []
+            self._free_all_but(0)
         self.engine.links.pop(self.session, None)
         self.engine.send(Goodbye(self.session))
 
     def receive(self, report: FrameReport) -> None:
         """Copy a frame out of the block, free the block for the next and hand the copy on."""
         with self._lock:
-            if self._block is None:
-                return
             self._deaths = 0
-            arrays = None
-            block = next((b for b in (self._block, *self._outgrown) if b.name == report.memory), None)
-            if block is not None:  # else that of a wish that a later one has overtaken
-                arrays = frames.read(block, report.scene, report.particles, report.holds)
-            if block is self._block:
-                _free(self._outgrown)
-                self._outgrown = []
-        if arrays is not None:
-            self.listener.on_frame(report, arrays)
+            block = next((b for b in self._blocks if b.name == report.memory), None)
+            if block is None:  # it is closed, or that was for a wish that a later one has overtaken
+                return
+            arrays = frames.read(block, report.scene, report.particles, report.holds)
+            if block is self._blocks[-1]:
+                self._free_all_but(1)
+        self.listener.on_frame(report, arrays)
 
     def engine_lost(self, had_worked: bool) -> None:
         """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it. One that
@@ -160,14 +154,12 @@ class SessionLink:
     def _fitting_block(self, scene: Scene) -> SharedMemory:
         """The block, replaced by a larger one where the scene's frames would not fit."""
         need = frames.block_bytes(scene)
-        if self._block is None or self._block.size < need:
-            if self._block is not None:
-                self._outgrown.append(self._block)  # the engine may still be writing to it
-            self._block = SharedMemory(create=True, size=2 * need)
-        return self._block
+        if not self._blocks or self._blocks[-1].size < need:
+            self._blocks.append(SharedMemory(create=True, size=2 * need))
+        return self._blocks[-1]
 
-
-def _free(blocks: list[SharedMemory]) -> None:
-    for block in blocks:
-        block.close()
-        block.unlink()
+    def _free_all_but(self, last: int) -> None:
+        while len(self._blocks) > last:
+            block = self._blocks.pop(0)
+            block.close()
+            block.unlink()

@@ -30,11 +30,8 @@ class Listener(Protocol):
     """What a session hears. Called from the engine's reader thread: be quick."""
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
-
     def on_compiling(self, number: int) -> None: ...
-
     def on_trouble(self, sentence: str) -> None: ...
-
     def on_engine_lost(self) -> None: ...
 
 
@@ -45,7 +42,6 @@ class Link(Protocol):
     wish: Wish | None
 
     def receive(self, report: FrameReport) -> None: ...
-
     def engine_lost(self, had_worked: bool) -> None: ...
 
 
@@ -77,10 +73,6 @@ class EngineProcess:
         for work in (self._read, self._write):
             threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
 
-    @property
-    def process_id(self) -> int:
-        return self._process_id
-
     def expect(self, usual: Sequence[Scene]) -> None:
         """Have the process, and any that takes its place, compile what is ``usual`` beside its work."""
         with self._news:
@@ -105,7 +97,7 @@ class EngineProcess:
         with self._news:
             self._closing = True
             self._news.notify_all()  # the writer sends None, at which the process ends
-        self._leaving.append(self._process_id)
+        self._leaving.append(self.process_id)
         end = monotonic() + 2
         while self._unburied() and monotonic() < end:
             sleep(0.01)
@@ -145,12 +137,12 @@ class EngineProcess:
                                   daemon=True)
         process.start()
         theirs.close()
-        self._pipe, self._process, self._process_id = ours, process, process.pid or 0  # it is started at once
+        self._pipe, self._process, self.process_id = ours, process, process.pid or 0  # it is started at once
 
     def _restart(self) -> None:
         """Replace a dead process: at once if it had been ready, else after a pause, and not for ever."""
         self._process.join(1)
-        self._leaving.append(self._process_id)
+        self._leaving.append(self.process_id)
         with suppress(ChildProcessError):  # it had ended before
             if self._successor and os.waitpid(self._successor, os.WNOHANG) == (0, 0):
                 self._leaving.append(self._successor)
@@ -204,8 +196,8 @@ class EngineProcess:
             self._failures = 0
             self.ready.set()
         elif isinstance(message, Moved):
-            self._leaving.append(self._process_id)
-            self._process_id, self._successor = message.process_id, 0
+            self._leaving.append(self.process_id)
+            self.process_id, self._successor = message.process_id, 0
         elif isinstance(message, Forked):
             self._successor = message.process_id
         elif link := self.links.get(message.session):

@@ -19,12 +19,15 @@ cubic Hermite polynomials: in (u, v) for u, in (v, a) for v, and their derivativ
 This file is what all problems share: nodes with u, v and a of two components, of which the bar uses the first.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import taichi as ti
 
 from solvers.estimators.spectral import unresolved
+from solvers.kernels.kinds import integers, reals, rows
+from solvers.scene.estimator_hooks import EstimatorHooks
 
 STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on
 CHOSEN = 2.2  # omega H of the interval at rest: strain may stiffen the body by (2.4/2.2)^2 before a step is cut in two
@@ -133,17 +136,34 @@ def read_nodes(body: ti.template(), step):
         body.companion_nodes[NOW * N + i] = now
 
 
-def interval(frequency: float, dt: float) -> int:
-    """Particle steps dt to a step of a companion whose highest frequency at rest is ``frequency``."""
-    return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
+def hooks(accelerate: Callable, memory: Mapping[str, object], **others: Any) -> EstimatorHooks:
+    """The companion of a problem with ``accelerate`` as :func:`step_ahead` has it, what it keeps beside the shared
+    numbers, and the ``others`` of its hooks."""
+    @ti.func
+    def after_step(body: ti.template(), base, step, on: ti.template()):
+        step_ahead(body, step, accelerate, on)
+
+    shared = {"companion_counts": integers, "companion_numbers": reals, "companion_nodes": rows}  # by the names above
+    return EstimatorHooks(memory={**shared, **memory}, after_step=after_step,
+                          interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
+                          **others)
 
 
-def initial_nodes(velocity: np.ndarray, inverse_mass: np.ndarray, extra: int = 0) -> np.ndarray:
-    """``companion_nodes`` of nodes that start undeformed, with ``extra`` rows; both arguments are (N, 2)."""
+def start(sizes: Sequence[int], frequency: float, dt: float, velocity: np.ndarray, inverse_mass: np.ndarray,
+          extra: int = 0) -> dict[str, np.ndarray]:
+    """The shared numbers of a body of these ``companion_counts`` but the last that starts undeformed, with ``extra``
+    rows of nodes; ``velocity`` and ``inverse_mass`` are (N, 2), steps of the particles take ``dt`` seconds."""
     layers = np.zeros((LAYERS, len(velocity), 8))
     layers[START, :, 2:4] = layers[END, :, 2:4] = velocity * (inverse_mass > 0)
     layers[WORK, :, 6:] = inverse_mass
-    return np.concatenate([layers.reshape(-1, 8), np.zeros((extra, 8))])
+    return {"companion_counts": np.array([*sizes, interval(frequency, dt)], np.int32),
+            "companion_numbers": np.array([frequency, 1.0, 0.0]),
+            "companion_nodes": np.concatenate([layers.reshape(-1, 8), np.zeros((extra, 8))])}
+
+
+def interval(frequency: float, dt: float) -> int:
+    """Particle steps dt to a step of a companion whose highest frequency at rest is ``frequency``."""
+    return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
 
 
 def highest_frequency(accelerations: Callable[[np.ndarray], np.ndarray], inverse_mass: np.ndarray) -> float:

@@ -134,11 +134,6 @@ def table_values(tables):
         ("weights", rows.weights.reshape(-1, rows.weights.shape[-1])))}
 
 
-def fit_cells(scene):
-    """Cells that a fit goes over."""
-    return (fit_width(scene) - 1) / scene.ppc
-
-
 def doubt(memory, most_rough, growth):
     """Why not to trust what was reported: the reference is too rough, in sums over the whole run, or has run away.
 

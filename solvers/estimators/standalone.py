@@ -91,7 +91,7 @@ class PolarBody(ElasticBody):
         self.rows, self.row = len(radial.nodes), len(angular.nodes)
         self.places = (radial.nodes[:, None, None] * directions).reshape(-1, 2)
         masses = np.outer(radial.assembled_weights * radial.nodes, angular.assembled_weights)
-        self._inverse_mass, self._free = free / (density * masses[..., None]), free
+        self.inverse_mass, self._free = free / (density * masses[..., None]), free
         self._node = tuple(np.broadcast_arrays(radial.of_node[:, None, :, None], angular.of_node[None, :, None, :]))
         self._R, self._e = radial.nodes[self._node[0]][..., None], directions[self._node[1]]
         self._t = np.stack([-self._e[..., 1], self._e[..., 0]], axis=-1)
@@ -117,7 +117,7 @@ class PolarBody(ElasticBody):
             + np.einsum("kj,abikc->abijc", self.angular.derivative, P_t)
         total = np.zeros((self.rows, self.row, 2))
         np.add.at(total, self._node, pull)
-        return (self._free * self.force(t).reshape(total.shape) - self._inverse_mass * total).reshape(-1, 2)
+        return (self._free * self.force(t).reshape(total.shape) - self.inverse_mass * total).reshape(-1, 2)
 
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         R, e = np.hypot(X[:, 0], X[:, 1]), X / np.linalg.norm(X, axis=1)[:, None]

@@ -6,7 +6,8 @@ file has it as an array or as one column for each component.
 
 import itertools
 import re
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, cast
 
 import numpy as np
 
@@ -24,9 +25,6 @@ MOST_ROWS = 20_000_000
 LETTERS = "xyz"
 VECTORS, TENSORS = ("X", "x", "v"), ("F", "sigma")
 SEPARATORS = ("", "_", ":", ".", "-")
-#: What is said where something is missing.
-SAY = {"t": "t", "id": "id", "X": "X, Y", "x": "x, y", "v": "vx, vy", "F": "Fxx, Fxy, Fyx, Fyy",
-       "sigma": "sxx, sxy, syy"}
 
 
 def _components() -> dict[str, tuple[str, tuple[int, ...]]]:
@@ -46,27 +44,20 @@ def _components() -> dict[str, tuple[str, tuple[int, ...]]]:
 
 
 COMPONENTS = _components()
-WHOLE = {name: key for key, names in NAMES.items() for name in names}
+WHOLE = {name: (key, None) for key, names in NAMES.items() for name in names}
 
 
 def meaning(name: str) -> tuple[str, tuple[int, ...] | None] | None:
     """The quantity of a column or an array, and its component where it is only that; None for any other. A unit in
     brackets at the end says nothing."""
     bare = re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name.strip().strip('"'))
-    for table in (COMPONENTS, {whole: (key, None) for whole, key in WHOLE.items()}):
-        for text in (bare, bare.lower()):
-            if text in table:
-                return table[text]
-    return None
+    tables: tuple[Mapping[str, Any], ...] = (COMPONENTS, WHOLE)
+    return next((table[text] for table in tables for text in (bare, bare.lower()) if text in table), None)
 
 
 def spelled(key: str, dimensions: int) -> str:
-    """What the columns of a quantity are called in a file of so many dimensions."""
-    if key in ("t", "id"):
-        return key
-    if dimensions == 1:
-        return {"X": "X", "x": "x", "v": "vx", "F": "Fxx", "sigma": "sxx"}[key]
-    return SAY[key]
+    """What the columns of a quantity are called in a file of so many dimensions, for a sentence."""
+    return ", ".join(name for name in column_names(key, dimensions) if name != "syx")  # one of sxy and syx is enough
 
 
 def column_names(key: str, dimensions: int) -> list[str]:
@@ -138,13 +129,13 @@ def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> n
     """Components (n,) as a vector (n, d) or a tensor (n, d, d); of a stress one of xy and yx is enough."""
     size = 1 + max(max(where) for where in pieces)
     n = len(next(iter(pieces.values())))
-    out = np.full((n, size) if key in VECTORS else (n, size, size), np.nan)
+    out, rows = np.full((n, size) if key in VECTORS else (n, size, size), np.nan), cast(Any, (slice(None),))
     for where, values in pieces.items():
         if values.shape != (n,):
             raise FileError(path, f"has components of {key} of several lengths; give a number for each particle")
-        out[_at(where)] = values
+        out[rows + where] = values
         if key == "sigma" and where[::-1] not in pieces:
-            out[_at(where[::-1])] = values
+            out[rows + where[::-1]] = values
     shape = out.shape[1:]
     missing = [w for w in np.ndindex(*shape) if w not in pieces and not (key == "sigma" and w[::-1] in pieces)]
     if size == 3:  # what concerns the third direction is not needed in the plane
@@ -155,7 +146,3 @@ def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> n
         letters = "".join("xyz"[k] for k in missing[0])
         raise FileError(path, f"has some components of {key} but not {letters}; give all of them or none")
     return out
-
-
-def _at(component: tuple[int, ...]) -> Any:
-    return (slice(None), *component)

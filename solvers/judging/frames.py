@@ -1,6 +1,6 @@
 """Particles as they were at an instant, whoever computed them, and the grids that they belong to."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Grid:
 
     cells: int
     frames: tuple[Frame, ...]
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
     @property
     def times(self) -> np.ndarray:

@@ -44,11 +44,9 @@ def companion(scene: Scene, times: Sequence[float]) -> list[Frame]:
     """The particles at the times (T,) in s, which grow, where a companion has them: for problems without an exact
     solution. :class:`~solvers.scene.rules.SceneError` where it is lost."""
     X = start(scene).material_position
-    (body, solved), frames = solution(scene, True, times), []
-    for t, motion in zip(times, solved, strict=True):
-        moved, speed, F, stress = carried(scene, body, motion, X)
-        frames.append(Frame("", t, np.arange(len(X)), X, X + moved, speed, F, stress))
-    return frames
+    body, solved = solution(scene, True, times)
+    states = (carried(scene, body, motion, X) for motion in solved)
+    return [Frame("", t, np.arange(len(X)), X, X + u, *rest) for t, (u, *rest) in zip(times, states, strict=True)]
 
 
 def carried(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarray], X: np.ndarray) -> tuple[

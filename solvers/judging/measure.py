@@ -124,9 +124,8 @@ def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> W
         return None
     size, k = max(found)
     p = int(np.argmax(sizes(errors[k][quantity])))
-    frame = frames[k]
-    place = tuple(map(float, frame.material_position[p]))
-    return WorstParticle(size, int(frame.number[p]), place, frame.time, frame.file)
+    place = tuple(map(float, frames[k].material_position[p]))
+    return WorstParticle(size, int(frames[k].number[p]), place, frames[k].time, frames[k].file)
 
 
 @dataclass(frozen=True)
@@ -165,17 +164,17 @@ def _by_themselves(scene: Scene, frame: Frame, error: np.ndarray) -> Apart:
     off = np.zeros_like(error)
     for group in np.split(order, np.flatnonzero(np.diff(block[order])) + 1):
         if len(group) >= 3:
-            off[group] = error[group] - np.median(_levelled(X[group], error[group]), axis=0) if len(group) < 6 \
-                else _levelled(X[group], error[group])
+            off[group] = _levelled(X[group], error[group])
     far = sizes(off)
     which = np.flatnonzero(far > max(APART * float(np.median(far)), LEAST_APART * scene.spacing))
     return Apart(frame, which, far[which])
 
 
 def _levelled(X: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Errors (n, D) of a group less a plane through most of them, which a few that are far off do not tilt."""
+    """Errors (n, D) of a group less a plane through most of them, which a few that are far off do not tilt; of few
+    particles less the middle one."""
     if len(X) < 6:
-        return error
+        return error - np.median(error, axis=0)
     A = np.hstack([np.ones((len(X), 1)), X - X.mean(axis=0)])
     kept = np.ones(len(X), bool)
     rest = error
@@ -221,8 +220,7 @@ def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[E
 
 def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
     """How far estimates are from the truth particle by particle, over the size of the truth."""
-    between, true = series(differences(estimates, errors)), series(errors)
-    return {q: error_index(between[q], true[q]) for q in QUANTITIES}
+    return index(series(differences(estimates, errors)), series(errors))
 
 
 def law_kept(scene: Scene, grid: Grid) -> float | None:

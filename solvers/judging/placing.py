@@ -57,27 +57,27 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
                                   f"or the material position ({spelled('X', D)})")
     times = _times(raw, given)
-    x, notes = _in_plane(raw, "x", D)
-    whole = {"x": x, "X": _in_plane(raw, "X", D)[0] if "X" in columns else None}
-    for key in ("v", "F", "sigma"):
-        whole[key] = _in_plane(raw, key, D)[0] if key in columns else None
+    whole = {key: _in_plane(raw, key, D) for key in ("x", "X", "v", "F", "sigma") if key in columns}
     for key, values in whole.items():
         _check_finite(raw, key, values, times)
-    X, number = _material(raw, scene, reference, whole["X"])
+    notes, beyond, x = [], columns["x"][:, D:], whole["x"]
+    if beyond.size and np.isfinite(beyond).all() and np.ptp(beyond, axis=0).max() > 0:
+        notes.append(f"positions of {raw.file} in further directions were left out of account")
+    X, number = _material(raw, scene, reference, whole.get("X"))
     moved = reference.unwrapped(scene, X, x, times)
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
-        notes = [*notes, f"{turned:,} positions were moved back by a period of the grid"]
+        notes.append(f"{turned:,} positions were moved back by a period of the grid")
     found = []
     for t in np.unique(times):
         at = times == t
-        part = {key: None if values is None else values[at] for key, values in whole.items()}
+        part = {key: values[at] for key, values in whole.items()}
         who = number[at] if "id" in columns else np.arange(int(at.sum()))
-        frame = Frame(raw.file, float(t), who, X[at], moved[at], part["v"], part["F"], part["sigma"])
+        frame = Frame(raw.file, float(t), who, X[at], moved[at], part.get("v"), part.get("F"), part.get("sigma"))
         _check_once(frame)
         found.append(frame)
-    start = reference.start(scene)
-    if "id" in columns and (short := len(start.volume) - min(len(frame.number) for frame in found)) > 0:
-        notes = [*notes, f"{short:,} of {len(start.volume):,} particles are not in {raw.file}"]
+    count = len(reference.start(scene).volume)
+    if "id" in columns and (short := count - min(len(frame.number) for frame in found)) > 0:
+        notes.append(f"{short:,} of {count:,} particles are not in {raw.file}")
     return found, notes
 
 
@@ -102,23 +102,16 @@ def _times(raw: Raw, given: float | None) -> np.ndarray:
     return first
 
 
-def _in_plane(raw: Raw, key: str, D: int) -> tuple[np.ndarray, list[str]]:
-    """A quantity (n, D) or (n, D, D) in the directions of the problem. What a file has beyond them is left out: where
-    it moves there, that is noted."""
+def _in_plane(raw: Raw, key: str, D: int) -> np.ndarray:
+    """A quantity (n, D) or (n, D, D) in the directions of the problem. What a file has beyond them is left out."""
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
         raise FileError(raw.file, f"has {key} in {size} direction, and the problem has {D}; give {spelled(key, D)}")
-    beyond = values[:, D:].reshape(len(values), -1) if values.ndim == 2 else np.zeros((1, 0))
-    notes = []
-    if key == "x" and beyond.size and np.isfinite(beyond).all() and np.ptp(beyond, axis=0).max() > 0:
-        notes.append(f"positions of {raw.file} in further directions were left out of account")
-    return (values[:, :D] if values.ndim == 2 else values[:, :D, :D]), notes
+    return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
 
 
-def _check_finite(raw: Raw, key: str, values: np.ndarray | None, times: np.ndarray) -> None:
-    if values is None:
-        return
+def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> None:
     bad = ~np.isfinite(values.reshape(len(values), -1)).all(axis=1)
     if bad.any():
         row = int(np.argmax(bad))

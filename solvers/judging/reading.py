@@ -6,7 +6,6 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from solvers.judging.frames import FileError, Raw
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 MOST_BYTES = 2_000_000_000  # of a file, unpacked
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
-TIME, CELLS = ("t", "time"), ("cells",)
 
 
 def read(path: str, most: int = MOST_BYTES) -> Raw:
@@ -85,7 +83,7 @@ def read_csv(path: str) -> Raw:
     if values.shape[1] != len(names):
         raise FileError(path, f"has {len(names)} names and {values.shape[1]} numbers in a line; give as many of both")
     columns = {name: values[:, k] for k, name in enumerate(names)}
-    return gathered(path, columns, _number(path, said, TIME), _number(path, said, CELLS))
+    return gathered(path, columns, _number(path, said, "t", "time"), _whole(path, _number(path, said, "cells")))
 
 
 def read_npz(path: str, most: int = MOST_BYTES) -> Raw:
@@ -115,15 +113,12 @@ def from_arrays(path: str, arrays: Mapping[str, np.ndarray]) -> Raw:
     times = next((arrays[name] for name in arrays if (meaning(name) or "")[:1] == ("t",)), None)
     many = {name: array for name, array in arrays.items() if meaning(name) and array.ndim > 0}
     place = next((array for name, array in many.items() if _key(name) == "x"), None)
-    if times is None or times.ndim == 0 or place is None or not _stacked(place):
+    # Positions of T times are (T, P) or (T, P, D), those of one table (n,) or (n, D).
+    stacked = place is not None and (place.ndim == 3 or (place.ndim == 2 and place.shape[1] > 3))
+    if times is None or times.ndim == 0 or not stacked:
         time = None if times is None or times.ndim else float(times)
-        return gathered(path, {name: array for name, array in many.items() if array.ndim}, time, _whole(path, cells))
+        return gathered(path, many, time, _whole(path, cells))
     return gathered(path, _unstacked(path, many, times), None, _whole(path, cells))
-
-
-def _stacked(place: np.ndarray) -> bool:
-    """Whether positions are (T, P) or (T, P, D), and not those of one table (n,) or (n, D)."""
-    return place.ndim == 3 or (place.ndim == 2 and place.shape[1] > 3)
 
 
 def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray) -> dict[str, np.ndarray]:
@@ -162,19 +157,15 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _number(path: str, said: dict[str, str], names: tuple[str, ...]) -> Any:
+def _number(path: str, said: dict[str, str], *names: str) -> float | None:
     """What a comment says of the time or the cells; None where it says nothing."""
     text = next((said[name] for name in names if name in said), None)
-    if text is None:
-        return None
-    if not _is_number(text):
+    if text is not None and not _is_number(text):
         raise FileError(path, f"says {names[0]} = {text}; give a number")
-    return _whole(path, float(text)) if names == CELLS else float(text)
+    return None if text is None else float(text)
 
 
 def _whole(path: str, value: float | None) -> int | None:
-    if value is None:
-        return None
-    if not float(value).is_integer():
+    if value is not None and not float(value).is_integer():
         raise FileError(path, f"says that it has {value} cells; give a whole number")
-    return int(value)
+    return None if value is None else int(value)

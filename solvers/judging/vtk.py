@@ -1,6 +1,5 @@
 """Particles in VTK's formats, read and written through meshio."""
 
-import io
 import tempfile
 from pathlib import Path
 from xml.etree import ElementTree
@@ -16,8 +15,9 @@ TIMES = ("TimeValue", "TIME", "Time", "time", "t")
 
 def read_vtk(path: str) -> Raw:
     """Points are positions, data of points the rest; the time may be among the data of the field (``TimeValue``)."""
-    try:
-        mesh = _mesh(path)
+    kind = Path(path).suffix.lower()
+    try:  # with the reader itself, for meshio's own ends the process where a file is bad
+        mesh = {".vtk": meshio.vtk.read, ".vtp": _polydata}.get(kind, meshio.vtu.read)(path)
     except (FileError, OSError):
         raise
     except Exception as error:  # what a broken file makes of a parser
@@ -26,9 +26,8 @@ def read_vtk(path: str) -> Raw:
     named = {name: np.asarray(values) for name, values in mesh.point_data.items()}
     fields = {name: np.asarray(values).ravel() for name, values in (mesh.field_data or {}).items()}
     time = next((float(fields[name][0]) for name in TIMES if name in fields and len(fields[name])), None)
-    cells = next((fields[name][0] for name in ("cells",) if name in fields and len(fields[name])), None)
-    whole = None if cells is None else int(cells)
-    return gathered(path, {"points": np.asarray(mesh.points), **named}, time, whole)
+    cells = int(fields["cells"][0]) if len(fields.get("cells", ())) else None
+    return gathered(path, {"points": np.asarray(mesh.points), **named}, time, cells)
 
 
 def write_vtu(position: np.ndarray, data: dict[str, np.ndarray], time: float) -> bytes:
@@ -45,16 +44,6 @@ def write_vtu(position: np.ndarray, data: dict[str, np.ndarray], time: float) ->
     return text.replace("<UnstructuredGrid>", f"<UnstructuredGrid>{stamp}", 1).encode()
 
 
-def _mesh(path: str) -> meshio.Mesh:
-    """The reader itself, for meshio's own ends the process where a file is bad."""
-    kind = Path(path).suffix.lower()
-    if kind == ".vtk":
-        return meshio.vtk.read(path)
-    if kind == ".vtp":
-        return _polydata(path)
-    return meshio.vtu.read(path)
-
-
 def _polydata(path: str) -> meshio.Mesh:
     """A .vtp is a .vtu with other cells: give its points to meshio as that, each a cell of its own."""
     tree = ElementTree.parse(path)
@@ -69,18 +58,11 @@ def _polydata(path: str) -> meshio.Mesh:
         for name in ("Verts", "Lines", "Strips", "Polys", "CellData"):
             for part in piece.findall(name):
                 piece.remove(part)
-        piece.append(_vertices(n))
+        cells = ElementTree.SubElement(piece, "Cells")
+        for name, numbers in (("connectivity", range(n)), ("offsets", range(1, n + 1)), ("types", [1] * n)):
+            array = ElementTree.SubElement(cells, "DataArray", type="Int64", Name=name, format="ascii")
+            array.text = " ".join(map(str, numbers))
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder, "particles.vtu")
-        content = io.BytesIO()
-        tree.write(content)
-        target.write_bytes(content.getvalue())
+        tree.write(target)
         return meshio.vtu.read(str(target))
-
-
-def _vertices(n: int) -> ElementTree.Element:
-    cells = ElementTree.Element("Cells")
-    for name, numbers in (("connectivity", range(n)), ("offsets", range(1, n + 1)), ("types", [1] * n)):
-        array = ElementTree.SubElement(cells, "DataArray", type="Int64", Name=name, format="ascii")
-        array.text = " ".join(map(str, numbers))
-    return cells

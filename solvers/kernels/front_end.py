@@ -32,7 +32,7 @@ def lighten() -> None:
     """Leave that work out from now on: before kernels are decorated, that is imported, and compiled."""
     ASTTransformerContext.get_pos_info = _place
     kernel_impl.getsourcelines = functools.cache(kernel_impl.getsourcelines)
-    kernel_impl._inside_class = _in_no_class
+    kernel_impl._inside_class = lambda level_of_class_stackframe: False  # Taichi passes it by this name
     kernel_impl.transform_tree = _translate
     expr.make_constant_expr = _number
     impl.subscript = _entry
@@ -42,11 +42,6 @@ def _place(context: ASTTransformerContext, node: syntax | stmt) -> str:
     """Where a node stands in the source, as the first line of Taichi's own message says it."""
     line = node.lineno + context.lineno_offset
     return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n'
-
-
-def _in_no_class(level_of_class_stackframe: int) -> bool:
-    """Whether the function being decorated is a method; Taichi passes its argument by this name."""
-    return False
 
 
 def _translate(tree: mod, context: ASTTransformerContext) -> object:

@@ -5,7 +5,6 @@ A problem's descriptor has its :class:`ProblemReference`.
 
 from __future__ import annotations
 
-import string
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
+from solvers.scene import passages
 
 #: Fields of a scene that say how we would solve it, and nothing of the problem.
 OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
@@ -44,19 +44,10 @@ class Texts:
     table: str  # where the points of the table of the force are, and what holds elsewhere
 
 
-class Template(string.Template):
-    """Markdown with formulas, in which ``@name`` stands for something: dollars and braces are taken."""
-
-    delimiter = "@"
-
-
 def read_texts(path: Path, case: str, **numbers: float) -> Texts:
-    """The texts in a file, each a part headed ``## name``, or ``## name: case`` where it is another one in some case.
-    In a part ``@name`` stands for a number, to 15 digits, or for a part further up."""
-    parts = {name: f"{number:.15g}" for name, number in numbers.items()}
-    for part in path.read_text(encoding="utf-8").split("\n## ")[1:]:
-        head, _, text = part.partition("\n")
-        parts[head] = Template(" ".join(text.split())).substitute(parts)
+    """The texts in a file (``solvers.scene.passages``), headed by their names, or by ``name: case`` where a case has
+    another one."""
+    parts = passages.read(path, **numbers)
     return Texts(*(parts.get(f"{text.name}: {case}", parts[text.name]) for text in fields(Texts)))
 
 

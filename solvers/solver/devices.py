@@ -47,19 +47,9 @@ def found(kind: str) -> dict:
     """What there is of a kind: its ``name`` if it tells one, whether it is ``software`` on the processor, and None or
     why it is ``missing``."""
     try:
-        return ask_fresh(f"{__name__}:probe_{kind}", patience=PATIENCE)
+        return ask_fresh(f"{__name__}:probe", {"kind": kind}, patience=PATIENCE)
     except ProcessDied as error:
         return {"name": "", "software": False, "missing": f"the process that looked for one {error}"}
-
-
-def probe_cuda(question: dict, answer: Callable[[dict], None]) -> None:
-    """What the process does that looks for CUDA."""
-    answer(_probe("cuda"))
-
-
-def probe_vulkan(question: dict, answer: Callable[[dict], None]) -> None:
-    """What the process does that looks for Vulkan."""
-    answer(_probe("vulkan"))
 
 
 @ti.kernel
@@ -69,8 +59,9 @@ def add_up(terms: ti.i32, total: reals):
         ti.atomic_add(total[0], 1.0 / (k + 1))
 
 
-def _probe(kind: str) -> dict:
-    total = np.zeros(1)
+def probe(question: dict, answer: Callable[[dict], None]) -> None:
+    """What the process does that looks for a kind."""
+    kind, total = question["kind"], np.zeros(1)
     with _told() as told:  # where Taichi's own code writes which device it takes
         ti.init(arch=getattr(ti, kind), default_fp=ti.f64, verbose=False, log_level=ti.TRACE)
         runs = runtime.running_arch()
@@ -80,7 +71,7 @@ def _probe(kind: str) -> dict:
     name = names[-1] if names else ""
     wrong = abs(total[0] - np.sum(1 / np.arange(1, TERMS + 1))) > ROUNDING
     missing = "Taichi sees none" if runs != kind else "what there is adds wrongly" if wrong else None
-    return {"name": name, "software": any(word in name.lower() for word in SOFTWARE), "missing": missing}
+    answer({"name": name, "software": any(word in name.lower() for word in SOFTWARE), "missing": missing})
 
 
 @contextlib.contextmanager

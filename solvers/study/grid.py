@@ -51,7 +51,8 @@ class Task:
             values = self.scene().to_dict()
         except SceneError:
             values = {"problem": self.problem, **self.inputs}
-        text = json.dumps({name: _canonical(value) for name, value in values.items()}, sort_keys=True)
+        values = {name: float(value) if type(value) is int else value for name, value in values.items()}  # 1 is 1.0
+        text = json.dumps(values, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def to_dict(self) -> dict:
@@ -93,8 +94,3 @@ def _plain(value: object) -> object:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return list(value) if isinstance(value, tuple) else value
-
-
-def _canonical(value: object) -> object:
-    """1 and 1.0 are the same input."""
-    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

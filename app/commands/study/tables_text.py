@@ -2,8 +2,8 @@
 
 from app.words import NOTHING, QUANTITIES, method_name
 from solvers.study.markdown import grid
-from solvers.study.tables.digits import digits
 from solvers.study.tables.document import PAPERS_ESTIMATOR, parts
+from solvers.study.tables.paper import digits
 
 #: The inputs that tell the rows of each table from one another.
 INPUTS = {"1": ("cells",), "2": ("method", "cells"), "3": ("method", "cells")}

@@ -63,10 +63,8 @@ def two_grid(scene: Scene) -> str | None:
 
 def recovered(scene: Scene) -> str | None:
     """Its tables repeat from cell to cell, and it fits what is smooth."""
-    if not scene.swings:
-        return ("recovered fits a smooth motion to whole numbers of particles per cell, and with these a patch test "
-                "has no error but round-off; take companion")
-    return None
+    return None if scene.swings else ("recovered fits a smooth motion to whole numbers of particles per cell, and with "
+                                      "these a patch test has no error but round-off; take companion")
 
 
 def noisy(scene: Scene) -> bool:

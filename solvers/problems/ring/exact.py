@@ -21,31 +21,27 @@ def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return ((C3 * R + C2) * R + C1) * R, (3 * C3 * R + 2 * C2) * R + C1, 6 * C3 * R + 2 * C2
 
 
-def _expansion(scene: Scene, t: float) -> float:
-    """T(t) = A sin(wt)."""
-    return scene.amplitude * np.sin(scene.angular_frequency * t)
-
-
 def time_factors(scene: Scene, t: float) -> tuple[float, float, float]:
     """T, T' and T'' at the time t: with w(R) the radial displacement, velocity and acceleration."""
-    w, T = scene.angular_frequency, _expansion(scene, t)
-    return T, scene.amplitude * w * np.cos(w * t), -w * w * T
+    A, w = scene.amplitude, scene.angular_frequency
+    T = A * np.sin(w * t)
+    return T, A * w * np.cos(w * t), -w * w * T
 
 
-def _radially(X: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Vectors (P, 2) of the given size along e_R."""
-    return X * (size / np.linalg.norm(X, axis=1))[:, None]
+def _radially(X: np.ndarray, factor: float) -> np.ndarray:
+    """Vectors (P, 2) of the size ``factor`` w(R) along e_R."""
+    R = np.linalg.norm(X, axis=1)
+    return X * (factor * shape(R)[0] / R)[:, None]
 
 
 def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """u (P, 2) in metres at the material positions X (P, 2)."""
-    return _radially(X, _expansion(scene, t) * shape(np.linalg.norm(X, axis=1))[0])
+    return _radially(X, time_factors(scene, t)[0])
 
 
 def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """v = u_t (P, 2) in m/s."""
-    w = scene.angular_frequency
-    return _radially(X, scene.amplitude * w * np.cos(w * t) * shape(np.linalg.norm(X, axis=1))[0])
+    return _radially(X, time_factors(scene, t)[1])
 
 
 def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
@@ -55,8 +51,7 @@ def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
 
 def stretches(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
     """F_r and F_theta at the radii R."""
-    w, slope, _ = shape(R)
-    T = _expansion(scene, t)
+    (w, slope, _), T = shape(R), time_factors(scene, t)[0]
     return 1 + T * slope, 1 + T * w / R
 
 
@@ -98,7 +93,7 @@ def body_force(scene: Scene, R: np.ndarray, t: float) -> np.ndarray:
     if scene.body_force == "none":
         return np.zeros_like(R)
     w, _, curvature = shape(R)
-    T, mu, frequency = _expansion(scene, t), 0.5 * scene.modulus, scene.angular_frequency
+    T, mu, frequency = time_factors(scene, t)[0], 0.5 * scene.modulus, scene.angular_frequency
     radial, hoop = stretches(scene, R, t)
     difference = mu * (radial - 1 / radial - hoop + 1 / hoop)
     force = -frequency**2 * T * w - (mu * (1 + 1 / radial**2) * T * curvature + difference / R) / scene.density

@@ -43,7 +43,7 @@ class RingReference(PlanarReference):
 
     def companion(self, scene: RingScene, fine: bool) -> ElasticBody:
         # here: the page of text and the table of a problem must not wait for Taichi
-        from solvers.problems.ring.estimators.companion_standalone import RingCompanionBody
+        from solvers.problems.ring.estimators.companion_mesh import RingCompanionBody
 
         return RingCompanionBody(scene, *(FINE if fine else COARSE))
 

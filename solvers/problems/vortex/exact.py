@@ -25,7 +25,7 @@ SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 
 
 class Vortex(Protocol):
-    """What these functions ask of a scene: A in radians, w in 1/s, E in Pa, nu and rho in kg/m^3."""
+    """What these functions ask of a scene: A in radians, w in 1/s, E in Pa, nu, rho in kg/m^3 and the step in s."""
 
     @property
     def amplitude(self) -> float: ...
@@ -37,18 +37,8 @@ class Vortex(Protocol):
     def poisson_ratio(self) -> float: ...
     @property
     def density(self) -> float: ...
-
-
-class ForcedVortex(Vortex, Protocol):
-    """One with a body force by name."""
-
     @property
     def body_force(self) -> str: ...
-
-
-class SteppedVortex(Vortex, Protocol):
-    """One with steps in time, in s."""
-
     @property
     def time_step(self) -> float: ...
 
@@ -94,19 +84,19 @@ def _polar(X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return R, X / R[:, None]
 
 
-def _across(e: np.ndarray) -> np.ndarray:
-    """Vectors (P, 2) turned by 90 degrees: e_theta of e_r."""
-    return np.stack([-e[:, 1], e[:, 0]], axis=1)
+def right(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 2) turned by 90 degrees to the right."""
+    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
+
+
+def combined(e: np.ndarray, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """along e + across e_theta (P, 2), e the directions (P, 2) and e_theta those turned by 90 degrees to the left."""
+    return along[:, None] * e - across[:, None] * right(e)
 
 
 def _turned(e: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Vectors (P, 2) turned by the angles (P,)."""
-    return np.cos(angle)[:, None] * e + np.sin(angle)[:, None] * _across(e)
-
-
-def _vectors(direction: np.ndarray, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """along e + across e_theta (P, 2), e the directions (P, 2)."""
-    return along[:, None] * direction + across[:, None] * _across(direction)
+    return combined(e, np.cos(angle), np.sin(angle))
 
 
 def position(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
@@ -117,21 +107,21 @@ def position(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
 def displacement(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
     """u = x - X (P, 2) in metres; where the angle is small, without the cancellation of that difference."""
     angle = turn(scene, np.linalg.norm(X, axis=1), t).angle
-    return -2 * (np.sin(0.5 * angle) ** 2)[:, None] * X + np.sin(angle)[:, None] * _across(X)
+    return -2 * (np.sin(0.5 * angle) ** 2)[:, None] * X + np.sin(angle)[:, None] * -right(X)
 
 
 def velocity(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
     """v = x_t = R alpha_t e_theta (P, 2) in m/s."""
     R, e = _polar(X)
     now = turn(scene, R, t)
-    return _vectors(_turned(e, now.angle), np.zeros_like(R), R * now.rate)
+    return combined(_turned(e, now.angle), np.zeros_like(R), R * now.rate)
 
 
 def acceleration(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
     """a = x_tt = -R alpha_t^2 e_r + R alpha_tt e_theta (P, 2) in m/s^2: not zero at the start."""
     R, e = _polar(X)
     now = turn(scene, R, t)
-    return _vectors(_turned(e, now.angle), -R * now.rate**2, R * now.acceleration)
+    return combined(_turned(e, now.angle), -R * now.rate**2, R * now.acceleration)
 
 
 def deformation_gradient(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
@@ -139,8 +129,8 @@ def deformation_gradient(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
     R, E = _polar(X)
     now = turn(scene, R, t)
     e = _turned(E, now.angle)
-    image = e + (R * now.slope)[:, None] * _across(e)  # F e_R
-    return image[:, :, None] * E[:, None, :] + _across(e)[:, :, None] * _across(E)[:, None, :]
+    image = e - (R * now.slope)[:, None] * right(e)  # F e_R
+    return image[:, :, None] * E[:, None, :] + right(e)[:, :, None] * right(E)[:, None, :]
 
 
 def polar_stress(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -168,7 +158,7 @@ def polar_force(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.
             R * now.acceleration - per_mass * (3 * now.slope + R * now.curvature))
 
 
-def field(scene: SteppedVortex, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
+def field(scene: Vortex, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
     """At the radii R, of a quantity by its key (``samples.QUANTITIES``), u for x: along e_Theta of the particle at rest
     for x, along e_theta of where it is for v and a, and sigma_rt; as a method has it after the time t: its acceleration
     is the one that its last step used, which began a step before."""
@@ -181,32 +171,21 @@ def field(scene: SteppedVortex, quantity: str, R: np.ndarray, t: float) -> np.nd
 def body_force(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
     """Body force per mass (P, 2), in m/s^2, on the material points X that makes x = Q X the solution."""
     R, E = _polar(X)
-    return _vectors(_turned(E, turn(scene, R, t).angle), *polar_force(scene, R, t))
+    return combined(_turned(E, turn(scene, R, t).angle), *polar_force(scene, R, t))
 
 
-def force_at_rest(scene: ForcedVortex, R: np.ndarray, t: float) -> np.ndarray:
+def force_at_rest(scene: Vortex, R: np.ndarray, t: float) -> np.ndarray:
     """Body force per mass (K, 2) at the radii R, in m/s^2, along e_R and e_Theta of the particle at rest."""
     if scene.body_force == "none":
         return np.zeros((len(R), 2))
     along, around = polar_force(scene, R, t)
     if scene.body_force == "two-tone":
         w = scene.angular_frequency
-        around = around + SECOND_SIZE * w * w * scene.amplitude * R * shape(R)[0] * np.sin(
-            SECOND_FREQUENCY * w * t)
+        around = around + SECOND_SIZE * w * w * scene.amplitude * R * shape(R)[0] * np.sin(SECOND_FREQUENCY * w * t)
     angle = turn(scene, R, t).angle
-    return turned(np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([along, around], axis=1))
+    return combined(np.stack([np.cos(angle), np.sin(angle)], axis=1), along, around)
 
 
 def on_axis(R: np.ndarray) -> np.ndarray:
     """Points (K, 2) of the radii R on the x axis, where e_R and e_Theta are the axes."""
     return np.stack([R, np.zeros_like(R)], axis=1)
-
-
-def right(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (..., 2) turned by 90 degrees to the right."""
-    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
-
-
-def turned(e: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors (P, 2), along and across directions e (P, 2), along the axes."""
-    return vectors[:, :1] * e - vectors[:, 1:] * right(e)

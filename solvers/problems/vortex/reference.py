@@ -10,7 +10,7 @@ from solvers.estimators.standalone import ElasticBody
 from solvers.problems.planar.reference import PlanarReference
 from solvers.problems.reference import Texts, read_texts
 from solvers.problems.vortex import exact
-from solvers.problems.vortex.exact import force_at_rest, turned
+from solvers.problems.vortex.exact import combined, force_at_rest
 from solvers.problems.vortex.scene import SIDE, VortexScene
 
 FINE, COARSE = (8, 6), (6, 5)  # of the companion: elements across the ring, their order
@@ -35,7 +35,7 @@ class VortexReference(PlanarReference):
 
     def body_force(self, scene: VortexScene, X: np.ndarray, t: float) -> np.ndarray:
         R = np.linalg.norm(X, axis=1)
-        return turned(X / R[:, None], force_at_rest(scene, R, t))
+        return combined(X / R[:, None], *force_at_rest(scene, R, t).T)
 
     def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Along e_Theta of the particle at rest for u, along e_theta of where it is for v and a, and sigma_rt."""
@@ -49,7 +49,7 @@ class VortexReference(PlanarReference):
 
     def companion(self, scene: VortexScene, fine: bool) -> ElasticBody:
         # here: the page of text and the table of a problem must not wait for Taichi
-        from solvers.problems.vortex.estimators.companion_standalone import VortexCompanionBody
+        from solvers.problems.vortex.estimators.companion_mesh import VortexCompanionBody
 
         return VortexCompanionBody(scene, *(FINE if fine else COARSE))
 

@@ -9,12 +9,14 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from pathlib import Path
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
+from solvers.scene import passages
 from solvers.scene.scene import Scene
 from solvers.study.tables import paper
-from solvers.study.tables.digits import short
+from solvers.study.tables.paper import short
 
 NUMBERS = ("1", "2", "3")
 COST_PART = 0.1  # of the run's length: shares of the time do not depend on it
@@ -29,32 +31,8 @@ RING_METHODS = ("ugimp", "cpgimp", "cpdi")
 #: Set-up of Tables 2 and 3: amplitude in m, modulus in Pa, particles per cell and direction, and what it is.
 RING_SETUPS = {"ours": (0.1, 1e7, 2, "our choice"), "fitted": (0.03, 4e7, 4, "the best fit to the paper's digits")}
 
-INDEX_NOTE = ("Index: sum over time of the estimated RMS errors over that of the true ones (eq 35), 1 is perfect; "
-              "sampled every tenth step, or more often where a wave crosses a cell in fewer than 20 steps. Distance: "
-              "the same with the RMS of estimate minus truth above, 0 is perfect.")
-COST_NOTE = ("Cost: the part of the running time that the estimator takes, reports included, measured beside the same "
-             "steps without it in a run sampled as by default; it depends on the machine and its other work.")
-BAR_SETUP = (
-    "As in the paper: bar of unit length, linearity-preserving uGIMP, 4 particles per cell, dt = 2.5e-5 s; "
-    "E = 4 Pa with A = 2.5e-4 m and E = 1000 Pa with A = 0.025 m.",
-    "Left open there, chosen here: density 1 kg/m³, periodic ends, position update with the grid velocity. Errors are "
-    "RMS over particles, the largest over time up to T = {end:g} s, which fits the paper's errors. The error of σ is "
-    "that of E ln F. Grid crossings are counted up to {end:g} s and up to {long:g} s: the second fits the paper's "
-    "count in the large case, so no single run gives both.",
-    "The paper's force acts at the nodes' positions; the same rows are repeated with the force at the material points, "
-    "beside the same printed numbers.",
-    "The paper's index stands beside that of `transport`, which is its estimator. Our index of σ is that of the stress "
-    "in the equation of motion, E(F − 1).")
-RING_SETUP = (
-    "As in the paper: ring of radii 0.4 m and 0.6 m, Poisson's ratio 0, dt = 2e-5 s, one period to t = {end:g} s.",
-    "Left open there, chosen here: density 1000 kg/m³, a quarter ring with folded symmetry planes, polar lattice of "
-    "particles, and two set-ups: A = 0.1 m, E = 1e7 Pa, 2 × 2 particles per cell (our choice), and A = 0.03 m, "
-    "E = 4e7 Pa, 4 × 4, which of those tried fits the paper's digits best. Errors are RMS over particles.")
 RING_CAPTION = "polar lattice, density 1000 kg/m³, Poisson's ratio 0, dt = 2e-5 s, t = {end:g} s"
-ERROR_NOTE = ("Errors are those at the end; `Err A` is the RMS error of the acceleration over the nodes that carry "
-              "mass. Indices of the same runs are in Table 3.")
-RING_INDEX_NOTE = ("The printed index of the displacement error stands beside that of `transport`, which is the "
-                   "paper's estimator and says nothing about the stress.")
+NOTES = Path(__file__).with_name("notes.md")
 
 
 @dataclass(frozen=True)
@@ -102,15 +80,16 @@ def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_
         part = f"E = {modulus:g} Pa, A = {short(amplitude)} m, {BAR_FORCES[force]}"
         rows.append(Row(f"bar-{case}-{force}-{n}", part, {**_errors_and_cost(scene), "crossings": crossings},
                         paper.bar(modulus, n)))
-    setup = (*(line.format(end=end, long=long) for line in BAR_SETUP), INDEX_NOTE, COST_NOTE)
+    notes = passages.read(NOTES, end=f"{end:g}", long=f"{long:g}")
+    setup = tuple(notes[name] for name in ("bar: taken", "bar: chosen", "bar: force", "bar: index", "index", "cost"))
     caption = f"linearity-preserving uGIMP, 4 particles per cell, dt = 2.5e-5 s, T = {end:g} s"
     return Table("1", "Table 1. Vibrating bar: errors, grid crossings and error indices", caption, setup, tuple(rows))
 
 
-def _ring_table(number: str, title: str, notes: tuple[str, ...], printed: Callable[[str, int], Mapping[str, float]],
+def _ring_table(number: str, title: str, names: tuple[str, ...], printed: Callable[[str, int], Mapping[str, float]],
                 estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING_CELLS,
                 methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> Table:
-    """A table of the ring, with the numbers that the paper has ``printed`` for a method and so many cells."""
+    """A table of the ring: ``names`` of its own notes, and what the paper has ``printed`` for a method and cells."""
     rows = []
     for name, method, n in product(RING_SETUPS, methods, cells):
         amplitude, modulus, ppc, what = RING_SETUPS[name]
@@ -118,14 +97,15 @@ def _ring_table(number: str, title: str, notes: tuple[str, ...], printed: Callab
                           estimators=tuple(estimators["ring"]))
         part = f"A = {amplitude:g} m, E = {short(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
         rows.append(Row(f"ring-{name}-{method}-{n}", part, _errors_and_cost(scene), printed(method, n)))
-    setup = (*(line.format(end=end) for line in RING_SETUP), *notes)
+    notes = passages.read(NOTES, end=f"{end:g}", long="")
+    setup = tuple(notes[name] for name in ("ring: taken", "ring: chosen", *names))
     return Table(number, title, RING_CAPTION.format(end=end), setup, tuple(rows))
 
 
-table_2 = partial(_ring_table, "2", "Table 2. Expanding ring: errors at the end of the run", (ERROR_NOTE,),
+table_2 = partial(_ring_table, "2", "Table 2. Expanding ring: errors at the end of the run", ("ring: error",),
                   paper.ring_errors)
 table_3 = partial(_ring_table, "3", "Table 3. Expanding ring: error indices over the run",
-                  (RING_INDEX_NOTE, INDEX_NOTE, COST_NOTE), paper.ring_index)
+                  ("ring: index", "index", "cost"), paper.ring_index)
 
 
 def _errors_and_cost(scene: Scene) -> dict[str, Scene]:

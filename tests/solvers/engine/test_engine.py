@@ -220,7 +220,7 @@ def test_asking_after_closing_does_nothing(pool):
     link.close()
     wish = link.wish
     assert link.ask(SCENE, Pace(restarts=1)) == number
-    assert link.wish is wish and link._block is None
+    assert link.wish is wish and not link._blocks
     link.close()
 
 

@@ -17,8 +17,8 @@ from app.pictures.tables import figure
 from app.words import QUANTITIES
 from solvers.scene.registry import ESTIMATORS
 from solvers.study.tables import paper, plan, rows
-from solvers.study.tables.digits import digits, short
 from solvers.study.tables.document import document
+from solvers.study.tables.paper import digits, short
 from tests.paths import ROOT
 from tests.processes import HANG
 

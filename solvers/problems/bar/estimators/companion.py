@@ -17,18 +17,11 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.estimators.spectral import Elements
-from solvers.kernels.kinds import integers, pairs, quads, reals, rows
+from solvers.kernels.kinds import integers, pairs, quads, reals
 from solvers.problems.bar import exact
 from solvers.problems.bar.method.forces import force_at, tones
-from solvers.scene.estimator_hooks import EstimatorHooks
 
 POLYNOMIALS = 4  # order p
-
-
-@ti.func
-def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """Carry the companion on where the particles have gone beyond its interval."""
-    shared.step_ahead(bar, step, accelerate, on)
 
 
 @ti.func
@@ -111,10 +104,8 @@ def allocate(scene) -> dict[str, np.ndarray]:
     particles = (np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc)
     element, basis, _ = elements.locate(particles)
     return {
-        "companion_counts": np.array([elements.order, elements.count, 1, len(X), len(X), 1,
-                                      shared.interval(frequency, scene.time_step)], np.int32),
-        "companion_numbers": np.array([frequency, 1.0, 0.0]),
-        "companion_nodes": shared.initial_nodes(velocity, inverse_mass),
+        **shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
+                       inverse_mass),
         "companion_waves": np.stack([np.sin(exact.WAVENUMBER * X), np.cos(exact.WAVENUMBER * X)], axis=1),
         "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
         "companion_element": element, "companion_basis": basis.ravel(),
@@ -149,17 +140,13 @@ def verdict(scene, memory) -> str | None:
     return shared.doubt(u[elements.of_node], (1,), memory["companion_numbers"][shared.SQUARE])
 
 
-HOOKS = EstimatorHooks(
-    memory={
-        "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
-        "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": rows,  # and the layers of nodes (4 N, 8); the bar is the first of two components
+HOOKS = shared.hooks(
+    accelerate, {
+        # The layers of nodes are (4 N, 8); the bar is the first of two components.
         "companion_waves": pairs,  # sin 2 pi X and cos 2 pi X of the nodes
         "companion_matrices": pairs,  # d/dX in an element, row by row, and at each row's point the weight
         "companion_element": integers,  # the particle's element
         "companion_basis": reals,  # the element's p + 1 polynomials at the particle
         "companion_elements": quads,  # u, v, u_X, a at the points of each element, for a report
     },
-    allocate=allocate,
-    interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
-    after_step=after_step, report=report, verdict=verdict)
+    allocate=allocate, report=report, verdict=verdict)

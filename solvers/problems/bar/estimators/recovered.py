@@ -271,7 +271,8 @@ def allocate(scene):
 def verdict(scene, memory):
     """Why not to trust it; what a fit misses grows like the fourth power of the cells that it goes over."""
     U = memory["recovered_nodes"].reshape(4, -1, 4)[MOTION, :, 0]
-    return recovery.doubt(memory, MOST_ROUGH * (recovery.OTHER_FIT_CELLS / recovery.fit_cells(scene)) ** 4,
+    fit_cells = (recovery.fit_width(scene) - 1) / scene.ppc
+    return recovery.doubt(memory, MOST_ROUGH * (recovery.OTHER_FIT_CELLS / fit_cells) ** 4,
                           np.abs(U).max() / scene.motion_amplitude)
 
 

@@ -51,13 +51,6 @@ def particle_at(body: ti.template(), block: ti.template(), p):
 
 
 @ti.func
-def values_of(weight):
-    """The angular weights of two vector fields."""
-    x, y = weight[0], weight[1]
-    return ti.Vector([x, y, x, y])
-
-
-@ti.func
 def picked(weight, pick: ti.template()):
     """The four of a weight's numbers that ``pick`` names."""
     ready = weight
@@ -87,8 +80,7 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
 @ti.func
 def radial_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
                 apart):
-    """That sum for ``ABREAST`` radii side by side, of which each has its fields ``neighbour_gap`` behind the one
-    before."""
+    """That sum for ``ABREAST`` radii side by side, of which each has its fields ``apart`` behind the one before."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first, begin, end = row_of(body, table, row, row)
     entry = start + first
@@ -202,7 +194,7 @@ def angular_spread(body: ti.template(), closed: ti.template()):
                 if ti.static(closed):
                     at = at % (body.recovered_count // B)
                 e = body.recovered_nodes[node_at(body, ERRORS, at * B + b)]
-                value += values_of(w) * e
+                value += twice(w) * e
                 slope += w * twice(e)
             body.recovered_particles[line_at(body, VALUES, line, b)] = value
             body.recovered_particles[line_at(body, SLOPES, line, b)] = slope
@@ -210,7 +202,7 @@ def angular_spread(body: ti.template(), closed: ti.template()):
 
 @ti.func
 def twice(fields):
-    """The first of two vector fields, side by side."""
+    """The first of two vectors, side by side."""
     x, y = fields[0], fields[1]
     return ti.Vector([x, y, x, y])
 

@@ -14,25 +14,10 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels import runtime
-from solvers.kernels.kinds import integer_quads, integers, pairs, quads, reals, rows
+from solvers.kernels.kinds import integer_quads, pairs, quads
 from solvers.problems.ring import exact
-from solvers.problems.ring.estimators.companion_mesh import (
-    directions,
-    free,
-    masses,
-    mesh,
-    read_particles,
-    unit_frequency,
-)
-from solvers.problems.ring.estimators.companion_standalone import RingCompanionBody
+from solvers.problems.ring.estimators import companion_mesh
 from solvers.problems.ring.method.material import kirchhoff_stress, radial_force_at
-from solvers.scene.estimator_hooks import EstimatorHooks
-
-
-@ti.func
-def after_step(ring: ti.template(), base, step, on: ti.template()):
-    """Carry the companion on where the particles have gone beyond its interval."""
-    shared.step_ahead(ring, step, accelerate, on)
 
 
 @ti.func
@@ -191,29 +176,28 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
 
 def allocate(scene) -> dict[str, np.ndarray]:
     """The companion at rest, moving with the initial velocity."""
-    radial, angular = mesh(scene.cells)
-    n, R, e = radial.order + 1, radial.nodes, directions(angular)
+    radial, angular = companion_mesh.mesh(scene.cells)
+    n, R, e = radial.order + 1, radial.nodes, companion_mesh.directions(angular)
     X = (R[:, None, None] * e).reshape(-1, 2)
-    inverse_mass = free(radial, angular) / (scene.density * masses(radial, angular)[..., None])
-    frequency = scene.wave_speed * unit_frequency(radial, angular)
-    basis, places = read_particles(scene, radial, angular)
+    masses = np.outer(radial.assembled_weights * R, angular.assembled_weights)  # w_i R_i, for a density of 1
+    inverse_mass = companion_mesh.free(radial, angular) / (scene.density * masses[..., None])
+    frequency = scene.wave_speed * companion_mesh.unit_frequency(radial, angular)
+    basis, places = companion_mesh.read_particles(scene, radial, angular)
     weights = np.outer(radial.weights, angular.weights)
     matrices = np.stack([radial.derivative, angular.derivative, weights, np.zeros((n, n))], axis=-1)
     return {
-        "companion_counts": np.array([radial.order, radial.count, angular.count, len(e), len(X), len(R),
-                                      shared.interval(frequency, scene.time_step)], np.int32),
-        "companion_numbers": np.array([frequency, 1.0, 0.0]),
-        "companion_nodes": shared.initial_nodes(exact.velocity(scene, X, 0.0), inverse_mass.reshape(-1, 2), len(e)),
+        **shared.start((radial.order, radial.count, angular.count, len(e), len(X), len(R)), frequency, scene.time_step,
+                       exact.velocity(scene, X, 0.0), inverse_mass.reshape(-1, 2), len(e)),
         "companion_radii": np.stack([R, *exact.shape(R)], axis=1), "companion_directions": e,
         "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
         "companion_stresses": np.zeros((n * n, 4)),
         "companion_basis": basis, "companion_places": places}
 
 
-def standalone(scene) -> RingCompanionBody:
+def standalone(scene) -> companion_mesh.RingCompanionBody:
     """The same solve by itself, on the same elements."""
-    radial, angular = mesh(scene.cells)
-    return RingCompanionBody(scene, radial.count, angular.count, radial.order)
+    radial, angular = companion_mesh.mesh(scene.cells)
+    return companion_mesh.RingCompanionBody(scene, radial.count, angular.count, radial.order)
 
 
 def verdict(scene, memory) -> str | None:
@@ -222,21 +206,19 @@ def verdict(scene, memory) -> str | None:
     Force and initial velocity are radial, and so is the exact motion; what the companion moves around the ring is
     error, and grows beyond bounds where the radial motion is unstable: from rounding, within 20 periods at A = 0.19.
     """
-    radial, angular = mesh(scene.cells)
+    radial, angular = companion_mesh.mesh(scene.cells)
     count = len(radial.nodes) * len(angular.nodes)
     u = memory["companion_nodes"][shared.NOW * count:(shared.NOW + 1) * count, :2]
     u = u.reshape(len(radial.nodes), len(angular.nodes), 2)
     elements = u[radial.of_node[:, None, :, None], angular.of_node[None, :, None, :]]
-    around = u @ np.array([[0.0, 1.0], [-1.0, 0.0]]) * directions(angular)
+    around = u @ np.array([[0.0, 1.0], [-1.0, 0.0]]) * companion_mesh.directions(angular)
     known = float(np.sqrt(np.mean(np.sum(around, axis=-1) ** 2)))
     return shared.doubt(elements, (2, 3), memory["companion_numbers"][shared.SQUARE], known)
 
 
-HOOKS = EstimatorHooks(
-    memory={
-        "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
-        "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": rows,  # and the layers of nodes, then one arc of u, v, a, u_R for a report (4 N + row, 8)
+HOOKS = shared.hooks(
+    accelerate, {
+        # Behind the layers of nodes is one arc of u, v, a, u_R for a report: (4 N + row, 8).
         "companion_radii": quads,  # R, w, w', w'' at the radii of nodes
         "companion_directions": pairs,  # e_R at the angles of nodes
         "companion_matrices": quads,  # d/dR and d/dtheta in an element, row by row, and the weights of its points
@@ -245,6 +227,4 @@ HOOKS = EstimatorHooks(
         "companion_basis": pairs,  # see read_particles
         "companion_places": integer_quads,
     },
-    allocate=allocate,
-    interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
-    after_step=after_step, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)
+    allocate=allocate, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)

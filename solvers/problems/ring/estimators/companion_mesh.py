@@ -1,4 +1,4 @@
-"""The mesh of the companion on the ring, and how to read it at the particles: set-up only, in numpy."""
+"""The mesh of the companion on the ring, how to read it at the particles, and its solve by itself: all in numpy."""
 
 import functools
 import math
@@ -7,12 +7,19 @@ import numpy as np
 
 from solvers.estimators.companion import LAYERS, highest_frequency
 from solvers.estimators.spectral import Elements
+from solvers.estimators.standalone import PolarBody
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.ring.exact import INNER, OUTER
+from solvers.problems.ring import exact
 from solvers.problems.ring.scene import RingScene
 
 #: Up to so many cells: elements across, elements around, order p.
 MESHES = ((40, (1, 2, 4)), (72, (2, 3, 4)), (128, (2, 3, 5)), (math.inf, (3, 4, 6)))
+
+
+def elements(across: int, around: int, order: int) -> tuple[Elements, Elements]:
+    """So many elements across the quarter ring and around it, of the order p."""
+    return Elements(exact.INNER, exact.OUTER, across, order), Elements(0.0, 0.5 * np.pi, around, order)
+
 
 def mesh(cells: int) -> tuple[Elements, Elements]:
     """Elements across the ring and around it: few, for the solve must cost little beside the particles.
@@ -21,7 +28,7 @@ def mesh(cells: int) -> tuple[Elements, Elements]:
     from an independent solution stays below 0.01 with CPDI at 24 to 96 cells.
     """
     across, around, order = next(sizes for most, sizes in MESHES if cells <= most)
-    return Elements(INNER, OUTER, across, order), Elements(0.0, 0.5 * np.pi, around, order)
+    return elements(across, around, order)
 
 
 def read_particles(scene: RingScene, radial: Elements, angular: Elements) -> tuple[np.ndarray, np.ndarray]:
@@ -51,11 +58,6 @@ def directions(angular: Elements) -> np.ndarray:
     return e
 
 
-def masses(radial: Elements, angular: Elements) -> np.ndarray:
-    """w_i R_i of the nodes (radii, row): their masses, for a density of 1."""
-    return np.outer(radial.assembled_weights * radial.nodes, angular.assembled_weights)
-
-
 def free(radial: Elements, angular: Elements) -> np.ndarray:
     """1 where a component of a node can move and 0 where a symmetry plane holds it (radii, row, 2)."""
     moves = np.ones((len(radial.nodes), len(angular.nodes), 2))
@@ -66,21 +68,38 @@ def free(radial: Elements, angular: Elements) -> np.ndarray:
 @functools.cache
 def unit_frequency(radial: Elements, angular: Elements) -> float:
     """The highest frequency of the ring at rest for a wave speed of 1 m/s, in 1/s: P = (grad u + grad u^T)/2."""
-    node = np.broadcast_arrays(radial.of_node[:, None, :, None], angular.of_node[None, :, None, :])
-    R, e = radial.nodes[node[0]][..., None], directions(angular)[node[1]]
-    t = np.stack([-e[..., 1], e[..., 0]], axis=-1)
-    weight = np.outer(radial.weights, angular.weights)[..., None] * R
-    inverse_mass = free(radial, angular) / masses(radial, angular)[..., None]
+    body = RingAtRest(radial, angular, directions(angular), free(radial, angular), 1.0, 0.0)
+    return highest_frequency(lambda u: -body.accelerations(u, 0.0), body.inverse_mass)
 
-    def accelerations(u: np.ndarray) -> np.ndarray:
-        out = np.einsum("ik,abkjc->abijc", radial.derivative, u[tuple(node)])
-        along = np.einsum("jk,abikc->abijc", angular.derivative, u[tuple(node)]) / R
-        gradient = out[..., :, None] * e[..., None, :] + along[..., :, None] * t[..., None, :]
-        P = 0.5 * weight[..., None] * (gradient + np.swapaxes(gradient, -1, -2))
-        pull = np.einsum("ki,abkjd,abkjcd->abijc", radial.derivative, e, P) \
-            + np.einsum("kj,abikd,abikcd->abijc", angular.derivative, t / R, P)
-        total = np.zeros_like(u)
-        np.add.at(total, tuple(node), pull)
-        return inverse_mass * total
 
-    return highest_frequency(accelerations, inverse_mass)
+class RingAtRest(PolarBody):
+    """The ring under small strains, of unit density and with E = 1 Pa, which nothing pushes."""
+
+    def piola(self, F: np.ndarray) -> np.ndarray:
+        return 0.5 * (F + np.swapaxes(F, -1, -2)) - np.eye(2)
+
+    def force(self, t: float) -> np.ndarray:
+        return np.zeros_like(self.places)
+
+
+class RingCompanionBody(PolarBody):
+    """The quarter ring, its surfaces free, held across the planes of symmetry."""
+
+    def __init__(self, scene: RingScene, across: int, around: int, order: int):
+        radial, angular = elements(across, around, order)
+        # strain stiffens: the tangent of the exact motion is at most mu (1 + 1/s^2), s the least stretch
+        stretches = [np.min(exact.stretches(scene, radial.nodes, s * scene.period / 4)) for s in (1, 3)]
+        stiffest = 0.5 * (1 + 1 / max(0.1, min(stretches)) ** 2)
+        super().__init__(radial, angular, directions(angular), free(radial, angular), scene.density,
+                         scene.wave_speed * unit_frequency(radial, angular) * float(np.sqrt(stiffest)))
+        self._scene = scene
+        self.velocity = exact.velocity(scene, self.places, 0.0) * free(radial, angular).reshape(-1, 2)
+        self._directions = np.broadcast_to(directions(angular), (self.rows, self.row, 2)).reshape(-1, 2)
+
+    def piola(self, F: np.ndarray) -> np.ndarray:
+        J = F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0]
+        turned = np.stack([F[..., 1, 1], -F[..., 1, 0], -F[..., 0, 1], F[..., 0, 0]], axis=-1).reshape(F.shape)
+        return 0.5 * self._scene.modulus * (F - turned / J[..., None, None])
+
+    def force(self, t: float) -> np.ndarray:
+        return np.repeat(exact.body_force(self._scene, self.radial.nodes, t), self.row)[:, None] * self._directions

@@ -28,19 +28,11 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels.elementary import log
-from solvers.kernels.kinds import integers, octets, pairs, quads, reals, rows
+from solvers.kernels.kinds import integers, octets, pairs, quads
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.vortex import exact
-from solvers.problems.vortex.estimators.companion_mesh import masses, mesh, read_radii, unit_frequency
-from solvers.problems.vortex.estimators.companion_standalone import VortexCompanionBody
+from solvers.problems.vortex.estimators import companion_mesh
 from solvers.problems.vortex.method.material import cauchy_stress, force_at
-from solvers.scene.estimator_hooks import EstimatorHooks
-
-
-@ti.func
-def after_step(vortex: ti.template(), base, step, on: ti.template()):
-    """Carry the companion on where the particles have gone beyond its interval."""
-    shared.step_ahead(vortex, step, accelerate, on)
 
 
 @ti.func
@@ -171,47 +163,40 @@ def circle_stress(vortex: ti.template(), f, R):
 
 def allocate(scene) -> dict[str, np.ndarray]:
     """The companion at rest, moving with the initial velocity."""
-    elements = mesh()
+    elements = companion_mesh.mesh()
     n, R, radii = elements.order + 1, elements.nodes, particle_layout(scene).radii
     lam, mu = exact.lame(scene)
-    frequency = np.sqrt((lam + 2 * mu) / scene.density) * unit_frequency(elements)
-    on_axis = np.stack([R, np.zeros_like(R)], axis=1)  # where e_R and e_Theta are the axes
-    inverse_mass = np.repeat(1 / (scene.density * masses(elements))[:, None], 2, axis=1)
-    first, basis = read_radii(elements, radii)
+    frequency = np.sqrt((lam + 2 * mu) / scene.density) * companion_mesh.unit_frequency(elements)
+    inverse_mass = np.repeat(1 / (scene.density * companion_mesh.masses(elements))[:, None], 2, axis=1)
+    first, basis = companion_mesh.read_radii(elements, radii)
     return {
-        "companion_counts": np.array([elements.order, elements.count, 1, len(R), len(R), len(R),
-                                      shared.interval(frequency, scene.time_step)], np.int32),
-        "companion_numbers": np.array([frequency, 1.0, 0.0]),
-        "companion_nodes": shared.initial_nodes(exact.velocity(scene, on_axis, 0.0), inverse_mass),
+        **shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), frequency, scene.time_step,
+                       exact.velocity(scene, exact.on_axis(R), 0.0), inverse_mass),
         "companion_radii": np.stack([R, *exact.shape(R)], axis=1),
         "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
         "companion_first": first, "companion_basis": basis, "companion_circles": np.zeros((len(radii), 8))}
 
 
-def standalone(scene) -> VortexCompanionBody:
+def standalone(scene) -> companion_mesh.VortexCompanionBody:
     """The same solve by itself, on the same elements."""
-    elements = mesh()
-    return VortexCompanionBody(scene, elements.count, elements.order)
+    elements = companion_mesh.mesh()
+    return companion_mesh.VortexCompanionBody(scene, elements.count, elements.order)
 
 
 def verdict(scene, memory) -> str | None:
     """Why not to trust what was reported last."""
-    elements = mesh()
+    elements = companion_mesh.mesh()
     u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[shared.NOW, :, :2]
     return shared.doubt(u[elements.of_node], (1,), memory["companion_numbers"][shared.SQUARE])
 
 
-HOOKS = EstimatorHooks(
-    memory={
-        "companion_counts": integers,  # sizes, by the names of solvers.estimators.companion
-        "companion_numbers": reals,  # and so the numbers
-        "companion_nodes": rows,  # and the layers of nodes (4 N, 8), along e_R and e_Theta
+HOOKS = shared.hooks(
+    accelerate, {
+        # The layers of nodes are (4 N, 8), along e_R and e_Theta.
         "companion_radii": quads,  # R, h, h', h'' at the nodes
         "companion_matrices": pairs,  # d/dR in an element, row by row, and at each row's point the weight
         "companion_first": integers,  # first node of the element of each material radius of particles
         "companion_basis": pairs,  # the element's p + 1 polynomials there: value and slope
         "companion_circles": octets,  # u, v, a, u' at the particles' radii, for a report
     },
-    allocate=allocate,
-    interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
-    after_step=after_step, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)
+    allocate=allocate, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)
