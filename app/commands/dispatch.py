@@ -26,10 +26,8 @@ FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
 
 
 def dispatch(arguments: list[str]) -> int:
-    """Run the command line and return its exit status; only Ctrl-C is raised, so nobody sees a traceback.
-
-    ``python -X dev -m app ...`` shows the traceback of what should not happen.
-    """
+    """Run the command line and return its exit status. Only Ctrl-C is raised: a traceback of what should not happen is
+    shown by ``python -X dev -m app ...`` alone."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal that has no ² must not cost the result
     try:

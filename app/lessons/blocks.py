@@ -3,7 +3,6 @@
 import re
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from app import state
@@ -120,9 +119,7 @@ def question(text: str, line: int) -> Question:
     for key, needed in keys.items():
         if needed and key not in values:
             raise LessonError(line, f"{key} is missing: a {kind} needs {', '.join(k for k in keys if keys[k])}")
-    asked = Question(kind, line)
-    for key in values:
-        asked = replace(asked, **{key: _READ[key](values, key, line_of(key, text, line))})
+    asked = Question(kind, line, **{key: _READ[key](values, key, line_of(key, text, line)) for key in values})
     return _consistent(asked) if kind == CHOICE else asked
 
 

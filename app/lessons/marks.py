@@ -22,8 +22,7 @@ class AnswerMark:
 
 @dataclass(frozen=True)
 class Right:
-    """What is right in a question, in words as it is ``told``: of a choice the ``options``, counted from 1, else the
-    ``value``."""
+    """What is right, in words as it is ``told``: of a choice the ``options``, counted from 1, else the ``value``."""
 
     told: str
     options: tuple[int, ...] = ()
@@ -42,8 +41,7 @@ def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Ou
 
 
 def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Right:
-    """What is right in a step's question, which is none for free text; runs what it needs, and raises as
-    :func:`mark`."""
+    """What is right in a step's question, which is no free text; runs what it needs, and raises as :func:`mark`."""
     asked = step.asked
     texts = expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)

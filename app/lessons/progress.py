@@ -33,8 +33,7 @@ class Answer:
 
 @dataclass
 class Progress:
-    """Of one student in one lesson: the ``step`` that is shown, 0 for the introduction, and the answers by the steps'
-    keys."""
+    """Of a student in a lesson: the ``step`` that is shown, 0 for the introduction, and answers by the steps' keys."""
 
     lesson: str
     fingerprint: str
@@ -54,10 +53,8 @@ class Progress:
 
 
 def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
-    """The progress that a text says, with those answers that the lesson's questions can have.
-
-    ``find`` gives a lesson by its name. Raises :class:`NotAnswers`.
-    """
+    """The progress that a text says, with those answers that the questions of its lesson, which ``find`` gives by its
+    name, can have. Raises :class:`NotAnswers`."""
     try:
         values = parsed(text)
     except ValueError:

@@ -154,7 +154,8 @@ def _step(part: _Part, lesson: Lesson) -> Step:
         seen.add(name)
     if kind in NEEDED and NEEDED[kind] not in seen:
         raise LessonError(part.line, f"a step that begins with {kind.capitalize()} needs a {NEEDED[kind]} block")
-    step = Step(kind, title, _key(title), part.line, "\n".join(part.text).strip(), _notes(part))
+    key = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:60] or "step"
+    step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), _notes(part))
     for name, text, line in part.blocks:
         if name == "run":
             found, stage = blocks.runs(text, line, lesson.variants)
@@ -174,10 +175,6 @@ def _kind(part: _Part) -> tuple[str, str]:
         raise LessonError(part.line, f"{part.heading.strip()!r} begins no step{meant}; give ## Predict: ..., "
                           "## Run: ..., ## Observe: ... or ## Explain: ...")
     return kind, found["title"].strip()
-
-
-def _key(title: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:60] or "step"
 
 
 def _check_names(lesson: Lesson) -> None:

@@ -37,8 +37,7 @@ def lesson(name: str, folder: Path = FOLDER) -> Lesson:
 
 
 def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
-    """All lessons that can be read, by their names, as their files are now. One that cannot is left out: ``mpm-lab
-    lesson check`` says why."""
+    """All lessons by their names, as their files are now, but those with a mistake (``mpm-lab lesson check``)."""
     files = tuple((name, (folder / f"{name}.md").stat().st_mtime_ns) for name in names(folder))
     with _READING:  # a class that comes at once reads them once
         return _read(folder, files)

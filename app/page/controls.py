@@ -7,10 +7,9 @@ import viser
 from app import words
 from app.frame.scale import ColourScale
 from app.page.features.slow.panel import SlowMotion
-from app.page.panels.bound import BoundWidgets, Patience
+from app.page.panels.bound import BoundWidgets, Patience, Size
 from app.page.panels.estimators import EstimatorChoice
 from app.page.panels.looking import Looking
-from app.page.panels.size import Size
 from app.page.source import Choice
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS

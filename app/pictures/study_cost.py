@@ -34,10 +34,8 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
 
 
 def extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
-    """For each estimator and effect: (method, seconds added over seconds of the bare run) of every row.
-
-    Effects are known one by one where each was timed alone; else together, as what is left of the whole run.
-    """
+    """For each estimator and effect: (method, seconds added over seconds of the bare run) of every row. Effects not
+    timed alone are known together, as what is left of the whole run."""
     prices: dict[str, list[tuple[str, float]]] = {}
     for row in rows:
         method, seconds = row["scene"]["method"], row["seconds"]

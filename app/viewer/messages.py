@@ -82,8 +82,7 @@ FIELDS: dict[str, Fields] = {
 
 
 def refusal(message: bytes | str, find: Callable[[str], Any]) -> str | None:
-    """Why a message is refused; None where it is not. ``find`` gives the widget with an id on the sender's page. A part
-    of a file is taken in by that (``upload``)."""
+    """Why a message is refused, if it is; ``find`` gives a widget by its id. A part of a file is taken in."""
     part_of_file = upload.kind_of(message)
     most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
     if not isinstance(message, bytes) or len(message) > most:

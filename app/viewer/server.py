@@ -52,8 +52,7 @@ class Lab(viser.ViserServer):
     visitors: Any = None
 
     def wait_until_told(self, seconds: float) -> None:
-        """Until every browser has been sent the goodbye and all that was said before it; for one that takes nothing no
-        longer than that."""
+        """Until every browser has been sent the goodbye and all before it; not longer for one that takes nothing."""
         end = monotonic() + seconds
         states = self._websock_server._client_state_from_id
         while monotonic() < end and not (self.visitors.all_told() and all(

@@ -1,5 +1,4 @@
-"""What a visitor may do to each kind of widget: the values that its browser can send for it; other kinds take none. And
-what the viewer's handles can do that it keeps to itself."""
+"""What a visitor may do to each kind of widget, and what the viewer's handles can do that it keeps to itself."""
 
 import math
 from collections.abc import Callable

@@ -107,8 +107,7 @@ class Visitor:
         return seen / seconds if seconds else None
 
     def standstill(self, begin: float, end: float, own: bool = False) -> float:
-        """The longest time without a frame between two times, in s, of those that followed a choice of its ``own``, or
-        of all others."""
+        """The longest time without a frame, s, between two times: after a choice of its ``own``, or any other."""
         def chosen(since: float, until: float) -> bool:  # found at once: an hour has 100,000 frames and 1,000 choices
             following = bisect_right(self.choices, since - ON_ITS_WAY)
             return following < len(self.choices) and self.choices[following] < until
@@ -221,8 +220,7 @@ async def _visit(visitor: Visitor, dice: random.Random) -> None:
 
 
 def memory_held(server: int) -> dict[str, int] | None:
-    """Bytes that a server holds, and that its engines and all their compilers do; what several share counts once. None
-    where the system does not tell."""
+    """Bytes held by a server, and by its engines with their compilers, what is shared once; None if unknown."""
     if not LINUX:
         return None
     engines = sum(proportional_bytes(process) for process in descendants(server))
@@ -230,8 +228,7 @@ def memory_held(server: int) -> dict[str, int] | None:
 
 
 def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
-    """What visitors got between two times, while their runs went on. ``lost`` has a reason for each visit that has
-    ended by itself."""
+    """What visitors got between two times; ``lost`` has a reason for each visit that has ended by itself."""
     rates = sorted(rate for visitor in visitors if (rate := visitor.rate(begin, end)) is not None) or [0.0]
     joined = sorted(visitor.frames[0] - visitor.asked for visitor in visitors if visitor.frames)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None

@@ -65,8 +65,7 @@ class Output:
     """No progress bar, no warnings and no remarks on standard error."""
 
     def run_and_write(self, scene: Scene) -> int:
-        """Run a scene and write what was asked for; the exit status. Files are tried first, so that no run is lost to
-        a typo."""
+        """Run a scene and write what was asked for; the exit status. Files are tried first: no typo costs a run."""
         target = json_target(self.json)
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:

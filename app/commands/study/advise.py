@@ -56,10 +56,11 @@ class Advise:
     """Nothing on standard error about the runs that are made."""
 
     def execute(self) -> int:
-        """Search, then say what to run; exit status 1 if nothing within the budget meets the tolerance."""
         physics = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
         base = self.SCENE(**{name: getattr(self, name) for name in physics}, estimators=(), effects=())
-        quantity = self._quantity()
+        if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
+            raise BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
+        quantity = self.quantity[0]
         tolerance = self._tolerance(base, quantity)
         target = json_target(self.json)
         begun = time.monotonic()
@@ -70,11 +71,6 @@ class Advise:
         if not advice.met:
             say(values["reason"])
         return OK if advice.met else UNREACHABLE
-
-    def _quantity(self) -> str:
-        if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
-            raise BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
-        return self.quantity[0]
 
     def _tolerance(self, base: Scene, quantity: str) -> float:  # in the quantity's unit
         if self.tolerance is None:
@@ -92,14 +88,12 @@ class Advise:
                 say(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "
                     f"per cell, cfl {scene.cfl:g}")
 
-        choices = families(base, self._methods(base), self._numbers("ppc", self.ppc, (2, 3, 4)),
-                           self._numbers("cfl", self.cfl, (0.1, 0.3, 0.5)), quantity)
-        return advise(choices, Goal(quantity, tolerance, self.budget), told)
-
-    def _methods(self, base: Scene) -> list[tuple[str, bool]]:
         for method in self.method:
             require_choice("method", method, base.choices("method"))
-        return [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
+        methods = [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
+        choices = families(base, methods, self._numbers("ppc", self.ppc, (2, 3, 4)),
+                           self._numbers("cfl", self.cfl, (0.1, 0.3, 0.5)), quantity)
+        return advise(choices, Goal(quantity, tolerance, self.budget), told)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """The words of a flag as numbers that a scene accepts."""

@@ -16,11 +16,7 @@ from solvers.study.grid import plan
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep(Study, SceneFlags):
-    """The flags of a sweep beside those of its scenes.
-
-    Every flag of a scene may hold several values; those that are lists in one scene already (estimator, effects,
-    remedies) are not swept over.
-    """
+    """The flags of a sweep beside those of its scenes, of which all but ``LISTS`` may hold several values."""
 
     HELP: ClassVar[str] = """Run the {title} for every combination of the values given: what accuracy costs in time.
 
@@ -38,7 +34,6 @@ class Sweep(Study, SceneFlags):
     """Time each effect alone as well, which compiles and runs more."""
 
     def execute(self) -> int:
-        """Check everything, run what is not there yet, then write tables and pictures of all rows."""
         require_whole("repeats", self.repeats, 1, 1000)
         self.check_place(math.prod(map(len, self.axes().values())))
         problem = self.SCENE.problem

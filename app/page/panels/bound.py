@@ -3,23 +3,39 @@
 import functools
 import threading
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import viser
 
 from app import words
-from app.page.panels.head import WIDE_LABEL
-from app.page.panels.size import Size, SizeControl
+from app.page.panels.head import LOGARITHMIC, TYPED, WIDE_LABEL
 from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
 from app.viewer.widgets import is_removed
+from app.words import size_in, with_unit
 from solvers.scene.effects import Effect
 from solvers.scene.remedies import Remedy
 from solvers.scene.rules import field_label
 from solvers.scene.scene import Scene
 
 MARK = "\ncompiling …"  # below the label, in small letters (style.css): a row is high enough for both
+TYPING = 0.8  # seconds without another key, after which what has been typed counts
+STEP = 0.005  # of the slider, in powers of ten
+DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Size:
+    """What the number is: name, unit, the reach of its slider, and the default, which the slider meets exactly."""
+
+    name: str
+    unit: str
+    reach: tuple[float, float]
+    default: float
+    hint: str
 
 
 class Patience:
@@ -114,9 +130,8 @@ class BoundWidgets:
         self._session.set(**{field: value})
 
     def motions(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
-        """A dropdown of what the problem does, where it can do several things. ``move`` is called with the scene of
-        another motion, and with the quantity and the speed that it begins with, None for no change and for the usual.
-        """
+        """A dropdown of what the problem does, where it can do several things; ``move`` gets another motion's scene,
+        and the quantity and the speed that it begins with, None for no change and for the usual."""
         scene = self._session.scene
         motion = VIEWS[scene.problem].motion
         if motion is None:
@@ -133,6 +148,64 @@ class BoundWidgets:
 
         shown.on_update(chosen)
 
-    def size(self, size: Size, value: float, act: Callable[[float], None]) -> SizeControl:
+    def size(self, size: Size, value: float, act: Callable[[float], None]) -> "SizeControl":
         """A slider and a text for a number of any size."""
-        return SizeControl(self._gui, size, value, act, self._session.refuse, self.follow, self.in_turn)
+        return SizeControl(self._gui, self, size, value, act, self._session.refuse)
+
+
+class SizeControl:
+    """Two widgets that show one number, as a slider whose steps are factors and as text to read and type. ``act`` is
+    called with a number that the visitor has set, ``refuse`` with a sentence about text that is none."""
+
+    def __init__(self, gui: viser.GuiApi, bound: BoundWidgets, size: Size, value: float, act: Callable[[float], None],
+                 refuse: Callable[[str], None]):
+        self._size, self._act, self._refuse = size, act, refuse
+        self._typed: threading.Timer | None = None
+        low, high = (float(np.log10(end)) for end in (min(*size.reach, value), max(*size.reach, value)))
+        decades = range(int(np.ceil(low)), int(np.floor(high)) + 1)
+        gui.add_html(LOGARITHMIC)
+        self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint,
+                                      marks=tuple((float(d), f"{10.0**d:g}" if abs(d) < 4 else f"1e{d}")
+                                                  for d in decades))
+        gui.add_html(TYPED)
+        self._text = gui.add_text(f"{size.name}, typed", self._shown(value), hint=f"{size.hint}. Type a number"
+                                  + f" in {size.unit}, or with a prefix: {self._shown(size.default)}" * bool(size.unit))
+        self._ends, self._read_in_turn = (low, high), bound.in_turn(self._read)
+        bound.follow(self._slider, self._moved)
+        bound.follow(self._text, self._keyed)
+
+    def show(self, value: float) -> None:
+        """Show another value, which nobody has set by hand."""
+        self._slider.value = float(np.clip(np.log10(value), *self._ends))  # type: ignore[misc]
+        self._text.value = self._shown(value)  # type: ignore[misc]
+
+    def _shown(self, value: float) -> str:
+        return with_unit(value, self._size.unit, DIGITS) if self._size.unit else f"{value:.{DIGITS}g}"
+
+    def _moved(self, logarithm: float) -> None:
+        default = self._size.default
+        near = abs(logarithm - np.log10(default)) < 0.5 * STEP
+        value = default if near else float(f"{10**logarithm:.3g}")
+        self._text.value = self._shown(value)  # type: ignore[misc]
+        self._act(value)
+
+    def _keyed(self, text: str) -> None:
+        """Wait for the rest: half a number is another number."""
+        if self._typed:
+            self._typed.cancel()
+        self._typed = threading.Timer(TYPING, self._read_in_turn, (text,))
+        self._typed.daemon = True
+        self._typed.start()
+
+    def _read(self, text: str) -> None:
+        if self._text.value != text:  # the slider has been moved since
+            return
+        try:
+            value = size_in(text, self._size.unit)
+        except ValueError:
+            unit = f" in {self._size.unit}" * bool(self._size.unit)
+            self._refuse(f"{self._size.name}: {text!r} is not a number above 0{unit}; "
+                         f"give one such as {self._shown(self._size.default)}")
+            return
+        self._slider.value = float(np.clip(np.log10(value), *self._ends))  # type: ignore[misc]
+        self._act(value)

@@ -1,5 +1,4 @@
-"""BrowserStore: what the browser keeps for its visitor (``browser_store.js``): the state in its address, and answers to
-lessons."""
+"""What the browser keeps for its visitor (``browser_store.js``): the state in its address, and answers to lessons."""
 
 import json
 from collections.abc import Callable

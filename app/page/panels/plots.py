@@ -109,8 +109,7 @@ class Plots:
         self._show_crossings(history, series, grey_rate, second)
 
     def show_trace(self, traced: Traced, valid: tuple[str, ...], quantity: str, latest: bool, shown: float) -> None:
-        """Draw a particle's errors, with marks on the first line that has values: where it has crossed, and of the
-        time in s that is ``shown``."""
+        """Draw a particle's errors; its crossings and the time ``shown``, s, are marked on the first with values."""
         series, (heading, plot) = traced.latest if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
         if len(time) < 2:
@@ -124,8 +123,7 @@ class Plots:
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
-        """A pinned run's errors in ``grey``, the true and every estimated one, counted in a power of ten of the
-        quantity's unit, and that in words."""
+        """Errors in ``grey``, the true and every estimated one, counted in a power of ten of the unit, and its name."""
         true = series[f"error_{quantity}"]
         estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
@@ -230,10 +228,7 @@ def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 
 def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """What the plots take: what is infinite is not drawn, and a series of nothing has one zero.
-
-    Without it the plot finds no range and draws the other series neither.
-    """
+    """What the plots take, nothing infinite; a series of nothing has one zero, without which none finds its range."""
     drawn = [np.where(np.isfinite(v), v, np.nan) for v in values]
     for series in drawn:
         if np.isnan(series).all():

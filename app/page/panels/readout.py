@@ -115,8 +115,7 @@ def _margin(margin: float) -> str:
 
 def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
                drawn: str | None) -> str:
-    """A line for the truth and one for each estimator: its norm now, its index and its distance so far; and a line for
-    a pinned run."""
+    """A line for the truth, each estimator and a pinned run: its norm now, its index and its distance so far."""
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("norm", "index", "distance"))
     rows = [row("head", f"error of {QUANTITIES[key].symbol}", *heads)]

@@ -30,13 +30,10 @@ def _trust() -> str:
     """What ok, unstable and lost mean, and the remedies, in the words of those who decide."""
     rules = "".join(f"<li>{rule.sentence.format(size=f'more than {rule.most:g}')}</li>"
                     for rule in CONTRADICTIONS.values())
-    remedies = "".join(f"<dt>{remedy.label}{_only(remedy.name)}</dt><dd>{remedy.explanation}.</dd>"
-                       for remedy in REMEDIES.values())
+    remedies = ""
+    for remedy in REMEDIES.values():
+        titles = [problem.scene.TITLE for problem in PROBLEMS.values() if remedy.name in problem.scene.REMEDIES]
+        only = f" ({', '.join(titles)} only)" * (len(titles) < len(PROBLEMS))
+        remedies += f"<dt>{remedy.label}{only}</dt><dd>{remedy.explanation}.</dd>"
     text = (WEB / "trust.html").read_text(encoding="utf-8")
     return text.format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE)
-
-
-def _only(remedy: str) -> str:
-    """For which problems a remedy is offered, where that is not all."""
-    titles = [problem.scene.TITLE for problem in PROBLEMS.values() if remedy in problem.scene.REMEDIES]
-    return "" if len(titles) == len(PROBLEMS) else f" ({', '.join(titles)} only)"

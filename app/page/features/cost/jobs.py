@@ -86,8 +86,7 @@ class JobStatus:
 
 
 class Jobs:
-    """Starts and ends one visitor's jobs, in ``slots`` that all share. Rows of a sweep go to ``runs``. Any thread may
-    call."""
+    """A visitor's jobs, in ``slots`` that all share; the rows of a sweep go to ``runs``. Any thread may call."""
 
     def __init__(self, runs: Runs, slots: Slots = SLOTS):
         self.runs, self.slots, self._lock = runs, slots, threading.Lock()
@@ -180,10 +179,8 @@ def _trouble(error: BaseException | None) -> str | None:
 
 
 class QuietStage:
-    """Pauses a session's stage while its visitor's job runs, and lets it go on afterwards.
-
-    Play stays the visitor's: who presses it meanwhile has the stage move, and it is left alone from then on.
-    """
+    """Pauses a session's stage while its visitor's job runs, and lets it go on afterwards. Play stays the visitor's: a
+    stage that moves meanwhile is left alone from then on."""
 
     def __init__(self, session: Session):
         self._session, self._running, self._lock = session, False, threading.Lock()

@@ -141,11 +141,8 @@ class LiveRows:
 
 
 def live_row(report: FrameReport, history: History) -> dict:
-    """A row like those of ``solvers.study.row``, with the errors up to the end of the scene.
-
-    Its seconds are those that the engine takes for the whole scene, with everything that it computes; the bare
-    method's are not known.
-    """
+    """A row like those of ``solvers.study.row``, with the errors up to the end of the scene. Its seconds are those of
+    all that the engine computes; the bare method's are not known."""
     scene, series = report.scene, history.series
     status = _status(report)
     steps = report.step if status == UNSTABLE else scene.steps

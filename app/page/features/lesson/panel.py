@@ -244,8 +244,7 @@ class Player:
     def _buttons(self, back: bool, onward: bool) -> viser.GuiButtonHandle:
         """Back, next and leave; returns the one for next."""
         self._gui.add_html(BESIDE)
-        previous = self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back)
-        previous.on_click(lambda _: self._go(-1))
+        self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: self._go(-1))
         self._gui.add_html(BESIDE)
         following = self._gui.add_button("Next", icon=viser.Icon.ARROW_RIGHT, disabled=not onward)
         following.on_click(lambda _: self._go(1))
