@@ -10,6 +10,7 @@ are among them. What follows the word ``pinned`` is the pinned run, of the same 
 import math
 import re
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from functools import lru_cache
@@ -143,10 +144,8 @@ def _take(word: str, view: dict[str, Any]) -> bool:
 def _number(text: str) -> Any:
     """A whole number or a float where the text is one, else the text, of which the scene knows what to say."""
     for kind in (int, float):
-        try:
+        with suppress(ValueError):
             return kind(text)
-        except ValueError:
-            continue
     return text
 
 

@@ -49,10 +49,9 @@ def number(words: list[str]) -> Any:
 def real(words: list[str]) -> Any:
     """A float where the words are one, else the words."""
     text = " ".join(words)
-    try:
+    with contextlib.suppress(ValueError):
         return float(text)
-    except ValueError:
-        return text
+    return text
 
 
 def _words(words: list[str]) -> tuple[str, ...]:

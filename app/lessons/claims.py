@@ -215,7 +215,8 @@ def _evaluate(node: ast.expr, scope: Scope) -> Any:
     path = _path(node)
     if len(path) == 1 and path[0] in WORDS and path[0] not in scope.outcomes:
         return WORDS[path[0]]
-    outcome, rest = _outcome(path, scope)
+    name, rest = _run_of(path, scope.outcomes, scope.main)
+    outcome = scope.outcomes[name]
     values = [_lookup(result, rest) for result in outcome.results]
     return values if outcome.varied else values[0]
 
@@ -224,7 +225,8 @@ def _call(node: ast.Call, scope: Scope) -> float:
     name, argument = node.func.id, node.args[0]  # type: ignore[attr-defined]  # has been checked
     values = _evaluate(argument, scope)
     if name == "order":
-        varied = [outcome for path in _paths(argument) if (outcome := _outcome(path, scope)[0]).varied]
+        runs = [scope.outcomes[_run_of(path, scope.outcomes, scope.main)[0]] for path in _paths(argument)]
+        varied = [outcome for outcome in runs if outcome.varied]
         if not varied or not isinstance(values, list) or len(values) < 2:
             raise ClaimError(f"{ast.unparse(node)}: needs a run with several values of one field, such as "
                              "cells=20,40,80")
@@ -239,11 +241,6 @@ def _slope(outcome: Outcome, values: list[float]) -> float:
     if min(values) <= 0:
         raise ClaimError("an order needs values above 0")
     return float(np.polyfit(logs, np.log(values), 1)[0])
-
-
-def _outcome(path: tuple[str, ...], scope: Scope) -> tuple[Outcome, tuple[str, ...]]:
-    name, rest = _run_of(path, scope.outcomes, scope.main)
-    return scope.outcomes[name], rest
 
 
 def _lookup(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:

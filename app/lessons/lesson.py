@@ -1,11 +1,12 @@
 """What a lesson is, once it has been read, and its variants: numbers drawn from a student's name, the same name always
 the same, put where a text has ``{A}``."""
 
+import functools
 import hashlib
 import re
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
 NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ("number", "choice", "drag", "interval", "text")
@@ -119,10 +120,10 @@ class Lesson:
     notes: str = ""
     steps: tuple[Step, ...] = ()
     fingerprint: str = ""
-    questions: Mapping[str, Step] = field(init=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "questions", {step.key: step for step in self.steps if step.question})
+    @functools.cached_property
+    def questions(self) -> dict[str, Step]:
+        return {step.key: step for step in self.steps if step.question}
 
     @property
     def runs(self) -> dict[str, LessonRun]:

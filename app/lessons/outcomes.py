@@ -8,7 +8,7 @@ from typing import Any
 
 from app import state
 from app.lessons.claims import Outcome, Scope, needed
-from app.lessons.lesson import Lesson, LessonRun, Numbers, Step, filled
+from app.lessons.lesson import Lesson, Numbers, Step, filled
 from solvers.workers.pool import WorkerPool
 from solvers.workers.processes import ProcessDied
 
@@ -49,14 +49,12 @@ class Outcomes:
                 run = self._runs[scene] = self._pool.submit({"scene": scene, "politeness": self._politeness})
             return run
 
-    def outcome(self, run: LessonRun, numbers: Numbers) -> Outcome:
-        return Outcome([self.result(filled(text, numbers)) for text in run.texts], run.varied)
-
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> Scope:
         """What the names in these expressions mean in a step: only the runs that they need are run."""
         main, runs = lesson.main_run(step), lesson.runs
         asked = set().union(*(needed(text, runs, main) for text in texts))
-        return Scope({name: self.outcome(runs[name], numbers) for name in runs if name in asked}, main)
+        return Scope({name: Outcome([self.result(filled(text, numbers)) for text in run.texts], run.varied)
+                      for name, run in runs.items() if name in asked}, main)
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""

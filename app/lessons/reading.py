@@ -66,8 +66,8 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
     return lesson
 
 
-def _head(text: str) -> tuple[tuple[str, int], list[str], int]:
-    """The head and where it begins, the lines after it, and the number of the first of those."""
+def _head(text: str) -> tuple[str, list[str], int]:
+    """The head, the lines after it, and the number of the first of those."""
     lines = text.splitlines()
     if not lines or lines[0].strip() != HEAD:
         raise LessonError(1, f"the file must begin with a head: a line {HEAD}, TOML such as title = \"...\", and a "
@@ -75,15 +75,14 @@ def _head(text: str) -> tuple[tuple[str, int], list[str], int]:
     end = next((k for k, line in enumerate(lines[1:], 1) if line.strip() == HEAD), None)
     if end is None:
         raise LessonError(1, f"the head does not end; close it with a line {HEAD}")
-    return ("\n".join(lines[1:end]), 2), lines[end + 1:], end + 2
+    return "\n".join(lines[1:end]), lines[end + 1:], end + 2
 
 
-def _lesson(head: tuple[str, int], name: str, fingerprint: str) -> Lesson:
-    text, line = head
-    values = blocks.toml(text, line)
+def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
+    values = blocks.toml(head, 2)  # after the line that begins it
 
     def at(key: str) -> int:
-        return blocks.line_of(key, text, line)
+        return blocks.line_of(key, head, 2)
 
     for key in values:
         if key not in HEAD_KEYS:

@@ -13,6 +13,7 @@ from app.page.visit.history import History
 from app.page.visit.limits import too_many
 from app.page.visit.notice import Notice
 from app.page.visit.session import Session
+from app.words import command_line
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.study.grid import Task
@@ -177,8 +178,8 @@ class CostTab:
 
     def _put(self, scene: Scene, name: str) -> None:
         """Put a scene on the stage if a browser can show it."""
-        if too_many(scene):
-            self._say(words.too_large(scene))
+        if refusal := too_many(scene):
+            self._say(f"{refusal}. Run it in a terminal: {command_line(scene)}")
             return
         self._load(scene)
         self._say(f"{name} is on the stage.")

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 from app.page.features.cost.jobs import JobStatus
 from app.page.features.cost.runs import MOST_RUNS, NumberedRun
-from app.page.visit.limits import too_many
-from app.words import NOTHING, command_line, method_name, moving, number, on_page, per_cell
+from app.words import NOTHING, method_name, moving, number, on_page, per_cell
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
@@ -56,11 +55,6 @@ def sentence(run: NumberedRun) -> str:
 
 def relative(value: float | None) -> str:
     return NOTHING if value is None else f"{value:.2e}".replace("e-0", "e-")
-
-
-def too_large(scene: Scene) -> str:
-    """What to do with a scene that the stage cannot show."""
-    return f"{too_many(scene)}. Run it in a terminal: {command_line(scene)}"
 
 
 def seconds(value: float | None) -> str:
