@@ -1,10 +1,11 @@
 """A lesson as data for the player: texts as html, questions with what is right, stages with runs around them."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from app import state
-from app.export import lattice, naming
+from app.export import lattice
 from app.export.answers import rules
 from app.export.page import Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
@@ -69,6 +70,8 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
         return _alike([html(filled(text, numbers), shelf.FOLDER) for numbers in lesson.variants])
 
     known = shelf.lessons()
+    # The variant of a name is drawn as in ``app.lessons.lesson``: by Unicode's rules of case, and of where texts split.
+    letters = [chr(code) for code in range(sys.maxunicode + 1) if not 0xD800 <= code < 0xE000]
     steps = [{"kind": step.kind, "key": step.key, "html": each(step.text),
               "title": _alike([filled(step.title, numbers) for numbers in lesson.variants]),
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
@@ -78,7 +81,9 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
             "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
             "elsewhere": [name for name in ELSEWHERE if name in lesson.controls], "steps": steps,
             "schema": progress.SCHEMA, "longest_name": progress.LONGEST_NAME, "longest": LONGEST, "most": MOST,
-            "told_after": TOLD_AFTER, "fold": naming.folds(), "spaces": naming.spaces()}
+            "told_after": TOLD_AFTER,
+            "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
+            "spaces": "".join(letter for letter in letters if letter.isspace())}
 
 
 def _alike(each: Sequence[Any]) -> list[Any]:

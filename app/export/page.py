@@ -1,7 +1,6 @@
 """The file: one html page with style, script, data and recordings in it, which asks no network for anything."""
 
 import json
-import re
 from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -10,8 +9,9 @@ from typing import Any
 from app import __version__, state
 from app.export import lattice, plan
 from app.export.plan import Plan, described, planned
-from app.export.recorders import recordings
+from app.export.record import recordings
 from app.export.vocabulary import vocabulary
+from app.templates import rendered
 from app.words import title
 
 PLAYER = Path(__file__).parent / "player"
@@ -63,7 +63,7 @@ def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, 
              "style": _file("player.css"), "data": _json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
                        + "\n".join(_file(f"{name}.js") for name in SCRIPTS)}
-    return re.sub(r"\{\{(\w+)\}\}", lambda place: parts[place[1]], _file("player.html"))
+    return rendered(PLAYER / "player.html", **parts)
 
 
 def _file(name: str) -> str:

@@ -2,8 +2,9 @@
 
 import base64
 import itertools
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from solvers.solver.base import Solver
 from solvers.solver.norms import RATIOS, error_index
 from solvers.solver.result import Snapshot
 from solvers.solver.soundness import find
+from solvers.workers.pool import WorkerPool
 
 CURVE_POINTS = 41  # at which the exact field is kept
 FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
@@ -38,6 +40,20 @@ class Wanted:
     quantities: tuple[str, ...]
     difference: bool = False  # whether how far the estimates are from the truth is kept for each particle
     domains: bool = False  # whether what each particle stands for is kept, of a problem whose stage can outline it
+
+
+def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
+    """A recording for each of the wanted ones, in their order, made side by side by processes that do nothing else;
+    ``on_progress`` is told how many there are so far.
+
+    Raises :class:`~solvers.workers.processes.ProcessDied` where one cannot be made.
+    """
+    with closing(WorkerPool(f"{__name__}:work", processes)) as pool:
+        found = []
+        for recording in [pool.submit(asdict(one)) for one in wanted]:
+            found.append(recording.result())
+            on_progress(len(found))
+        return found
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:

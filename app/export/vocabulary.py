@@ -2,14 +2,15 @@
 
 import base64
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 from app import words
 from app.colours import PINNED, TRUTH, colour_table
 from app.export import quantise
-from app.frame import axis, colour_bar, marks, scale, sentence, silences
+from app.frame import axis, colour_bar, field, marks, scale, sentence, silences
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE, counting
-from app.frame.data import as_data
+from app.frame.stage import Seat, Stage, Words
 from app.problems.views import VIEWS
 from solvers.scene.registry import ESTIMATORS
 
@@ -28,7 +29,22 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
                           "nothing_yet": sentence.NOTHING_YET, "not_counted": silences.NOT_COUNTED},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
-            "problems": {name: as_data(VIEWS[name].stage) for name in sorted(problems)}}
+            "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)}}
+
+
+def stage_data(stage: type[Stage]) -> dict[str, Any]:
+    """What of a stage is the same in every frame: the rectangle of all that is drawn, images of the body, seconds that
+    a crossing is marked, the field plot and all labels but the scale's.
+
+    A label's text is "" where it comes with a run or a frame; x and y are on the stage (``marks``), where the
+    ``anchors`` are known places: lanes, or the middle of the body and how far it reaches.
+    """
+    plot, said = asdict(stage.PLOT), Words(crossings=stage.MARKED)
+    labels = [*stage.labels(said, Seat.ALONE), *field.labels(stage.PLOT, 0.0, "", "", "")]
+    return {"rectangle": stage.RECTANGLE, "mirrors": stage.MIRRORS, "outlined": stage.OUTLINED,
+            "mark_seconds": stage.MARK_SECONDS, "lines": stage.LINES, "anchors": stage.ANCHORS,
+            "plot": {name: plot[name] for name in ("middle", "height", "start", "end")},
+            "labels": [asdict(label) for label in labels]}
 
 
 def formats() -> dict[str, Any]:

@@ -13,10 +13,8 @@ from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
-from app.page.features.own.panel import OwnCode
-from app.page.features.own.source import OwnFile
-from app.page.features.slow.panel import SlowMotion
-from app.page.features.slow.source import SlowStep
+from app.page.features.own.panel import OwnCode, OwnFile
+from app.page.features.slow.panel import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore

@@ -69,25 +69,19 @@ class Source(Protocol):
     @property
     def on(self) -> bool:
         """Whether it is what is to be seen."""
-        ...
 
     @property
     def at_once(self) -> bool:
         """Whether its sentence is the answer to a click."""
-        ...
 
     def sight(self, choice: Choice) -> Sight | None:
         """What to draw now; None as long as there is nothing."""
-        ...
 
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         """What to read beside the ``picture`` that is drawn, and what was ``probed`` in it; None for no change."""
-        ...
 
     def sentence(self, choice: Choice, picture: Picture) -> str:
         """What is seen in the picture; "" where that is of something else, and soon replaced."""
-        ...
 
     def notice(self) -> Notice | None:
         """What is to be read now of it, if anything."""
-        ...

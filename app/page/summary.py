@@ -57,9 +57,9 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
         f"error_{quantity}", f"{drawn}/estimate_{quantity}", f"{drawn}/index_{quantity}"))
     words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
                         view.right.silence if view.true is None else "")
-    where = [] if true <= words.least else _where(worst)
-    parts = [errors(words, QUANTITIES[quantity].unit, true, estimate, index), *where, *_crossings(report, arrays),
-             *filter(None, [beside])]
+    region = None if true <= words.least else worst.by_truth or worst.by_estimate
+    parts = [errors(words, QUANTITIES[quantity].unit, true, estimate, index),
+             *([f"worst at {region.name}"] if region else []), *_crossings(report, arrays), *filter(None, [beside])]
     if report.status == soundness.LOST:
         parts.insert(0, fill(LOST, since=number(report.since or 0.0)))
     before = f"{ago:.2f} periods back: " if ago else fill(PAUSED, time=when)
@@ -82,12 +82,6 @@ def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantit
 def _last(series: dict[str, np.ndarray], name: str) -> float:
     values = series.get(name, np.zeros(0))
     return float(values[-1]) if len(values) else math.nan
-
-
-def _where(worst: WorstRegions) -> list[str]:
-    """Where the error is worst: in truth where that is known."""
-    region = worst.by_truth or worst.by_estimate
-    return [f"worst at {region.name}"] if region else []
 
 
 def _crossings(report: FrameReport, arrays: FrameArrays) -> list[str]:

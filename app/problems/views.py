@@ -5,8 +5,4 @@ from app.problems.interface import ProblemView
 from app.problems.ring.view import RING
 from app.problems.vortex.view import VORTEX
 
-VIEWS: dict[str, ProblemView] = {
-    "bar": BAR,
-    "ring": RING,
-    "vortex": VORTEX,
-}
+VIEWS: dict[str, ProblemView] = {view.problem: view for view in (BAR, RING, VORTEX)}

@@ -30,11 +30,7 @@ class PlanarSlowStage(SlowStage):
         x0, x1, y0, y1 = self._picture
         return np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)]) + self._per_metre * (x - self._middle)
 
-    def _particle_spots(self, x: np.ndarray) -> np.ndarray:
-        return self._place(x)
-
-    def _node_spots(self, x: np.ndarray) -> np.ndarray:
-        return self._place(x)
+    _particle_spots = _node_spots = _place
 
     def _aim(self, vectors: np.ndarray) -> np.ndarray:
         return vectors

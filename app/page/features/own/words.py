@@ -41,7 +41,8 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
             *([("crossings", f"{verdict['crossings_at_least']:,} at least")] if verdict else []),
             ("region", escape(probed or "drag a rectangle on the stage"))]
     run_of = table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
-    return (f"<div class='lab-readout'>{run_of}{_errors(run, k, quantity)}{_findings(run, quantity)}</div>")
+    found = "".join(f"<p>{escape(text)}</p>" for text in _found(run, quantity))
+    return f"<div class='lab-readout'>{run_of}{_errors(run, k, quantity)}<div class='lab-own'>{found}</div></div>"
 
 
 def lines(run: OwnRun, quantity: str) -> int:
@@ -61,10 +62,6 @@ def _errors(run: OwnRun, k: int, quantity: str) -> str:
         rows.append(row("", named(name), *(NOTHING if value is None else with_unit(value, words.unit, 2) for value in (
             _now(norms, k, quantity), _largest(run, norms, quantity))), index))
     return table("".join(rows), "lab-numbers lab-estimates")
-
-
-def _findings(run: OwnRun, quantity: str) -> str:
-    return f"<div class='lab-own'>{''.join(f'<p>{escape(text)}</p>' for text in _found(run, quantity))}</div>"
 
 
 def _found(run: OwnRun, quantity: str) -> list[str]:
