@@ -14,8 +14,9 @@ from solvers.judging.reading import read
 from solvers.judging.vtk import write_vtu
 from solvers.problems.bar.scene import BarScene
 
-NUMBERS = st.floats(-1e300, 1e300)
-TIMES = st.floats(0.0, 1e6)
+# None so small that they are not normal: where Taichi has started, the processor takes those for zero.
+NUMBERS = st.floats(-1e300, 1e300, allow_subnormal=False)
+TIMES = st.floats(0.0, 1e6, allow_subnormal=False)
 
 
 @st.composite
