@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from solvers.problems.bar.scene import BarScene
-from solvers.running.fingerprint import fingerprint
 from solvers.scene.effects import EFFECTS
 from solvers.solver.samples import QUANTITIES
 from solvers.study.grid import Task
+from solvers.study.row import fingerprint
 
 
 def made_up(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: float = 2.0, status: str = "ok",

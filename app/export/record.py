@@ -23,7 +23,7 @@ from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.norms import RATIOS, error_index
 from solvers.solver.result import Snapshot
-from solvers.solver.soundness import find
+from solvers.solver.soundness import earliest, findings
 from solvers.workers.pool import WorkerPool
 
 CURVE_POINTS = 41  # at which the exact field is kept
@@ -210,7 +210,7 @@ def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
 def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
           shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """What the player must know of a run beside its numbers."""
-    found = [finding for one in series if (finding := find(scene, one, not_valid))]
+    found = [finding for one in series if (finding := earliest(findings(scene, one), not_valid))]
     status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None))
     stage = VIEWS[scene.problem].stage
     return {"problem": scene.problem, "particles": _count(shots), "shown": shown,

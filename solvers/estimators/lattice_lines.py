@@ -170,9 +170,7 @@ class Line:
         return element[:, None] + np.arange(-1, 2), value, slope
 
     def _fold_nodes(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if self.ends == "free":
-            return index + 1, np.ones((*index.shape, 1))
-        return self._fold(index, self.elements)
+        return (index + 1, np.ones((*index.shape, 1))) if self.ends == "free" else self._fold(index, self.elements)
 
     def _fold(self, index: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Bring images back into the line; the sign (..., components) that each component then takes.

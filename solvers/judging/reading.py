@@ -110,7 +110,7 @@ def from_arrays(path: str, arrays: Mapping[str, np.ndarray]) -> Raw:
             raise FileError(path, f"has no numbers in {name}; give numbers, real and not objects or texts")
     scalars = {name: array.item() for name, array in arrays.items() if array.size == 1 and array.dtype.kind in "iuf"}
     cells = scalars.get("cells")
-    times = next((arrays[name] for name in arrays if (meaning(name) or "")[:1] == ("t",)), None)
+    times = next((arrays[name] for name in arrays if _key(name) == "t"), None)
     many = {name: array for name, array in arrays.items() if meaning(name) and array.ndim > 0}
     place = next((array for name, array in many.items() if _key(name) == "x"), None)
     # Positions of T times are (T, P) or (T, P, D), those of one table (n,) or (n, D).
@@ -145,8 +145,7 @@ def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray) -> dic
 
 
 def _key(name: str) -> str:
-    known = meaning(name)
-    return known[0] if known else ""
+    return (meaning(name) or ("",))[0]
 
 
 def _is_number(text: str) -> bool:

@@ -74,7 +74,9 @@ def columns(dimensions: int) -> dict[str, slice]:
 
 def show(question: dict, tell: Callable[[dict], None]) -> None:
     asked = ShowRequest(**question)
-    _limit_memory()
+    if sys.platform == "linux":  # a file may unpack to more than it seems: it is not the machine that is to run out
+        import resource
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     try:
         _show(asked, tell)
     except FileError as error:
@@ -183,13 +185,6 @@ class _Table:
                 drift = right if q == "x" and not scene.swings else 0.0  # what carries all alike is not plotted
                 found[q] = along - drift, along - right
         return found
-
-
-def _limit_memory() -> None:
-    """A file may unpack to more than it seems: the process, and not the machine, is to run out of memory."""
-    if sys.platform == "linux":
-        import resource
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
 def open_table(path: Path, counts: Sequence[int], dimensions: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.result import Result, Seconds, Snapshot
-from solvers.solver.soundness import find
+from solvers.solver.soundness import earliest, findings
 
 SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
@@ -109,7 +109,7 @@ def shown_step(scene: Scene) -> int:
 def _status(solver: Solver, series: dict[str, np.ndarray],
              not_valid: dict[str, str], error: np.ndarray | None) -> tuple[str, str | None, float | None]:
     """Status, reason and time of breakdown of a run that has ended; ``error`` are the true ones at its end."""
-    finding = find(solver.scene, series, not_valid)
+    finding = earliest(findings(solver.scene, series), not_valid)
     if finding and finding.particle is None and error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
     return solver.status(finding)

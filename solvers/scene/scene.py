@@ -18,7 +18,6 @@ from typing import Any, ClassVar
 from solvers.scene import registry
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS
-from solvers.scene.estimator_validity import PROCESSOR_REASON
 from solvers.scene.remedies import FROZEN
 from solvers.scene.remembered import Remembered
 from solvers.scene.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
@@ -234,7 +233,7 @@ class Scene(SceneDefaults, ABC, Remembered):
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
         reasons = {name: rule(self) for name in self.estimators if (rule := self.VALIDITY.get(name))}
         if self.for_gpu:
-            reasons |= {name: PROCESSOR_REASON.format(name=name) for name in self.estimators
+            reasons |= {name: registry.PROCESSOR_REASON.format(name=name) for name in self.estimators
                         if not registry.ESTIMATORS[name].beside_gpu}
         return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
 

@@ -64,27 +64,9 @@ class Finding:
     particle: int | None = None  # where it is worst, if that was kept
 
 
-def find(scene: Scene, series: Mapping[str, np.ndarray], not_valid: Collection[str] = ()) -> Finding | None:
-    """Look for the sample from which on a run is lost.
-
-    Parameters
-    ----------
-    scene
-    series
-        Of the run, from :func:`solvers.solver.samples.read`.
-    not_valid
-        Estimators that do not hold here, and are not heard.
-
-    Returns
-    -------
-    Finding or None
-        None where nothing is found, which is no proof.
-    """
-    return earliest(findings(scene, series), not_valid)
-
-
 def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Finding]:
-    """What each rule, the truth and each estimator that judges was first to find, keyed by their names.
+    """What each rule, the truth and each estimator that judges was first to find in the ``series`` of a run
+    (:func:`solvers.solver.samples.read`), keyed by their names.
 
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
@@ -106,8 +88,9 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
             if (found := _first(series, values, most, unit, sentence))}
 
 
-def earliest(found: Mapping[str, Finding], not_valid: Collection[str] = ()) -> Finding | None:
-    """The first of several findings, but for those of estimators that do not hold."""
+def earliest(found: Mapping[str, Finding], not_valid: Collection[str]) -> Finding | None:
+    """The first of several findings, but for those of estimators that do not hold: from there on a run is lost. None
+    where nothing was found, which is no proof."""
     return min((finding for name, finding in found.items() if name.partition("/")[0] not in not_valid),
                key=lambda one: one.time, default=None)
 

@@ -6,7 +6,7 @@ show; the cost by steps, particles and the rate of the finest.
 """
 
 import math
-from bisect import insort
+from bisect import bisect_right, insort
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -96,10 +96,8 @@ class Family:
     def cells_within(self, seconds: float) -> int:
         """The most cells whose run is expected to take no longer."""
         low, high = self.points[0].cells // self.multiple, 1_000_000 // self.multiple
-        while low < high:
-            middle = (low + high + 1) // 2
-            low, high = (middle, high) if self.seconds(middle * self.multiple) <= seconds else (low, middle - 1)
-        return low * self.multiple
+        more = bisect_right(range(low + 1, high + 1), seconds, key=lambda n: self.seconds(n * self.multiple))
+        return (low + more) * self.multiple
 
     def seconds(self, cells: int) -> float:
         """The time expected for a bare run; infinite beyond what a scene may hold."""

@@ -41,12 +41,9 @@ def slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
 
 def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
     """The indices of the points that none beats in both time and error, by time."""
-    front, best = [], np.inf
-    for k in sorted(range(len(seconds)), key=lambda k: (seconds[k], error[k])):
-        if error[k] < best:
-            front.append(k)
-            best = error[k]
-    return front
+    by_time = sorted(range(len(seconds)), key=lambda k: (seconds[k], error[k]))
+    best_before = itertools.accumulate((error[k] for k in by_time), min, initial=np.inf)
+    return [k for k, best in zip(by_time, best_before, strict=False) if error[k] < best]
 
 
 @dataclass(frozen=True)

@@ -105,21 +105,16 @@ class Here:
     """Processes on this machine. One, unless told otherwise: rows that run side by side disturb each other's timing."""
 
     def __init__(self, workers: int = 1):
-        self._pool = WorkerPool(MEASURE_ROW, workers)
-
-    @property
-    def process_ids(self) -> list[int]:
-        """Of the processes that run now."""
-        return self._pool.process_ids
+        self.pool = WorkerPool(MEASURE_ROW, workers)
 
     def submit(self, task: Task) -> Future[dict]:
-        return self._pool.submit(task.to_dict())
+        return self.pool.submit(task.to_dict())
 
     def check(self) -> None:
         """This machine is always there."""
 
     def close(self) -> None:
-        self._pool.close()
+        self.pool.close()
 
 
 @functools.cache

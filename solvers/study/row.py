@@ -12,13 +12,15 @@ Keys of a row::
 gave the errors), ``compile``, ``setup``, ``estimators`` (each one's part of ``full``) and ``effects`` (each alone).
 """
 
+import functools
+import hashlib
 import platform
 import statistics
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.running.fingerprint import fingerprint
 from solvers.scene.effects import EFFECTS
 from solvers.scene.rules import SceneError, field_key
 from solvers.scene.scene import Scene
@@ -125,6 +127,16 @@ def failed(task: Task, reason: str) -> dict:
 def _identity(task: Task) -> dict:
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
             "solvers": fingerprint()}
+
+
+@functools.cache
+def fingerprint() -> str:
+    """Of the source of everything that is computed: a changed solver makes what is kept of it out of date."""
+    root = Path(__file__).parents[1]
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
 
 
 def fault(row: Any) -> str | None:

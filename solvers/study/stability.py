@@ -62,8 +62,7 @@ def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Ite
 
 
 def _scene(kind: type[Scene], inputs: Mapping[str, Any], treatment: str) -> Scene | None:
-    changes = {name: tuple(value) if isinstance(value, list) else value
-               for name, value in TREATMENTS[treatment].items()}
+    changes = TREATMENTS[treatment]
     try:
         return kind(**{**inputs, **changes})
     except SceneError as error:

@@ -7,9 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from solvers.running.fingerprint import fingerprint
 from solvers.study.forms import parsed
-from solvers.study.row import FAILED, fault
+from solvers.study.row import FAILED, fault, fingerprint
 
 NAME = "rows.jsonl"
 

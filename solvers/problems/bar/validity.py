@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from solvers.estimators.phase_lag import out_of_step
-from solvers.scene.estimator_validity import FROZEN_REASON, REMEDIES_REASON
+from solvers.scene.registry import FROZEN_REASON, REMEDIES_REASON
 from solvers.scene.scene import Scene
 
 #: Two-grid: the error of a mapping or a force that is off by the displacement is a share of the motion, whatever the

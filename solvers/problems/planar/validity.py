@@ -1,7 +1,7 @@
 """Where estimators are known, before anything has run, not to hold in the plane, whatever the problem."""
 
 from solvers.problems.planar.scene import PlanarScene
-from solvers.scene.estimator_validity import FROZEN_REASON
+from solvers.scene.registry import FROZEN_REASON
 
 FEWEST_ACROSS = 4  # particles, for a cubic
 

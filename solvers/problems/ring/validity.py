@@ -10,7 +10,7 @@ from typing import Any
 
 from solvers.estimators.phase_lag import out_of_step
 from solvers.problems.planar.validity import off_lattice, too_few_across, transport
-from solvers.scene.estimator_validity import REMEDIES_REASON
+from solvers.scene.registry import REMEDIES_REASON
 
 FEWEST_CELLS = {"material": 12, "none": 48, "two-tone": 48}  # two move in waves across it; with 24 x is .7
 COMPANION_LIMIT = 0.25  # amplitude: the index of the stress is 1.05 there (CPDI, 48 cells, one period), 5.7 at 0.3

@@ -13,34 +13,17 @@ verification testing, Particles 2011; Kamojjala, Brannon, Sadeghirad & Guilkey, 
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from solvers.scene.scene import Scene
 
 INNER, OUTER = 0.75, 1.25
 MIDDLE = 0.5 * (INNER + OUTER)
 BEND, RISE = -32.0, 256.0  # of h, in (R-1)^2 and (R-1)^4: so that h = h' = 0 at both rims
 SECOND_SIZE = 0.5  # of the force's second tone, in w^2 A R h
 SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
-
-
-class Vortex(Protocol):
-    """What these functions ask of a scene: A in radians, w in 1/s, E in Pa, nu, rho in kg/m^3 and the step in s."""
-
-    @property
-    def amplitude(self) -> float: ...
-    @property
-    def angular_frequency(self) -> float: ...
-    @property
-    def modulus(self) -> float: ...
-    @property
-    def poisson_ratio(self) -> float: ...
-    @property
-    def density(self) -> float: ...
-    @property
-    def body_force(self) -> str: ...
-    @property
-    def time_step(self) -> float: ...
 
 
 class Turn(NamedTuple):
@@ -53,8 +36,8 @@ class Turn(NamedTuple):
     curvature: np.ndarray  # alpha_RR, 1/m^2
 
 
-def lame(scene: Vortex) -> tuple[float, float]:
-    """lambda and mu in Pa, from E and nu (plane strain)."""
+def lame(scene: Any) -> tuple[float, float]:
+    """lambda and mu in Pa, from E and nu (plane strain) of a ``VortexScene``, whose file imports this one."""
     mu = 0.5 * scene.modulus / (1 + scene.poisson_ratio)
     return 2 * mu * scene.poisson_ratio / (1 - 2 * scene.poisson_ratio), mu
 
@@ -66,13 +49,13 @@ def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return (1 + (BEND + RISE * square) * square, (2 * BEND + 4 * RISE * square) * s, 2 * BEND + 12 * RISE * square)
 
 
-def time_factors(scene: Vortex, t: float) -> tuple[float, float, float]:
+def time_factors(scene: Scene, t: float) -> tuple[float, float, float]:
     """g, g' and g'' at the time t: with h(R) the angle, its rate and its acceleration."""
     w, A = scene.angular_frequency, scene.amplitude
     return A * np.sin(w * t), A * w * np.cos(w * t), -A * w * w * np.sin(w * t)
 
 
-def turn(scene: Vortex, R: np.ndarray, t: float) -> Turn:
+def turn(scene: Scene, R: np.ndarray, t: float) -> Turn:
     """By how much the circles of radius R are turned, and how that changes."""
     (h, slope, curvature), (g, rate, acceleration) = shape(R), time_factors(scene, t)
     return Turn(g * h, rate * h, acceleration * h, g * slope, g * curvature)
@@ -99,32 +82,32 @@ def _turned(e: np.ndarray, angle: np.ndarray) -> np.ndarray:
     return combined(e, np.cos(angle), np.sin(angle))
 
 
-def position(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+def position(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """x (P, 2) in metres at the material positions X (P, 2)."""
     return _turned(X, turn(scene, np.linalg.norm(X, axis=1), t).angle)
 
 
-def displacement(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """u = x - X (P, 2) in metres; where the angle is small, without the cancellation of that difference."""
     angle = turn(scene, np.linalg.norm(X, axis=1), t).angle
     return -2 * (np.sin(0.5 * angle) ** 2)[:, None] * X + np.sin(angle)[:, None] * -right(X)
 
 
-def velocity(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """v = x_t = R alpha_t e_theta (P, 2) in m/s."""
     R, e = _polar(X)
     now = turn(scene, R, t)
     return combined(_turned(e, now.angle), np.zeros_like(R), R * now.rate)
 
 
-def acceleration(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """a = x_tt = -R alpha_t^2 e_r + R alpha_tt e_theta (P, 2) in m/s^2: not zero at the start."""
     R, e = _polar(X)
     now = turn(scene, R, t)
     return combined(_turned(e, now.angle), -R * now.rate**2, R * now.acceleration)
 
 
-def deformation_gradient(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+def deformation_gradient(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """F = Q (I + R alpha_R e_Theta e_R^T) (P, 2, 2)."""
     R, E = _polar(X)
     now = turn(scene, R, t)
@@ -133,13 +116,13 @@ def deformation_gradient(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
     return image[:, :, None] * E[:, None, :] + right(e)[:, :, None] * right(E)[:, None, :]
 
 
-def polar_stress(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def polar_stress(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cauchy stress rr, rt, tt in the turned polar frame at the radii R, in pascals."""
     mu, shear = lame(scene)[1], R * turn(scene, R, t).slope
     return np.zeros_like(R), mu * shear, mu * shear**2
 
 
-def stress(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3) in pascals."""
     R, E = _polar(X)
     _, shear, hoop = polar_stress(scene, R, t)
@@ -148,7 +131,7 @@ def stress(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
                      hoop * c * c + 2 * shear * c * s], axis=1)
 
 
-def polar_force(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+def polar_force(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
     """Body force per mass along e_r and e_theta at the present angle, in m/s^2, at the radii R.
 
     rho b = rho a - div sigma, and in the turned frame div sigma = -sigma_tt/R e_r + (sigma_rt' + 2 sigma_rt/R) e_theta.
@@ -158,7 +141,7 @@ def polar_force(scene: Vortex, R: np.ndarray, t: float) -> tuple[np.ndarray, np.
             R * now.acceleration - per_mass * (3 * now.slope + R * now.curvature))
 
 
-def field(scene: Vortex, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
+def field(scene: Scene, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
     """At the radii R, of a quantity by its key (``samples.QUANTITIES``), u for x: along e_Theta of the particle at rest
     for x, along e_theta of where it is for v and a, and sigma_rt; as a method has it after the time t: its acceleration
     is the one that its last step used, which began a step before."""
@@ -168,13 +151,13 @@ def field(scene: Vortex, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
     return R * {"x": np.sin(now.angle), "v": now.rate, "a": now.acceleration}[quantity]
 
 
-def body_force(scene: Vortex, X: np.ndarray, t: float) -> np.ndarray:
+def body_force(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """Body force per mass (P, 2), in m/s^2, on the material points X that makes x = Q X the solution."""
     R, E = _polar(X)
     return combined(_turned(E, turn(scene, R, t).angle), *polar_force(scene, R, t))
 
 
-def force_at_rest(scene: Vortex, R: np.ndarray, t: float) -> np.ndarray:
+def force_at_rest(scene: Scene, R: np.ndarray, t: float) -> np.ndarray:
     """Body force per mass (K, 2) at the radii R, in m/s^2, along e_R and e_Theta of the particle at rest."""
     if scene.body_force == "none":
         return np.zeros((len(R), 2))

@@ -9,10 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from solvers.running.fingerprint import fingerprint
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
 from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
+from solvers.study.row import fingerprint
 from solvers.study.store import NotWhole, whole
 from solvers.study.tables.document import Results
 from solvers.study.tables.plan import Row

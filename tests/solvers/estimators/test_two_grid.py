@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers.estimators import lattice
+from solvers.estimators import two_grid
 from solvers.estimators.memory import memory_parts
 from solvers.estimators.phase_lag import lag
 from solvers.kernels.kinds import matrix, pairs, quads, real, reals
@@ -112,9 +112,9 @@ def test_waves_fall_behind_as_linear_theory_says(method, ppc, simulate):
 @pytest.mark.parametrize("targets", [12, 23, 50])
 def test_stencils_are_exact_for_cubics(targets, closed):
     """Both windows, from 24 points to more and fewer; images continue the cubic itself here."""
-    places, count = lattice.centres(targets, 24), 24
-    t = lattice.stencils(places, count, (8, 12), closed)
-    for degree in range(lattice.CUBIC):
+    places, count = two_grid.centres(targets, 24), 24
+    t = two_grid.stencils(places, count, (8, 12), closed)
+    for degree in range(two_grid.CUBIC):
         for q in range(targets):
             points = t["first"][q] + np.arange(t["taps"])
             assert not closed or (points[0] >= 0 and points[-1] < count)
@@ -126,7 +126,7 @@ def test_stencils_smooth_over_cells_and_interpolate_at_their_points():
     """A sawtooth over a cell of four points is mostly gone from a fit over four cells; four taps leave it as it is."""
     wave = np.tile([-1.5, -0.5, 0.5, 1.5], 10)
     for window, most, least in ((16, 0.3, 0.0), (4, 1.6, 1.4)):
-        t = lattice.stencils(lattice.centres(40, 40), 40, (window, window), closed=False)
+        t = two_grid.stencils(two_grid.centres(40, 40), 40, (window, window), closed=False)
         index = (t["first"][:, None] + np.arange(t["taps"])) % 40
         weights = t["weights"][t["row"][:, None] + np.arange(t["taps"]), 0]
         assert least <= np.abs((weights * wave[index]).sum(1)).max() < most

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from solvers.running.fingerprint import fingerprint
 from solvers.study.grid import Task
+from solvers.study.row import fingerprint
 from solvers.study.store import NotWhole, Store, StoreError
 from solvers.study.tables import plan
 from solvers.study.tables.rows import read_row, run_row, write_row
@@ -102,7 +102,7 @@ class Instant:
 
 
 def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("solvers.study.places.Here", Instant)
+    monkeypatch.setattr("app.commands.study.rows.Here", Instant)
     monkeypatch.setattr("app.pictures.study.FIGURES", {})
     flags = ["sweep", "bar", "--cells", "20", "40", "--out", str(tmp_path)]
     assert main(flags) == 0

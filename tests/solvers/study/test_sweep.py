@@ -154,7 +154,7 @@ def test_rows_run_in_processes_of_their_own_and_these_end():
     place, rows = Here(workers=2), []
     execute(plan("bar", {**{name: [value] for name, value in QUICK.items()}, "cells": [8, 9, 10]}, repeats=1), place,
             rows.append)
-    processes = place.process_ids
+    processes = place.pool.process_ids
     place.close()
     assert sorted(row["scene"]["cells"] for row in rows) == [8, 9, 10] and 1 <= len(processes) <= 2
     assert os.getpid() not in processes

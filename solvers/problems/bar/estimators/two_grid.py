@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import lattice, two_grid
+from solvers.estimators import two_grid
 from solvers.kernels.kinds import pairs, quads, real, reals
 from solvers.kernels.packing import part
 from solvers.problems.bar.method.body import BarBody, body
@@ -25,7 +25,7 @@ IMAGES = 4  # images of the common lattice's points beyond either end
 TABLES = ("down", "across", "up")  # from the run's lattice to the common one, from the second run's, and back
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
-    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.MEMBERS.items()},
+    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in two_grid.MEMBERS.items()},
     "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
     "two_grid_before": pairs,  # F and a of the second bar a step ago
     "two_grid_fields": quads,  # u, v, sigma, a of either run, with images
@@ -122,7 +122,7 @@ def subtract(bar: ti.template(), own: ti.template(), stencils: ti.template(), ba
     for p in range(bar.particles):
         first, row = stencils.first[p] + IMAGES, stencils.row[p]
         e = fields_of(bar, p, on)
-        for k in ti.static(range(lattice.CUBIC)):
+        for k in ti.static(range(two_grid.CUBIC)):
             e = e - stencils.weights[row + k][0] * own.common[first + k]  # -= of a whole vector aborts the compiler
         square += e[0] ** 2
         if own.noisy or ti.static(not on.acceleration):
@@ -144,9 +144,9 @@ def allocate(scene):
     P, Q = scene.particles, second.particles
     members = body(second, two_grid.bare(switches(second)))
     windows = two_grid.windows(scene.ppc)
-    tables = {"down": lattice.stencils(lattice.centres(Q, P), P, windows, closed=False),
-              "across": lattice.stencils(lattice.centres(Q, Q), Q, windows, closed=False),
-              "up": lattice.stencils(lattice.centres(P, Q), Q, (lattice.CUBIC, lattice.CUBIC), closed=False)}
+    tables = {"down": two_grid.stencils(two_grid.centres(Q, P), P, windows, closed=False),
+              "across": two_grid.stencils(two_grid.centres(Q, Q), Q, windows, closed=False),
+              "up": two_grid.stencils(two_grid.centres(P, Q), Q, (two_grid.CUBIC, two_grid.CUBIC), closed=False)}
     return {
         **{"coarse_" + name: value for name, value in members.items()},
         **{f"two_grid_{name}_{member}": value for name, t in tables.items() for member, value in t.items()},

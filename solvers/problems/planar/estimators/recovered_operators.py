@@ -78,34 +78,18 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
 
 
 @ti.func
-def radial_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
-                apart):
-    """That sum for ``ABREAST`` radii side by side, of which each has its fields ``apart`` behind the one before."""
-    one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    first, begin, end = row_of(body, table, row, row)
-    entry = start + first
-    for k in range(begin, end):
-        w = picked(part(body, table).weights[k], pick)
-        one += w * field[entry]
-        two += w * field[entry + apart]
-        three += w * field[entry + 2 * apart]
-        entry += 1
-    return one, two, three
-
-
-@ti.func
-def angular_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start,
-                 stride, count, closed: ti.template()):
-    """The same along the angle, where there are ``count`` entries in all, ``stride`` apart, for ``ABREAST`` neighbours
-    on a radius."""
+def sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start, apart,
+         stride, count, closed: ti.template()):
+    """That sum for ``ABREAST`` rows side by side, each with its fields ``apart`` behind the one before's; entries
+    are ``stride`` apart, and where they are ``closed`` there are ``count`` in all."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first, begin, end = row_of(body, table, row, row)
     entry, beyond = start + stride * first, start + stride * count
     for k in range(begin, end):
         w = picked(part(body, table).weights[k], pick)
         one += w * field[entry]
-        two += w * field[entry + 1]
-        three += w * field[entry + 2]
+        two += w * field[entry + apart]
+        three += w * field[entry + 2 * apart]
         entry += stride
         if ti.static(closed):
             entry -= ti.select(entry >= beyond, stride * count, 0)
@@ -122,8 +106,9 @@ def radial_gather(body: ti.template(), block: ti.template(), pick: ti.template()
     for group in range(groups(radii)):
         line = first_of(group, radii)
         for b in range(B):
-            put(body.recovered_particles, line_at(body, VALUES, line, b), B, radial_sums(
-                body, RADIAL_GATHER, b, pick, body.recovered_particles, particle_at(body, block, line * K), K))
+            put(body.recovered_particles, line_at(body, VALUES, line, b), B, sums(
+                body, RADIAL_GATHER, b, pick, body.recovered_particles, particle_at(body, block, line * K), K, 1, 0,
+                False))
 
 
 @ti.func
@@ -134,8 +119,9 @@ def angular_gather(body: ti.template(), into: ti.template(), pick: ti.template()
     for a in range(body.recovered_count // B):
         for group in range(groups(B)):
             b = first_of(group, B)
-            put(body.recovered_nodes, node_at(body, into, a * B + b), 1, angular_sums(
-                body, ANGULAR_GATHER, a, pick, body.recovered_particles, line_at(body, VALUES, 0, b), B, radii, closed))
+            put(body.recovered_nodes, node_at(body, into, a * B + b), 1, sums(
+                body, ANGULAR_GATHER, a, pick, body.recovered_particles, line_at(body, VALUES, 0, b), 1, B, radii,
+                closed))
 
 
 @ti.func
@@ -170,14 +156,14 @@ def smoothing(body: ti.template(), closed: ti.template()):
     for group in range(groups(A)):
         a = first_of(group, A)
         for b in range(B):
-            put(body.recovered_nodes, node_at(body, HALF_SMOOTHED, a * B + b), B, radial_sums(
-                body, RADIAL_SMOOTHING, b, VALUE, body.recovered_nodes, node_at(body, GATHERED, a * B), B))
+            put(body.recovered_nodes, node_at(body, HALF_SMOOTHED, a * B + b), B, sums(
+                body, RADIAL_SMOOTHING, b, VALUE, body.recovered_nodes, node_at(body, GATHERED, a * B), B, 1, 0, False))
     for a in range(A):
         for group in range(groups(B)):
             b = first_of(group, B)
-            put(body.recovered_nodes, node_at(body, SMOOTHED, a * B + b), 1, angular_sums(
-                body, ANGULAR_SMOOTHING, a, ANGULAR_VALUES, body.recovered_nodes, node_at(body, HALF_SMOOTHED, b), B, A,
-                closed))
+            put(body.recovered_nodes, node_at(body, SMOOTHED, a * B + b), 1, sums(
+                body, ANGULAR_SMOOTHING, a, ANGULAR_VALUES, body.recovered_nodes, node_at(body, HALF_SMOOTHED, b), 1, B,
+                A, closed))
 
 
 @ti.func
@@ -230,8 +216,9 @@ def radial_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
     for group in range(groups(body.particles // K)):
         line = first_of(group, body.particles // K)
         for j in range(K):
-            put(body.recovered_particles, particle_at(body, into, line * K + j), K, radial_sums(
-                body, RADIAL_FIT, j, pick, body.recovered_particles, particle_at(body, FIELD, line * K), K))
+            put(body.recovered_particles, particle_at(body, into, line * K + j), K, sums(
+                body, RADIAL_FIT, j, pick, body.recovered_particles, particle_at(body, FIELD, line * K), K, 1, 0,
+                False))
 
 
 @ti.func
@@ -243,8 +230,8 @@ def angular_fit(body: ti.template(), block: ti.template(), into: ti.template(), 
     for line in range(body.particles // K):
         for group in range(groups(K)):
             j = first_of(group, K)
-            put(body.recovered_particles, particle_at(body, into, line * K + j), 1, angular_sums(
-                body, ANGULAR_FIT, line, pick, body.recovered_particles, particle_at(body, block, j), K,
+            put(body.recovered_particles, particle_at(body, into, line * K + j), 1, sums(
+                body, ANGULAR_FIT, line, pick, body.recovered_particles, particle_at(body, block, j), 1, K,
                 body.particles // K, closed))
 
 

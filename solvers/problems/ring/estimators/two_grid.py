@@ -14,7 +14,7 @@ from dataclasses import fields
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import lattice, two_grid
+from solvers.estimators import two_grid
 from solvers.kernels.kinds import octets, pairs, quads, real, reals
 from solvers.kernels.packing import part
 from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
@@ -31,7 +31,7 @@ PARITY = (1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 1.0)  # of the mirror image of u
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in RingBody.types().items()},
-    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in lattice.MEMBERS.items()},
+    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in two_grid.MEMBERS.items()},
     "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
     "two_grid_angles": ti.i32, "two_grid_coarse_angles": ti.i32, "two_grid_common_radii": ti.i32,  # of the lattices
     "two_grid_before": quads, "two_grid_before_a": pairs,  # F and a of the second ring a step ago
@@ -68,8 +68,8 @@ def report(ring: ti.template(), base, step, on: ti.template()):
            ring.coarse_particles // own.coarse_angles, -own.gain)
     across = ring.particles // own.angles
     along_radius(own, part(ring, "two_grid_up_radius_"), own.common, own.coarse_angles, own.common_radii, across,
-                 lattice.CUBIC)
-    reflect(own, own.coarse_angles, across, lattice.CUBIC)
+                 two_grid.CUBIC)
+    reflect(own, own.coarse_angles, across, two_grid.CUBIC)
     run_fields(ring, own)
     subtract(ring, own, part(ring, "two_grid_up_angle_"), across, base)
 
@@ -208,13 +208,13 @@ def coarse_scene(scene):
 def all_stencils(scene, second):
     """The six tables, and the numbers of points (around, across) of the run's, the second's and the common lattice."""
     fine, coarse = (s.polar_counts(s.cells, s.ppc) for s in (scene, second))
-    common = coarse[0], max(coarse[1], lattice.CUBIC)
-    windows, cubic = two_grid.windows(scene.ppc), (lattice.CUBIC, lattice.CUBIC)
+    common = coarse[0], max(coarse[1], two_grid.CUBIC)
+    windows, cubic = two_grid.windows(scene.ppc), (two_grid.CUBIC, two_grid.CUBIC)
     tables = {}
     for way, source, target, fit in (("down", fine, common, windows), ("across", coarse, common, windows),
                                      ("up", common, fine, cubic)):
         for along, k in (("radius", 1), ("angle", 0)):
-            tables[f"{way}_{along}"] = lattice.stencils(lattice.centres(target[k], source[k]), source[k], fit,
+            tables[f"{way}_{along}"] = two_grid.stencils(two_grid.centres(target[k], source[k]), source[k], fit,
                                                      closed=along == "radius")
     return tables, fine, coarse, common
 
@@ -228,7 +228,7 @@ def allocate(scene):
     P, C = fine[0] * fine[1], common[0] * common[1]
     band = max((fine[0] + 2 * tables["down_angle"]["taps"]) * common[1],
                (coarse[0] + 2 * tables["across_angle"]["taps"]) * common[1],
-               (common[0] + 2 * lattice.CUBIC) * fine[1])
+               (common[0] + 2 * two_grid.CUBIC) * fine[1])
     return {
         **{"coarse_" + name: value for name, value in members.items()},
         **{f"two_grid_{name}_{member}": value for name, t in tables.items() for member, value in t.items()},

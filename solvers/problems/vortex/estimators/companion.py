@@ -168,13 +168,14 @@ def allocate(scene) -> dict[str, np.ndarray]:
     lam, mu = exact.lame(scene)
     frequency = np.sqrt((lam + 2 * mu) / scene.density) * companion_mesh.unit_frequency(elements)
     inverse_mass = np.repeat(1 / (scene.density * companion_mesh.masses(elements))[:, None], 2, axis=1)
-    first, basis = companion_mesh.read_radii(elements, radii)
+    element, *basis = elements.locate(radii)
     return {
         **shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), frequency, scene.time_step,
                        exact.velocity(scene, exact.on_axis(R), 0.0), inverse_mass),
         "companion_radii": np.stack([R, *exact.shape(R)], axis=1),
         "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
-        "companion_first": first, "companion_basis": basis, "companion_circles": np.zeros((len(radii), 8))}
+        "companion_first": (element * elements.order).astype(np.int32),
+        "companion_basis": np.stack(basis, axis=2).reshape(-1, 2), "companion_circles": np.zeros((len(radii), 8))}
 
 
 def standalone(scene) -> companion_mesh.VortexCompanionBody:

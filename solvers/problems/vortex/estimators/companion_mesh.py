@@ -27,12 +27,6 @@ def masses(elements: Elements) -> np.ndarray:
     return elements.assembled_weights * elements.nodes
 
 
-def read_radii(elements: Elements, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First node of the element of each of K radii, and there the p + 1 polynomials: value and slope (K (p+1), 2)."""
-    element, values, slopes = elements.locate(radii)
-    return (element * elements.order).astype(np.int32), np.stack([values, slopes], axis=2).reshape(-1, 2)
-
-
 @functools.cache
 def unit_frequency(elements: Elements) -> float:
     """The highest frequency of the ring at rest for a wave speed of 1 m/s, in 1/s: u_tt = u'' + u'/R - u/R^2."""
