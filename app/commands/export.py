@@ -38,7 +38,13 @@ class Export:
         require_whole("processes", self.processes, 1, 64)
         is_scene = begins(self.what)
         if is_scene:
-            _check_scene(self.what)
+            try:
+                scene = read(self.what).scene
+            except StateError as error:
+                raise BadInput("", self.what, str(error)) from None
+            if (work := scene.particles * scene.steps) > LONGEST_RUN:
+                raise BadInput("", self.what, f"would take {work:.2g} particle-steps, too long to record; give fewer "
+                               f"cells, periods or a larger cfl, up to {LONGEST_RUN:.0e}")
         name = self.what if is_scene else lesson_called(self.what)
         target = Target("out", self.out, ending=".html")
         with working(self.quiet) as show:  # imports here: bad input and --help must not wait for the page's
@@ -49,20 +55,10 @@ class Export:
                 from app.export.lesson import lesson_page
                 from app.lessons import shelf
                 try:
-                    page = lesson_page(shelf.lesson(name), self.processes, show).encode()
+                    lesson = shelf.lesson(name)
                 except LessonError as error:
                     raise BadInput("", name, str(error)) from None
+                page = lesson_page(lesson, self.processes, show).encode()
         target.write(page)
         say(f"{target.text}: {len(page) / 1e6:.1f} MB")
         return 0
-
-
-def _check_scene(text: str) -> None:
-    """Raise :class:`BadInput` for what is no scene, or one that nobody wants to wait for."""
-    try:
-        scene = read(text).scene
-    except StateError as error:
-        raise BadInput("", text, str(error)) from None
-    if scene.particles * scene.steps > LONGEST_RUN:
-        raise BadInput("", text, f"would take {scene.particles * scene.steps:.2g} particle-steps, too long to record; "
-                                 f"give fewer cells, periods or a larger cfl, up to {LONGEST_RUN:.0e}")

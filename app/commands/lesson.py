@@ -1,22 +1,19 @@
 """``mpm-lab lesson list|check|guide|grade``: lessons without a page."""
 
-from __future__ import annotations
-
-import contextlib
 import os
+from contextlib import closing
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, put_text, say, working
+from app.lessons import grading, progress
+from app.lessons.checking import checks
 from app.lessons.lesson import Lesson, LessonError
+from app.lessons.outcomes import Outcomes, scene_texts
 from solvers.scene.rules import require_whole
-
-if TYPE_CHECKING:
-    from app.lessons.outcomes import Outcomes
-    from app.lessons.progress import Progress
 
 OK, FAILED = 0, 1
 MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
@@ -65,9 +62,7 @@ class LessonCheck:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
         lessons, mistakes = _read(self.names)
-        with working(self.quiet) as show, _running(self.processes) as outcomes:
-            from app.lessons.checking import checks
-            from app.lessons.outcomes import scene_texts
+        with working(self.quiet) as show, closing(Outcomes(self.processes)) as outcomes:
             texts = [text for lesson in lessons for numbers in lesson.variants[:self.variants]
                      for text in scene_texts(lesson, numbers)]
             outcomes.prepare(texts, lambda done, total: show(done / total))
@@ -104,7 +99,7 @@ class LessonGuide:
         lessons, _ = _read((self.name,))
         if not lessons:
             return FAILED
-        with working(self.quiet), _running(1) as outcomes:
+        with working(self.quiet), closing(Outcomes(1)) as outcomes:
             text = guide.KINDS[ending or ".md"](lessons[0], outcomes)
         put_text(text, target)
         return OK
@@ -128,23 +123,23 @@ class LessonGrade:
         if not self.files:
             raise BadInput("", "", "give the files that students have handed in")
         target = None if self.out is None else Target("out", self.out, ending=".csv")
-        from app.lessons import grading, shelf
-        read = [found for file in self.files if (found := _answers(file)) is not None]
+        from app.lessons import shelf
+        read = [answers for file in self.files if (answers := _answers(file)) is not None]
         lessons = shelf.lessons()
-        with working(self.quiet) as show, _running(2) as outcomes:
+        with working(self.quiet) as show, closing(Outcomes(2)) as outcomes:
             rows = []
-            for done, (file, progress) in enumerate(read):
+            for done, (file, found) in enumerate(read):
                 show(done / len(read))
-                rows.append(grading.graded(file, progress, lessons[progress.lesson], outcomes))
+                rows.append(grading.graded(file, found, lessons[found.lesson], outcomes))
         put_text(grading.table(rows), target, "utf-8-sig")  # by which a spreadsheet knows the characters
         for sentence in () if self.quiet else grading.coverage(rows):
             say(sentence)
         return OK if len(read) == len(self.files) else FAILED
 
 
-def _answers(file: str) -> tuple[str, Progress] | None:
+def _answers(file: str) -> tuple[str, progress.Progress] | None:
     """What a file says; None where it cannot be read, which is told."""
-    from app.lessons import progress, shelf
+    from app.lessons import shelf
     try:
         with open(file, encoding="utf-8") as opened:
             text = opened.read(MOST_CHARACTERS)
@@ -154,11 +149,6 @@ def _answers(file: str) -> tuple[str, Progress] | None:
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
         say(BadInput("", os.path.basename(file) or file, said))
         return None
-
-
-def _running(processes: int) -> contextlib.closing[Outcomes]:
-    from app.lessons.outcomes import Outcomes
-    return contextlib.closing(Outcomes(processes))
 
 
 def _read(names: tuple[str, ...]) -> tuple[list[Lesson], int]:

@@ -1,6 +1,7 @@
 """The lessons that there are: a Markdown file each in ``lessons/``."""
 
 import threading
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -48,8 +49,6 @@ def _read(folder: Path, files: tuple[tuple[str, int], ...]) -> dict[str, Lesson]
     """The lessons of files that were last changed then."""
     found = {}
     for name, _ in files:
-        try:
+        with suppress(LessonError):
             found[name] = lesson(name, folder)
-        except LessonError:
-            continue
     return found

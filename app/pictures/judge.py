@@ -23,9 +23,10 @@ def norms_figure(judged: Judgement) -> Figure:
     """Each quantity's norm over time, a line for each grid; the companion's estimate is dashed."""
     figure = Figure(figsize=(10, 7.5), layout="constrained")
     for axes, q in zip(figure.subplots(len(JUDGED), 1, sharex=True), JUDGED, strict=True):
-        drawn = [_draw_norms(axes, g, q, k, len(judged.grids)) for k, g in enumerate(judged.grids)]
+        for k, g in enumerate(judged.grids):
+            _draw_norms(axes, g, q, k, len(judged.grids))
         axes.set_ylabel(f"{QUANTITIES[q]} ({QUANTITIES[q].unit})")
-        if not any(drawn):
+        if not axes.lines:
             axes.set_yticks([])
             say(axes, "not in the files, or zero")
             continue
@@ -39,21 +40,17 @@ def norms_figure(judged: Judgement) -> Figure:
     return figure
 
 
-def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> bool:
-    """Whether there was anything to draw."""
+def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> None:
     shade = 1.0 if count == 1 else 0.35 + 0.65 * (k + 1) / count
     mark = MARKS[k % len(MARKS)] if len(g.grid.times) <= 12 else None
     lines = [("truth", series(g.true)[q], TRUTH, "-")] if g.true else []
     lines.append(("companion", series(g.estimated)[q], ESTIMATE, "--"))
-    shown = False
     for label, values, colour, style in lines:
         moved = g.grid.times > 0  # the error of the start is rounding, far below all others
         values, times = positive(values[moved]), g.grid.times[moved]
         if np.isfinite(values).any():
             axes.plot(times, values, color=colour, linestyle=style, marker=mark, markersize=5, alpha=shade,
                       linewidth=1.4, label=f"{label}, {g.grid.cells} cells")
-            shown = True
-    return shown
 
 
 def space_figure(judged: Judgement) -> Figure | None:

@@ -93,7 +93,9 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     if silent:
         axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
                   color=ESTIMATE, ha="right")
-    axes.set(yscale="log", ylim=_span(np.concatenate(drawn)))
+    values = np.concatenate(drawn)
+    low = float(np.nanpercentile(values, 2)) / 2  # the first steps, where errors begin at nothing, may leave it below
+    axes.set(yscale="log", ylim=(low, min(2 * float(np.nanmax(values)), low * 10.0**MOST_DECADES)))
     axes.grid(alpha=0.3)
     if quantity == "x":
         axes.legend(loc="lower right", fontsize=8, framealpha=0.9)
@@ -138,12 +140,6 @@ def _not_estimated(result: Result, quantity: str) -> list[str]:
     """The active estimators that say nothing about a quantity."""
     return [name for name in result.scene.active_estimators
             if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
-
-
-def _span(values: np.ndarray) -> tuple[float, float]:
-    """Limits of a logarithmic axis: the first steps, where errors begin at nothing, may leave it below."""
-    low = float(np.nanpercentile(values, 2)) / 2
-    return low, min(2 * float(np.nanmax(values)), low * 10.0**MOST_DECADES)
 
 
 def _marker(values: np.ndarray) -> str | None:

@@ -17,27 +17,27 @@ FAR = 1e6  # no camera, and no place of the canvas, is further out
 LARGEST_CANVAS = 32_768  # pixels
 STEEP = 1e-6  # part of a click's ray across the stage; one along the stage never meets it
 
-Fields = dict[str, Callable[[Any], bool]]
+Rule = Callable[[Any], bool]
 
 
-def _numbers(count: int, reach: float = FAR) -> Callable[[Any], bool]:
+def _numbers(count: int, reach: float = FAR) -> Rule:
     return lambda value: (type(value) is list and len(value) == count
                           and all(widgets.number(part, -reach, reach) for part in value))
 
 
-def _between(low: float, high: float) -> Callable[[Any], bool]:
+def _between(low: float, high: float) -> Rule:
     return lambda value: widgets.number(value, low, high)
 
 
-def _whole(low: int, high: int) -> Callable[[Any], bool]:
+def _whole(low: int, high: int) -> Rule:
     return lambda value: type(value) is int and low <= value <= high
 
 
-def _text(longest: int) -> Callable[[Any], bool]:
+def _text(longest: int) -> Rule:
     return lambda value: type(value) is str and len(value) <= longest
 
 
-def _or_none(rule: Callable[[Any], bool]) -> Callable[[Any], bool]:
+def _or_none(rule: Rule) -> Rule:
     return lambda value: value is None or rule(value)
 
 
@@ -46,30 +46,20 @@ def _turn(value: Any) -> bool:
     return _numbers(4, 1.01)(value) and abs(math.hypot(*value) - 1) < 0.01
 
 
-def _ray(value: Any) -> bool:
-    return _numbers(3)(value) and abs(value[2]) > STEEP
-
-
-def _places(value: Any) -> bool:
-    return type(value) is list and len(value) <= 2 and all(map(_numbers(2), value))
-
-
-def _value_alone(value: Any) -> bool:
-    """Of all that a widget has, a visitor changes the value only."""
-    return type(value) is dict and list(value) == ["value"]
-
-
 _SPACE, _words = _numbers(3), _text(widgets.LONGEST_TEXT)
 #: Every kind of message that the page needs, with all of its fields.
-FIELDS: dict[str, Fields] = {
-    "GuiUpdateMessage": {"uuid": _words, "updates": _value_alone},
+FIELDS: dict[str, dict[str, Rule]] = {
+    "GuiUpdateMessage": {  # of all that a widget has, a visitor changes the value only
+        "uuid": _words, "updates": lambda value: type(value) is dict and list(value) == ["value"]},
     "ViewerCameraMessage": {
         "wxyz": _turn, "position": _SPACE, "fov": _between(1e-3, math.pi), "near": _between(0, FAR),
         "far": _between(0, FAR), "image_height": _whole(1, LARGEST_CANVAS), "image_width": _whole(1, LARGEST_CANVAS),
         "look_at": _SPACE, "up_direction": _SPACE},
     "ScenePointerMessage": {
         "event_type": lambda value: value in ("click", "rect-select"), "ray_origin": _or_none(_SPACE),
-        "ray_direction": _or_none(_ray), "screen_pos": _places, "modifier": _or_none(_words)},
+        "ray_direction": _or_none(lambda value: _SPACE(value) and abs(value[2]) > STEEP),
+        "screen_pos": lambda value: type(value) is list and len(value) <= 2 and all(map(_numbers(2), value)),
+        "modifier": _or_none(_words)},
     upload.START: {
         "source_component_uuid": _words, "transfer_uuid": _words, "filename": _text(LONGEST_NAME),
         "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},

@@ -54,14 +54,11 @@ class Upload:
     def __init__(self, gui: viser.GuiApi, button: viser.GuiUploadButtonHandle, on_file: Callable[[str, Path], None],
                  on_refusal: Callable[[str], None]):
         self._gui, self._button, self._on_file, self._on_refusal = gui, button, on_file, on_refusal
-        self._folder = tempfile.TemporaryDirectory(prefix="mpm-lab-", ignore_cleanup_errors=True)
+        self._temporary = tempfile.TemporaryDirectory(prefix="mpm-lab-", ignore_cleanup_errors=True)
+        self.folder = Path(self._temporary.name)
         self._coming_file: _ComingFile | None = None
         self._closed, self._lock = False, threading.Lock()
         object.__setattr__(button, _OWN, self)  # the viewer's own way takes its properties only
-
-    @property
-    def folder(self) -> Path:
-        return Path(self._folder.name)
 
     @property
     def coming(self) -> str:
@@ -76,7 +73,7 @@ class Upload:
             self._closed = True
             if self._coming_file:
                 self._coming_file.into.close()
-            self._folder.cleanup()
+            self._temporary.cleanup()
 
     def take(self, kind: str, said: dict[str, Any]) -> str | None:
         """Take in a message with good fields; why it is refused, if it is."""

@@ -57,10 +57,6 @@ class Control:
     kind: str
     props: dict[str, Any]
 
-    @property
-    def label(self) -> str:
-        return str(self.props.get("label", ""))
-
 
 @dataclass
 class Visitor:
@@ -91,7 +87,7 @@ class Visitor:
     def find(self, label: str, kind: str = "") -> str | None:
         """The number of the control whose label begins so, of a kind that has this in its name."""
         return next((number for number, control in self.controls.items()
-                     if control.label.startswith(label) and kind in control.kind), None)
+                     if str(control.props.get("label", "")).startswith(label) and kind in control.kind), None)
 
     async def play_with(self, label: str, dice: random.Random) -> None:
         """Set a slider to anything that it may be, if it is there."""

@@ -55,8 +55,9 @@ def _summary(values: dict, judged: Judgement) -> str:
     heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
     rows = []
     for g, one in zip(values["grids"], judged.grids, strict=True):
-        errors = _errors(g)
-        rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", _times(g["times"]),
+        errors, times = _errors(g), g["times"]
+        when = f"t = {times[0]:.4g} s" if len(times) == 1 else f"{len(times)}, {times[0]:.4g} to {times[-1]:.4g} s"
+        rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", when,
                      *(_size(errors[q]["max"], q) for q in JUDGED),
                      _percent(errors["x"]["max"], one.scene.size_of("x"))])
     return grid(heads, rows, words=("times",))
@@ -65,10 +66,6 @@ def _summary(values: dict, judged: Judgement) -> str:
 def _errors(g: dict) -> dict:
     """Summaries against the best that is known."""
     return g["error"] or g["estimate"]["companion"]
-
-
-def _times(times: list[float]) -> str:
-    return f"t = {times[0]:.4g} s" if len(times) == 1 else f"{len(times)}, {times[0]:.4g} to {times[-1]:.4g} s"
 
 
 def _verdict(g: dict, values: dict) -> str:

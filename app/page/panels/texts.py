@@ -1,17 +1,14 @@
 """The tab to read: About, for someone who sees the page for the first time."""
 
-from pathlib import Path
-
 import viser
 
+from app.page.panels.head import WEB
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.step_bound import SAFE
 from solvers.solver.soundness import CONTRADICTIONS, MOST_ERROR
-
-WEB = Path(__file__).resolve().parents[1] / "web"
 
 
 def add_about(gui: viser.GuiApi) -> None:
@@ -22,12 +19,6 @@ def add_about(gui: viser.GuiApi) -> None:
     for estimator in ESTIMATORS.values():
         with gui.add_folder(f"The estimator {estimator.title}", expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation}</div>")
-    gui.add_html(_trust())
-    gui.add_html((WEB / "try.html").read_text(encoding="utf-8"))
-
-
-def _trust() -> str:
-    """What ok, unstable and lost mean, and the remedies, in the words of those who decide."""
     rules = "".join(f"<li>{rule.sentence.format(size=f'more than {rule.most:g}')}</li>"
                     for rule in CONTRADICTIONS.values())
     remedies = ""
@@ -35,5 +26,6 @@ def _trust() -> str:
         titles = [problem.scene.TITLE for problem in PROBLEMS.values() if remedy.name in problem.scene.REMEDIES]
         only = f" ({', '.join(titles)} only)" * (len(titles) < len(PROBLEMS))
         remedies += f"<dt>{remedy.label}{only}</dt><dd>{remedy.explanation}.</dd>"
-    text = (WEB / "trust.html").read_text(encoding="utf-8")
-    return text.format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE)
+    trust = (WEB / "trust.html").read_text(encoding="utf-8")
+    gui.add_html(trust.format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
+    gui.add_html((WEB / "try.html").read_text(encoding="utf-8"))

@@ -77,9 +77,6 @@ class Marker:
 
 def asked_since(lesson: Lesson, step: Step) -> list[Step]:
     """The steps with questions since the explanation before this one."""
-    found: list[Step] = []
-    for other in reversed(lesson.steps[:lesson.steps.index(step)]):
-        if other.kind == EXPLAIN:
-            break
-        found.insert(0, other)
-    return [other for other in found if other.question]
+    before = lesson.steps[:lesson.steps.index(step)]
+    first = max((k for k, other in enumerate(before, 1) if other.kind == EXPLAIN), default=0)
+    return [other for other in before[first:] if other.question]
