@@ -19,8 +19,6 @@ OK, FAILED = 0, 1
 MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
 CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
 
-LessonNames = Annotated[NamesFlag, tyro.conf.Positional]
-
 
 @dataclass(frozen=True)
 class LessonList:
@@ -45,7 +43,7 @@ class LessonCheck:
     Exit status: 0 all claims hold, 1 one does not, or a file has a mistake, 2 bad input.
     """
 
-    names: Annotated[LessonNames, default_hint("all lessons")] = ()
+    names: Annotated[NamesFlag, tyro.conf.Positional, default_hint("all lessons")] = ()
     """Lessons, by name or number."""
     variants: Annotated[NumberFlag, default_hint("all")] = None
     """How many of each lesson's sets of numbers are tried."""

@@ -1,5 +1,4 @@
-"""What a student has done in a lesson: kept by the browser, handed in as a file. Text from outside is believed in
-nothing: what is not of the right form is left out or refused."""
+"""What a student has done in a lesson, kept by the browser, handed in as a file: what has another form is refused."""
 
 import json
 from collections.abc import Callable

@@ -18,9 +18,8 @@ from app.page.features.slow.panel import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import add_head, set_up
+from app.page.panels.head import ENLARGED, Presenter, add_head, set_up
 from app.page.panels.looking import Looking
-from app.page.panels.presenter import ENLARGED, Presenter
 from app.page.panels.texts import add_about
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source

@@ -32,10 +32,8 @@ def number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
 
 
 def put_props(handle: viser.SceneNodeHandle, props: dict[str, Any]) -> None:
-    """Set several properties of a thing on the stage in one message, as they are.
-
-    The viewer's setters compare, copy and convert each of them several times, which took half of the time of a frame.
-    """
+    """Set several properties of a thing on the stage in one message, as they are: the viewer's setters compare, copy
+    and convert each of them several times, which took half of the time of a frame."""
     for name, value in props.items():
         setattr(handle._impl.props, name, value)
     handle._impl.api._queue_scene_message(SceneNodeUpdateMessage(handle.name, props))
@@ -62,11 +60,7 @@ def _option(widget: Any, value: Any) -> bool:
     return type(value) is str and value in widget.options
 
 
-def _text(widget: Any, value: Any) -> bool:
-    return type(value) is str and len(value) <= getattr(widget, _OWN, LONGEST_TEXT)
-
-
 RULES: dict[type, Callable[[Any, Any], bool]] = {
     viser.GuiSliderHandle: _ranged, viser.GuiNumberHandle: _ranged, viser.GuiCheckboxHandle: _truth,
     viser.GuiButtonHandle: _truth, viser.GuiDropdownHandle: _option, viser.GuiButtonGroupHandle: _option,
-    viser.GuiTextHandle: _text}
+    viser.GuiTextHandle: lambda text, value: type(value) is str and len(value) <= getattr(text, _OWN, LONGEST_TEXT)}

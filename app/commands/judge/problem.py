@@ -19,7 +19,6 @@ from solvers.problems.reference import OF_METHODS, Texts
 from solvers.scene.rules import field_key
 from solvers.scene.scene import Scene
 
-OK = 0
 PAGE = Path(__file__).parent / "problem.md"
 TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
 QUARTERS = 4  # of a period: the times of the exact solution where none are asked for
@@ -70,7 +69,7 @@ class ProblemCommand(SceneFlags):
         for name, content in _files(scene, times).items():
             folder.put(name, content)
         say(f"{folder.text}: begin with problem.md")
-        return OK
+        return 0
 
 
 def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:

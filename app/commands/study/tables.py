@@ -1,7 +1,7 @@
 """``mpm-lab tables``: the paper's tables beside ours, row by row, so that what is finished is never run twice."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -46,13 +46,8 @@ class Tables:
         made = [plan.make(number, estimators) for number in numbers]
         results = _run_rows(made, Path(self.out, ROWS), self.quiet)
         tables = [document(table, results) for table in made]
-        from app.pictures.run import png_bytes
-        from app.pictures.tables import figure
         for table in tables:
-            files = targets[table["table"]]
-            files["json"].write(json_text(table, lines=True).encode())
-            files["md"].write(markdown(table).encode())
-            files["png"].write(png_bytes(figure(table)))
+            _write(table, targets[table["table"]])
         unstable = [row for table in tables for row in table["rows"] if row["unstable"]]
         for row in unstable:
             say(f"{row['name']}: {row['unstable']}")
@@ -96,3 +91,12 @@ def _kept(folder: Path, row: plan.Row, quiet: bool) -> Results | None:
         if not quiet:
             say(f"{folder.name}/{row.name}.json {error}: it is made again")
         return None
+
+
+def _write(table: dict, targets: Mapping[str, Target]) -> None:
+    from app.pictures.run import png_bytes
+    from app.pictures.tables import figure
+
+    targets["json"].write(json_text(table, lines=True).encode())
+    targets["md"].write(markdown(table).encode())
+    targets["png"].write(png_bytes(figure(table)))

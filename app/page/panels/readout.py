@@ -72,7 +72,10 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     moves = f"{NOTHING if speed is None else f'{speed:.2g}'} of {session.speed:.3g} periods/s" \
             + " <span class='lab-capped'>CAPPED</span>" * slow
     rests = "stopped" if report.status == UNSTABLE else "at its end" if session.ended else "paused"
-    margin = _last(series.get("margin", np.zeros(0))) if ago else history.margin
+    margin = history.margin
+    if ago:
+        known = series.get("margin", np.zeros(0))
+        margin = next(reversed(known[np.isfinite(known)]), math.nan)
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods"),
             ("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
             *([("step", _margin(margin))] if scene.has("margin") else []),
@@ -97,12 +100,6 @@ def _percent(share: float | None) -> str:
     if f"{share:.2%}".lstrip("-") == "0.00%":
         return "0.00%"
     return f"{sign}{abs(share):.2%}" if abs(share) < 10 else f"{sign}{ratio(100 * abs(share))}%"
-
-
-def _last(values: np.ndarray) -> float:
-    """The last finite one of some values (n,); NaN if there is none."""
-    known = values[np.isfinite(values)]
-    return float(known[-1]) if len(known) else math.nan
 
 
 def _margin(margin: float) -> str:

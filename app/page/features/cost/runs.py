@@ -85,11 +85,9 @@ class Runs:
     """The rows of one visitor. Any thread may add and read; ``version`` grows with every change."""
 
     def __init__(self, most: int = MOST_RUNS):
-        self._lock = threading.Lock()
-        self._most = most
+        self._lock, self._most = threading.Lock(), most
         self._runs: dict[str, NumberedRun] = {}
-        self._numbers = 0
-        self.version = 0
+        self._numbers = self.version = 0
 
     def add(self, row: dict, source: str) -> None:
         """Take a row in. A scene that is there keeps its number, its sweep's row goes before a live one, and a row that
