@@ -202,4 +202,3 @@ VIEW: dict[str, tuple[str, Callable[[str, str], Any]]] = {
     "magnify": ("magnified", _one_of({str(factor): factor for factor in MAGNIFICATIONS})),
     "logarithmic": ("logarithmic", _yes_or_no), "domains": ("domains", _yes_or_no), "speed": ("speed", _speed),
     "trace": ("traced", _particle), "stops": ("stops", _yes_or_no)}
-

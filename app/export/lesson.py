@@ -1,18 +1,19 @@
 """A lesson as data for the player: texts as html, questions with what is right, stages with runs around them."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from app import state
 from app.export import lattice
-from app.export.answers import rules
 from app.export.page import Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
 from app.lessons import progress, shelf
-from app.lessons.lesson import DRAG, NAMES, POWERS, REACH, Lesson, Question, Step, filled
-from app.lessons.marks import LONGEST, MOST, TOLD_AFTER
+from app.lessons.claims import ClaimError, needed
+from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
+from app.lessons.marks import LONGEST, MOST, TOLD_AFTER, expressions, right
 from app.lessons.markup import html
+from app.lessons.outcomes import Outcomes, RunFailed
 from app.words import QUANTITIES, SYMBOLS
 
 #: How many values of each field a stage of a lesson has beside those that its text names.
@@ -61,6 +62,48 @@ def _sought(lesson: Lesson, step: Step) -> str:
     """The field that the question after a step has one find on the stage, or ""."""
     following = lesson.steps[lesson.steps.index(step) + 1:][:1]
     return next((other.question.control for other in following if other.question and other.question.kind == DRAG), "")
+
+
+def rules(lesson: Lesson, processes: int,
+          on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
+    """What is right in each question with the numbers of each variant; None where it could not be found out."""
+    outcomes, found = Outcomes(processes), dict[str, list[dict[str, Any] | None]]()
+    try:
+        outcomes.prepare(_needed(lesson), lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
+        for step in lesson.questions.values():
+            found[step.key] = [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+    finally:
+        outcomes.close()
+    return found
+
+
+def _needed(lesson: Lesson) -> list[str]:
+    """The scenes of all runs that questions are about."""
+    found = []
+    for step in lesson.questions.values():
+        asked = step.question
+        assert asked is not None
+        for numbers in lesson.variants:
+            for expression in expressions(asked, numbers):
+                names = needed(expression, lesson.runs, lesson.main_run(step)) - {""}
+                found += [filled(text, numbers) for name in names for text in lesson.runs[name].texts]
+    return found
+
+
+def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> dict[str, Any] | None:
+    """How the player marks an answer: ``options`` that are right, or the ``value`` and how far off one may be; and
+    what came out, in words."""
+    asked = step.question
+    assert asked is not None
+    if asked.kind == TEXT:
+        return {"told": ""}
+    try:
+        found = right(lesson, step, numbers, outcomes)
+    except (ClaimError, RunFailed):
+        return None
+    if asked.kind == CHOICE:
+        return {"options": list(found.options), "told": found.told}
+    return {"value": found.value, "tolerance": asked.tolerance, "told": found.told}
 
 
 def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 from app import words
 from app.colours import PINNED, TRUTH, colour_table
 from app.export import quantise
-from app.frame import axis, colour_bar, field, marks, scale, sentence, silences
+from app.frame import colour_bar, field, marks, scale, sentence, silences
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE, counting
 from app.frame.stage import Seat, Stage, Words
 from app.problems.views import VIEWS
@@ -21,7 +21,7 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
                       "memory": scale.MEMORY, "smallest": scale.SMALLEST,
                       "bar": {"middle": colour_bar.MIDDLE, "height": colour_bar.HEIGHT, "gap": colour_bar.TICK_GAP}},
-            "axis": {"steps": axis.STEPS, "room": axis.ROOM},
+            "axis": {"steps": field.STEPS, "room": field.ROOM},
             "colours": _colours(), "flash_seconds": marks.FLASH_SECONDS,
             "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
             "compare": (SIDE_BY_SIDE, DIFFERENCE), "unknown": counting("{caption}", "{unknown}"),

@@ -7,16 +7,39 @@ from typing import Any
 import numpy as np
 
 from app.colours import TRUTH, rgb
-from app.frame.axis import ROOM, Axis
 from app.frame.captions import counting, field_caption
 from app.frame.marks import AWAY, DOT, FAINT, FLASH, Dots, Label, Lines, Mark, in_plane, joined
-from app.frame.scale import LEAST_REACH, largest
+from app.frame.scale import LEAST_REACH, SMALLEST, largest, round_up
 from app.words import QUANTITIES, with_unit
 from solvers.scene.scene import Scene
 
 CURVE_POINTS = 121
 EXACT, OWN, CROSSED, OTHER = rgb(TRUTH), *(np.array(colour, np.uint8) for colour in (DOT, FLASH, FAINT))
 INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
+STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: what an axis may end at
+ROOM = 1.1  # an axis goes on so far beyond its last number, and values with it
+FADE = 0.985  # per frame: how slowly the axis follows when values shrink
+SLACK = 0.4  # of its height that values must fall below before it does
+
+
+class Axis:
+    """The axis of a plot whose values come and go: it ends at round numbers, holds all that is there and moves calmly.
+
+    It goes from -``top`` to ``top``; what is within ``ROOM`` times that is on it."""
+
+    def __init__(self) -> None:
+        self._peak, self.top = 0.0, 1.0
+
+    def forget(self) -> None:
+        """Begin anew with the next frame."""
+        self._peak = 0.0
+
+    def follow(self, largest: float, least: float) -> None:
+        """Take in the ``largest`` size of a frame's values; never show less than up to ``least``."""
+        begun, need = self._peak > 0, max(largest, least)
+        self._peak = max(need, FADE * self._peak)
+        if self._peak > SMALLEST and (not begun or need > ROOM * self.top or self._peak < SLACK * self.top):
+            self.top, _ = round_up(self._peak / ROOM, STEPS)
 
 
 @dataclass(frozen=True)
@@ -79,7 +102,9 @@ class FieldPlot:
         unknown = len(values) - int(np.count_nonzero(np.isfinite(values)))
         if (now := (unknown, self._axis.top, self.raised)) != self._said:
             self._said = now
-            yield from self._axes()
+            ends = self._place.middle + self.raised + ROOM * self._place.height * np.array([0, 0, -1, 1])
+            axes = in_plane(np.array([0.0, 1.0, 0.0, 0.0]), ends, -0.01).reshape(2, 2, 3)
+            yield Lines("field/axes", axes, FAINT, 1.0)
             top = with_unit(self._axis.top, QUANTITIES[quantity].unit)
             yield from labels(self._place, self.raised, f"−{top.split()[0]}", top,  # little room: the unit once
                               counting(field_caption(scene, self._place.component, quantity, magnified), unknown))
@@ -98,10 +123,6 @@ class FieldPlot:
         """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
-
-    def _axes(self) -> Iterator[Mark]:
-        ends = self._place.middle + self.raised + ROOM * self._place.height * np.array([0, 0, -1, 1])
-        yield Lines("field/axes", in_plane(np.array([0.0, 1.0, 0.0, 0.0]), ends, -0.01).reshape(2, 2, 3), FAINT, 1.0)
 
     def _begin(self, scene: Scene, quantity: str) -> None:
         """Another scene or quantity: how far the exact field reaches."""

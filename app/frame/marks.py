@@ -4,8 +4,6 @@ The stage is a plane in which x goes from 0 to 1 along the colour bar and y goes
 What has a higher z lies on top.
 """
 
-from __future__ import annotations
-
 import textwrap
 from dataclasses import dataclass
 from functools import lru_cache
@@ -107,7 +105,7 @@ class Sheet(Protocol):
 
     def show(self, *marks: Mark) -> None: ...
 
-    def child(self, name: str) -> Sheet:
+    def child(self, name: str) -> "Sheet":
         """A sheet that is seen with this one."""
 
 

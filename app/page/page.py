@@ -7,6 +7,7 @@ from time import thread_time
 
 import viser
 
+from app import state
 from app.frame.scale import ColourScale
 from app.page.canvas import Canvas
 from app.page.controls import Controls
@@ -27,8 +28,6 @@ from app.page.summary import Speaker
 from app.page.visit.recent import Recent
 from app.page.visit.session import FIRST_SCENE, PageLinks, Session
 from app.page.visit.trace import Trace
-from app.state import StateError
-from app.state import read as read_state
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 
@@ -127,8 +126,8 @@ class Page:
         if not text:
             return
         try:
-            self._controls.show(read_state(text))
-        except StateError as error:
+            self._controls.show(state.read(text))
+        except state.StateError as error:
             self._session.refuse(f"The link cannot be followed: {error}")
 
     def _keep(self) -> None:

@@ -13,18 +13,7 @@ from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.frame.planar import PLACES, RADIUS, PlanarStage
 from app.frame.silences import EMPTY_HALVES, NOTHING_TO_SHOW
 from app.frame.stage import Seat
-from app.renderers.picture import (
-    MOST_CELL_LINES,
-    colour_bar,
-    drawable,
-    positive,
-    say,
-    shared_scale,
-    styled,
-    thinned,
-    when_text,
-    write_places,
-)
+from app.renderers import picture
 from solvers.scene.scene import Scene
 from solvers.solver.result import Result
 
@@ -38,10 +27,10 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage]) -> None:
     at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
     radius = np.linalg.norm(at.material_position, axis=1)
     lines = [] if at.error is None else [("truth", at.error[:, 0], TRUTH, "-")]
-    lines += [(f"estimate ({name})", at.estimate[name][:, 0], colour, style) for name, colour, style in styled(result)]
-    few, drawn = thinned(len(radius)), []
+    lines += [(f"estimate ({name})", at.estimate[name][:, 0], *look) for name, *look in picture.styled(result)]
+    few, drawn = picture.thinned(len(radius)), []
     for label, sizes, colour, style in lines:
-        shown = positive(sizes)
+        shown = picture.positive(sizes)
         if not np.isfinite(shown).any():
             continue
         size = float(np.clip(2000 / len(few), 1.0, 8.0))
@@ -49,12 +38,12 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage]) -> None:
         axes.plot(*_shells(result, radius, shown, inner, outer), color=colour, linestyle=style, linewidth=1.6,
                   label=label, zorder=3)
         drawn.append(shown)
-    axes.set_title(f"error of x {when_text(result)}, over the thickness", fontsize=10)
+    axes.set_title(f"error of x {picture.when_text(result)}, over the thickness", fontsize=10)
     axes.set(xlabel=f"material radius R (m), from the inner surface {inner} to the outer {outer}",
              ylabel="|error of x| (m)", xlim=(inner, outer))
     if not drawn:
         axes.set_yticks([])
-        say(axes, NOTHING_TO_SHOW)
+        picture.say(axes, NOTHING_TO_SHOW)
         return
     low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
     axes.set(yscale="log", ylim=(low, high * (high / low) ** LEGEND_ROOM))
@@ -88,12 +77,12 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
     has its own particles. ``lines`` (n, 2) in metres are exact, ``told`` says which; a metre is ``per_metre`` points.
     """
     shown, mirrored = result.shown, (-1, 1) in stage.MIRRORS
-    few = thinned(len(shown.position))
+    few = picture.thinned(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
-    x, y = drawable(shown.position[few]).T
+    x, y = picture.drawable(shown.position[few]).T
     truth = None if shown.error is None else shown.error[few, 0]
     estimates = {name: shown.estimate[name][few, 0] for name in result.scene.active_estimators}
-    scale = shared_scale(truth, list(estimates.values()))
+    scale = picture.shared_scale(truth, list(estimates.values()))
     names = list(estimates) or [""]
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
     for axes, name in zip(panels, names, strict=True):
@@ -109,15 +98,15 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
             axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
                       transform=axes.transAxes, color="0.3" if sizes is None else colour, fontsize=11,
                       fontweight="bold", va="top", ha="right" if side > 0 else "left",
-                      bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2})
+                      bbox=picture.GROUND)
         if not len(few):
-            say(axes, "no particle is left")
+            picture.say(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
-        axes.set_title(f"particles {when_text(result)}{coloured}", fontsize=10)
+        axes.set_title(f"particles {picture.when_text(result)}{coloured}", fontsize=10)
     panels[0].set_ylabel("y (m)")
     if len(few) and (estimates or truth is not None):
-        colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
-                   "|error of x| (m), one scale for both halves", aspect=60, shrink=0.75)
+        picture.colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
+                           "|error of x| (m), one scale for both halves", aspect=60, shrink=0.75)
 
 
 def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lines: Iterable[np.ndarray],
@@ -132,13 +121,13 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
              xlabel=f"x (m){mirrored}{cells}; dark lines: {told}")
     (x, y), _ = PLACES[Seat.ALONE]
     metres = stage.outermost(scene) / RADIUS
-    write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
+    picture.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 
 
 def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
     """Lines between cells out to ``reach`` metres from the middle, above y = ``least``; a line is at ``start``. Returns
     what the label of an axis says of them."""
-    if scene.cells > MOST_CELL_LINES:
+    if scene.cells > picture.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
     lines = lines[np.abs(lines) <= reach]

@@ -1,7 +1,5 @@
 """The viewer as a renderer: marks as points, lines and labels of a client's scene, in the plane z = 0."""
 
-from __future__ import annotations
-
 from typing import Any
 from weakref import WeakKeyDictionary, WeakSet
 
@@ -36,7 +34,7 @@ class Sheet:
         return Room(min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0)),
                     self._lettering.factor)
 
-    def child(self, name: str) -> Sheet:
+    def child(self, name: str) -> "Sheet":
         return Sheet(self._client, f"{self._at}/{name}")
 
     def show(self, *marks: Mark) -> None:

@@ -1,7 +1,5 @@
 """The phases of a step in slow motion: what each is called, in words, and the solver's numbers that belong to it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -74,4 +74,3 @@ class PlanarSlowStage(SlowStage):
             self._sketch.line(beside(feet[:, axis], np.zeros(len(feet))), self._place(feet), FRONT)
         if cpdi:
             self._sketch.dots(self._place(feet), FRONT, 0)
-

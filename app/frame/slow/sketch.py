@@ -22,7 +22,7 @@ class Sketch:
         none, shade = np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8)
         self._segments = [[(none, shade)] for _ in THICKNESSES]
         self._points = [[(none[:, 0], shade[:, 0])] for _ in SIZES]
-        self._texts: list[tuple[str, float, float, Anchor, float]] = []
+        self._texts: list[Label] = []
         self._depth = 0.0
 
     def line(self, starts: np.ndarray, ends: np.ndarray, colour: Colour, thickness: float | np.ndarray = 1.0) -> None:
@@ -53,7 +53,7 @@ class Sketch:
                                    np.tile(np.array(colour, np.uint8), (len(at), 1))))
 
     def text(self, x: float, y: float, text: str, anchor: Anchor, size: float = 0.85) -> None:
-        self._texts.append((text, float(x), float(y), anchor, size))
+        self._texts.append(Label(f"label{len(self._texts)}", text, float(x), float(y), anchor, "step", size))
 
     def marks(self) -> Iterator[Mark]:
         """All that was drawn; begins anew."""
@@ -63,8 +63,8 @@ class Sketch:
         for k, drawn in enumerate(self._points):
             points, colours = (np.concatenate(part) for part in zip(*drawn, strict=True))
             yield Dots(f"dots{k}", points, colours, SIZES[k])
-        nothing: list[tuple[str, float, float, Anchor, float]] = [("", 0.0, 0.0, "top-left", 1.0)]
-        for k, (text, x, y, anchor, size) in enumerate(self._texts + nothing * (self._most - len(self._texts))):
-            yield Label(f"label{k}", text, x, y, anchor, "step", size)
+        yield from self._texts
+        for k in range(len(self._texts), self._most):
+            yield Label(f"label{k}", "", 0.0, 0.0, "top-left", "step")
         self._most = max(self._most, len(self._texts))
         self._clear()

@@ -1,7 +1,5 @@
 """What the slow motion of all problems shares: how each phase of a step is drawn around one particle."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 
 import numpy as np

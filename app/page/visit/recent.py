@@ -22,7 +22,7 @@ class Recent:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._frames: deque[Frame] = deque()
-        self._bytes = self._back = 0
+        self._bytes = self.back = 0
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Take in the run's newest frame, and show it if the run has moved; a fresh one begins another run."""
@@ -35,23 +35,18 @@ class Recent:
             elif self._frames and self._frames[-1][0].step == report.step:  # asked for anew, to hold something else
                 self._bytes -= size(self._frames.pop()[1])
             else:
-                self._back = 0
+                self.back = 0
             self._frames.append((report, arrays))
             self._bytes += size(arrays)
             while len(self._frames) > MOST_FRAMES or (self._bytes > MOST_BYTES and len(self._frames) > 1):
                 self._bytes -= size(self._frames.popleft()[1])
-            self._back = 0 if report.playing else min(self._back, len(self._frames) - 1)
+            self.back = 0 if report.playing else min(self.back, len(self._frames) - 1)
 
     def go_back(self, count: int) -> None:
         """Show the frame so many before the newest, as long as the run stands still."""
         with self._lock:
             if self._frames and not self._frames[-1][0].playing:
-                self._back = max(0, min(count, len(self._frames) - 1))
-
-    @property
-    def back(self) -> int:
-        """How many frames before the newest the one that is shown is."""
-        return self._back
+                self.back = max(0, min(count, len(self._frames) - 1))
 
     @property
     def frames(self) -> list[Frame]:
@@ -65,13 +60,13 @@ class Recent:
         with self._lock:
             if not self._frames:
                 return None
-            report, arrays = self._frames[-1 - self._back]
-            return (replace(report, playing=False) if self._back else report), arrays
+            report, arrays = self._frames[-1 - self.back]
+            return (replace(report, playing=False) if self.back else report), arrays
 
     @property
     def ago(self) -> float:
         """How many periods before the newest frame the one that is shown is."""
-        return self._periods(self._back)
+        return self._periods(self.back)
 
     @property
     def reach(self) -> tuple[int, float]:

@@ -9,17 +9,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
 from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
-from app.renderers.picture import (
-    MOST_CELL_LINES,
-    colour_bar,
-    drawable,
-    robust_size,
-    say,
-    shared_scale,
-    thinned,
-    when_text,
-    write_places,
-)
+from app.renderers import picture
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 from solvers.solver.result import Result
@@ -37,12 +27,12 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # nobody could see the rest beside it
     curve = exact.displacement(scene, fine, shown.time) - even
     axes.plot(fine, curve, color=TRUTH, linewidth=1.2, label="exact", zorder=4)
-    few = thinned(len(shown.position))
-    moved = drawable((shown.position - shown.material_position - even)[few])
+    few = picture.thinned(len(shown.position))
+    moved = picture.drawable((shown.position - shown.material_position - even)[few])
     size = float(np.clip(5000 / len(few), 3.0, 30.0))
     axes.scatter(shown.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
-    axes.set_title(f"displacement {when_text(result)}", fontsize=10)
-    limit = 1.4 * max(abs(curve).max(), robust_size(moved)) or scene.motion_amplitude
+    axes.set_title(f"displacement {picture.when_text(result)}", fontsize=10)
+    limit = 1.4 * max(abs(curve).max(), picture.robust_size(moved)) or scene.motion_amplitude
     name = "displacement u − vt (m)" if scene.is_patch else "displacement u (m)"
     axes.set(xlabel="material coordinate X (m)", ylabel=name, xlim=(0, 1), ylim=(-limit, limit))
     axes.ticklabel_format(axis="y", scilimits=(-2, 3))
@@ -58,27 +48,27 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE)
               for name in result.scene.active_estimators]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
-    few = thinned(len(shown.position))
+    few = picture.thinned(len(shown.position))
     few = few[(position[few] >= 0) & (position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
     truth = known.pop(0) if shown.error is not None else None
-    scale = shared_scale(truth, known)
+    scale = picture.shared_scale(truth, known)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):
         look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
         strokes = axes.vlines(position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
     if not len(few):
-        say(axes, "no particle is left on the bar")
-    lined = cells <= MOST_CELL_LINES
+        picture.say(axes, "no particle is left on the bar")
+    lined = cells <= picture.MOST_CELL_LINES
     if lined:
         axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color="0.6",
                     linewidth=min(0.8, 60 / cells), zorder=1)
-    write_places(axes, BarStage, lambda label: (label.x, (label.y - TRUTH_LANE) / (ESTIMATE_LANE - TRUTH_LANE)))
+    picture.write_places(axes, BarStage, lambda label: (label.x, (label.y - TRUTH_LANE) / (ESTIMATE_LANE - TRUTH_LANE)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), lanes, strict=True):
         tick.set_color(colour)
     axes.set(xlabel=f"position x (m){'; grey lines: cell boundaries' if lined else ''}", xlim=(-0.01, 1.01),
              ylim=(-0.5, len(lanes) - 0.5))
-    axes.set_title(f"particles {when_text(result)}, coloured by the size of the position's error", fontsize=10)
+    axes.set_title(f"particles {picture.when_text(result)}, coloured by the size of the position's error", fontsize=10)
     if len(few) and lanes[0][1] is not None:
-        colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)
+        picture.colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)

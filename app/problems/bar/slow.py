@@ -65,4 +65,3 @@ class BarSlowStage(SlowStage):
         self._sketch.line(read, np.stack([self._nodes[:, 0], read[:, 1]], axis=1), FRONT)
         self._sketch.dots(read, FRONT, 1)
         self._sketch.dots(np.stack([self._nodes[:, 0], read[:, 1]], axis=1), NODE, 0)
-

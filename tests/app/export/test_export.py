@@ -14,7 +14,7 @@ import pytest
 from app import state
 from app.cli import main
 from app.export import lattice, plan
-from app.export.answers import rules
+from app.export.lesson import rules
 from app.export.page import scene_page
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
 from app.export.record import Wanted, recording

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.axis import ROOM, Axis
-from app.frame.field import FieldPlot, seen
+from app.frame.field import ROOM, Axis, FieldPlot, seen
 from app.problems.bar.stage import BarStage
 from app.problems.ring.stage import RingStage
 from solvers.problems.bar.scene import BarScene

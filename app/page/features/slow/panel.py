@@ -5,7 +5,6 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 from html import escape
-from typing import Any
 
 import viser
 
@@ -182,13 +181,8 @@ class SlowMotion:
             self._drawn = now
         if self._s < 1:
             self._s = min(1.0, self._s + TICK / self._seconds)
-        elif self._walking and self._asked <= self._number():
+        elif self._walking and (report := self._session.report) is not None and self._asked <= report.number:
             self.forward()
-
-    def _number(self) -> int:
-        """Of the last wish that has been answered."""
-        report: Any = self._session.report
-        return 0 if report is None else report.number
 
 
 class SlowStep:
