@@ -7,7 +7,6 @@ import numpy as np
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.bar import exact
-from solvers.problems.bar.field import field
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
 from solvers.problems.bar.step import advance, find_margin, freeze
@@ -61,7 +60,7 @@ class BarSolver(Solver):
         return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
                         velocity=a.velocity.copy(), deformation_gradient=F,
                         error=errors, estimate=estimates, difference=missed,
-                        plotted=None if plotted is None else field(scene, a, plotted, t),
+                        plotted=None if plotted is None else plotted_field(scene, a, plotted, t),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
 
     def _carried(self) -> Carried:
@@ -95,3 +94,15 @@ class BarSolver(Solver):
         if not scene.remedies:
             return f"call for the remedies {FILTER},{COUPLED}, best with linearity preservation, or for {FROZEN}"
         return "choose a smaller amplitude or fewer periods"
+
+
+def plotted_field(scene: BarScene, a: WatchedBar, quantity: str, t: float) -> np.ndarray:
+    """The quantity and its deviation from ``exact.field`` (P, 2), NaN where one is not known."""
+    X = a.material_position
+    with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+        moved = exact.displacement(scene, X, t) if scene.is_patch else 0.0
+        values = {"x": a.position - X - moved, "v": a.velocity,
+                  "sigma": a.modulus * (a.deformation_gradient - a.unstretched),
+                  "a": a.acceleration if scene.has("acceleration") else np.nan}[quantity]
+        deviation = values - exact.field(scene, quantity, X, t) if scene.solution_known else np.nan
+    return np.stack(np.broadcast_arrays(values, deviation, X)[:2], axis=1)

@@ -23,7 +23,7 @@ def breakdown(scene: BarScene, a: WatchedBar, particle: int, step: int, before: 
     period = np.floor(place)  # the solver's nodes are those of the particle's own period
     links.shift[:] += period[particle] - period[links.members]
     seen = before.seen(links)
-    F, g = before.deformation_gradient[:, 0, 0] * a.unstretched, _home(links.nodes, N)
+    F, g = before.deformation_gradient[:, 0, 0] * a.unstretched, (links.nodes - 1) % N + 1  # of images their nodes
     width = {"mpm": 0.0, "cpgimp": 1.0 if scene.frozen else F}.get(scene.method, 1.0) * np.ones_like(F)
     width = np.minimum(h * a.half_width * width, h * MOST_HALF_WIDTH)
     tension = a.volume * (1.0 if scene.frozen else F) * before.stress[:, 0, 0]
@@ -51,11 +51,6 @@ def _weights(a: WatchedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     left, right, slope_left, slope_right = a.weights[some].T
     return (np.stack([left, 1 - left - right, right], axis=1),
             np.stack([slope_left, -slope_left - slope_right, slope_right], axis=1)[:, :, None])
-
-
-def _home(node: np.ndarray, cells: int) -> np.ndarray:
-    """The node proper, 1 to ``cells``, of which a node may be a periodic image."""
-    return (node - 1) % cells + 1
 
 
 def _images(node: int, cells: int, spacing: float) -> list[Image]:

@@ -4,30 +4,15 @@ The page asks for them with every frame, so they cost as little as can be: what 
 looked up, and tensors are written out in components, since numpy's products of many small matrices are slow.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import numpy as np
 
+from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.state import WatchedBody
 
 #: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
 Parts = tuple[np.ndarray, ...] | None
 Fields = list[Parts]  # of x, v, sigma and a
-
-
-class SnapshotMeasures(NamedTuple):
-    """What a problem knows of itself, as functions of its arrays ``a``: what ``Measures`` are to kernels. Errors are
-    computed minus exact, vectors are (x, y) and tensors (xx, xy, yy), each (P,)."""
-
-    vector_errors: Callable  # (scene, a, time): of x and of v
-    acceleration_error: Callable  # (scene, a, time): of the one that a step from that time on has used
-    stress: Callable  # (a): Cauchy's
-    stress_error: Callable  # (scene, a, time)
-    component: Callable  # (a, quantity): what a plot shows of it (P,)
-    exact_component: Callable  # (scene, quantity, R, time): the same of the exact solution at the radii R (K,)
-    body_force: Callable  # (a, some): on some particles (c,), in N (c, 2)
 
 
 @np.errstate(all="ignore")  # a run gone bad holds anything

@@ -3,11 +3,51 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from solvers.problems.planar.errors import SnapshotMeasures
-from solvers.problems.planar.method.samples import Measures
-from solvers.problems.planar.method.traits import Traits
 from solvers.problems.planar.state import WatchedBody
 from solvers.scene.estimator_hooks import EstimatorHooks
+
+
+class Traits(NamedTuple):
+    """A problem's own part of the phases. ``body`` is its state; a record of a node is (x, y, x, y) of two vectors."""
+
+    forces: Callable  # (body, t, on): find the body force per mass at time t, wherever a particle needs it
+    prepare: Callable  # (body, start, end): find what the stress of these particles needs, before it is asked for
+    body_force_on: Callable  # (body, p): the force on particle p that was found, in N
+    stress: Callable  # (body, p, on): J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest
+    #: (body, p, on): for the margin of the step, a stiffness in N m and a metric (xx, xy, yy) for the gradients of
+    #: weights g and h at two nodes, which it binds with at most the stiffness times |g| |h|.
+    tangent: Callable
+    first: int  # the first row and column of nodes that are no ghosts
+    fold: Callable  # (body, fold_pair): add what fell on ghosts to their mirror images
+    pin: Callable  # (i, j, record): the record without what would move node (i, j) across a plane
+    mirror: Callable  # (body, values): copy the records of nodes to their ghosts
+    image: Callable  # (body, node): the node that a ghost is the mirror image of; any other is its own
+
+
+class Measures(NamedTuple):
+    """What a problem knows of itself, as functions for kernels; ``exact_at_step`` is handed on to those that follow
+    it."""
+
+    exact_at_step: Callable  # (body, step): what is known of the exact solution at the step, as numbers or in an array
+    vector_errors: Callable  # (body, p, exact_at_step, on): errors of x and v as one vector of four, and of a
+    stress_error: Callable  # (body, p, exact_at_step): error of the Cauchy stress, as xx, xy, yy
+    node_acceleration_error: Callable  # (body, exact_at_step, on): mean squared error of the nodes' acceleration
+    strain_energy: Callable  # (body, p): of a particle, in J
+    look: Callable  # (body, row): for contradictions
+    more: Callable  # (body, row, step, on): samples that only this problem has
+
+
+class SnapshotMeasures(NamedTuple):
+    """What a problem knows of itself, as functions of its arrays ``a``: what ``Measures`` are to kernels. Errors are
+    computed minus exact, vectors are (x, y) and tensors (xx, xy, yy), each (P,)."""
+
+    vector_errors: Callable  # (scene, a, time): of x and of v
+    acceleration_error: Callable  # (scene, a, time): of the one that a step from that time on has used
+    stress: Callable  # (a): Cauchy's
+    stress_error: Callable  # (scene, a, time)
+    component: Callable  # (a, quantity): what a plot shows of it (P,)
+    exact_component: Callable  # (scene, quantity, R, time): the same of the exact solution at the radii R (K,)
+    body_force: Callable  # (a, some): on some particles (c,), in N (c, 2)
 
 
 class PlanarParts(NamedTuple):

@@ -64,12 +64,13 @@ class PlanarScene(Scene):
         if self.frozen and len(self.remedies) > 1:
             raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights stands alone: {self.MENDS} what "
                              "comes of particles that move through the grid; leave one of the two out")
-
-    def _check_plan(self) -> None:
-        """Refuse a plan that does not go with the threads or with a GPU."""
+        self._check_remedies()
         if self.plan == "serial" and self.threads > 1:
             raise SceneError("threads", self.threads,
                              "the serial plan runs on one; give 1, or the plan parallel or auto")
         if self.for_gpu and self.plan != "auto":
             raise SceneError("plan", self.plan, "is for processors, and a GPU has a plan of its own; give auto, or "
                              "--arch cpu")
+
+    def _check_remedies(self) -> None:
+        """Refuse a remedy that does harm to the method; without one that does, there is nothing to refuse."""

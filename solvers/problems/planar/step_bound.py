@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH
+from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import stencil
+from solvers.scene.step_bound import bound, stencil
 
 Links = tuple[np.ndarray, np.ndarray, np.ndarray]  # nodes, weights and sizes of gradients (P, M)
 #: From nodes' places in x and y, in cells, to their numbers, 0 or more; images of each other may have the same.
@@ -22,6 +22,16 @@ def coarsened(scene: PlanarScene) -> PlanarScene:
     while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
+
+
+def body_bound(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, volume: np.ndarray, stiffness: np.ndarray,
+               number: Number, metric: np.ndarray | None = None) -> float:
+    """The bound in seconds with particles at ``x`` (P, 2), whose deformation gradients are ``F`` (P, 2, 2) and whose
+    domains have ``edges`` (P, 4) and a ``volume`` (P,) at rest, and k V = ``stiffness`` (P,)."""
+    nodes, S, gradients = corners(scene, x, F.reshape(-1, 4), edges, number, metric) if scene.method == "cpdi" \
+        else boxes(scene, x, box_stretch(scene.method, F), number, metric)
+    mass = np.bincount(nodes.ravel(), (scene.density * volume[:, None] * S).ravel())
+    return bound(nodes, gradients, stiffness, mass)
 
 
 def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,

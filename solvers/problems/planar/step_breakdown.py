@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from solvers.problems.planar.errors import SnapshotMeasures
 from solvers.problems.planar.layout import CORNERS, half_edges
+from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.planar.state import WatchedBody
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link

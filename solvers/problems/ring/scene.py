@@ -110,9 +110,7 @@ class RingScene(PlanarScene):
             raise SceneError("amplitude", self.amplitude,
                              f"the exact ring turns inside out from {INVERSION} on; {allowed}")
 
-    def _check_combinations(self) -> None:
-        super()._check_combinations()
+    def _check_remedies(self) -> None:
         if COUPLED in self.remedies and self.method == "cpdi":
             raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
                              "follow the deformation; give null-space-filter or frozen-weights")
-        self._check_plan()

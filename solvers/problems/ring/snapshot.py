@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solvers.problems.planar.errors import SnapshotMeasures
+from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.ring import exact
 from solvers.problems.ring.method.body import RingBody
 from solvers.problems.ring.scene import RingScene

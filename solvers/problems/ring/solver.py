@@ -25,15 +25,14 @@ class WatchedRing(WatchedBody, RingBody):
 HOOKS = registry.hooks_of("ring", {
     "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.hooks(TRAITS),
     "two-grid": two_grid.HOOKS})
-PARTS = PlanarParts(HOOKS, WatchedRing, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
-KERNELS = kernels(PARTS)
 
 
 class RingSolver(PlanarSolver):
     """Owns the arrays of one ring."""
 
     HOOKS = HOOKS
-    PARTS, KERNELS = PARTS, KERNELS
+    PARTS = PlanarParts(HOOKS, WatchedRing, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
+    KERNELS = kernels(PARTS)
     scene: RingScene
 
     def _escape(self) -> str:

@@ -8,9 +8,9 @@ import numpy as np
 
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.step_bound import boxes, coarsened, corners
+from solvers.problems.planar.step_bound import body_bound, coarsened
 from solvers.problems.ring import exact
-from solvers.scene.step_bound import INSTANTS, bound
+from solvers.scene.step_bound import INSTANTS
 
 
 def critical_time_step(scene: PlanarScene) -> float:
@@ -27,19 +27,16 @@ def _at(scene: PlanarScene, layout, size: float) -> float:
     w, slope, _ = exact.shape(R)
     radial, hoop = 1 + size * slope, 1 + size * w / R
     if scene.frozen:
-        x, F, stretch = X, np.tile([1.0, 0.0, 0.0, 1.0], (len(X), 1)), 1 / np.minimum(radial, hoop)
+        x, F, stretch = X, np.tile(np.eye(2), (len(X), 1, 1)), 1 / np.minimum(radial, hoop)
     else:
         c, s = (X / R[:, None]).T
         F = np.stack([radial * c * c + hoop * s * s, (radial - hoop) * c * s, (radial - hoop) * c * s,
-                      radial * s * s + hoop * c * c], axis=1)
+                      radial * s * s + hoop * c * c], axis=1).reshape(-1, 2, 2)
         x, stretch = X * (1 + size * w / R)[:, None], np.maximum(radial, hoop)
 
     def number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
         """From the planes on, so that mirror images have one number."""
         return np.abs(i) + 2 * scene.cells * np.abs(j)
 
-    nodes, S, gradients = corners(scene, x, F, layout.edges, number) if scene.method == "cpdi" \
-        else boxes(scene, x, F[:, [0, 3]], number)
     stiffness = 0.5 * scene.modulus * (1 + stretch**2) * layout.volume
-    mass = np.bincount(nodes.ravel(), (scene.density * layout.volume[:, None] * S).ravel())
-    return bound(nodes, gradients, stiffness, mass)
+    return body_bound(scene, x, F, layout.edges, layout.volume, stiffness, number)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.vortex import step_bound, validity
-from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER
+from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, lame
 from solvers.scene.effects import EFFECTS, OWN
 from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.rules import require_number
@@ -97,8 +97,7 @@ class VortexScene(PlanarScene):
 
     def size_of(self, quantity: str) -> float:
         """What an error of x, v, sigma or a is compared with: the largest displacement and what goes with it."""
-        A, w, shear = self.amplitude, self.angular_frequency, LARGEST_SHEAR * self.amplitude
-        mu = 0.5 * self.modulus / (1 + self.poisson_ratio)
+        A, w, shear, mu = self.amplitude, self.angular_frequency, LARGEST_SHEAR * self.amplitude, lame(self)[1]
         return {"x": self.motion_amplitude, "v": A * w, "sigma": mu * shear * (1 + shear), "a": A * w * w}[quantity]
 
     def _check_amplitude(self) -> None:
@@ -106,10 +105,6 @@ class VortexScene(PlanarScene):
                        f"give an angle in radians above 1e-12 and up to pi/2, {MOST_AMPLITUDE:.4f}")
         require_number("poisson_ratio", self.poisson_ratio, -0.9, 0.49)
         require_number("frequency", self.frequency, 1e-6, 1e6)
-
-    def _check_combinations(self) -> None:
-        super()._check_combinations()
-        self._check_plan()
 
 
 def _share(R: float) -> float:

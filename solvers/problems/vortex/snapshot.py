@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solvers.problems.planar.errors import SnapshotMeasures
+from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.method.body import VortexBody
 from solvers.problems.vortex.scene import VortexScene

@@ -26,15 +26,14 @@ class WatchedVortex(WatchedBody, VortexBody):
 
 HOOKS = registry.hooks_of("vortex", {
     "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.hooks(TRAITS)})
-PARTS = PlanarParts(HOOKS, WatchedVortex, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
-KERNELS = kernels(PARTS)
 
 
 class VortexSolver(PlanarSolver):
     """Owns the arrays of one vortex."""
 
     HOOKS = HOOKS
-    PARTS, KERNELS = PARTS, KERNELS
+    PARTS = PlanarParts(HOOKS, WatchedVortex, body, farthest, TRAITS, MEASURES, SNAPSHOT, has_escaped)
+    KERNELS = kernels(PARTS)
     scene: VortexScene
 
     def _escape(self) -> str:

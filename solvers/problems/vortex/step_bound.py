@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.layout import box_stretch, particle_layout
-from solvers.problems.planar.step_bound import boxes, coarsened, corners
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.step_bound import body_bound, coarsened
 from solvers.problems.vortex import exact
-from solvers.scene.step_bound import INSTANTS, bound
+from solvers.scene.step_bound import INSTANTS
 
 
 def critical_time_step(scene: Any) -> float:
@@ -43,12 +43,7 @@ def _at(scene: Any, X: np.ndarray, volume: np.ndarray, edges: np.ndarray, t: flo
     def number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
         return image_in_a_quarter(i, j, scene.cells)
 
-    if scene.method == "cpdi":
-        nodes, S, gradients = corners(scene, x, F.reshape(-1, 4), edges, number, metric)
-    else:
-        nodes, S, gradients = boxes(scene, x, box_stretch(scene.method, F), number, metric)
-    mass = np.bincount(nodes.ravel(), (scene.density * volume[:, None] * S).ravel())
-    return bound(nodes, gradients, volume, mass)
+    return body_bound(scene, x, F, edges, volume, volume, number, metric)
 
 
 def a_quarter(X: np.ndarray) -> np.ndarray:

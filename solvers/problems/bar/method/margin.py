@@ -16,12 +16,8 @@ def step_margin(bar: ti.template()):
         i = bar.first_node[p]
         scaled = ti.Vector([0.0, 0.0, 0.0])  # |dS_i|/sqrt(m_i)
         for k in ti.static(range(3)):
-            weight = bar.node_sums[i + k][0]  # the sum of S; images hold what fell on them, so look at the node
-            node = i + k
-            if node < 1:
-                weight = bar.node_sums[bar.cells][0]
-            if node > bar.cells:
-                weight = bar.node_sums[node - bar.cells][0]
+            # The sum of S; images hold what fell on them, so look at the node.
+            weight = bar.node_sums[(i + k + bar.cells - 1) % bar.cells + 1][0]
             if weight > EMPTY:
                 scaled[k] = abs(dS[k]) / ti.sqrt(weight * bar.density * bar.volume)
         F = bar.deformation_gradient[p]

@@ -25,7 +25,7 @@ import taichi as ti
 from solvers.estimators.transport import doubt
 from solvers.kernels.kinds import quads, real
 from solvers.problems.planar.method import cpdi, gimp
-from solvers.problems.planar.method.traits import Traits
+from solvers.problems.planar.parts import Traits
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_INTERVAL = 20  # steps of the run between two of the estimator's

@@ -17,22 +17,17 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
         total = 0.0
         if ti.static(on.method == "cpdi"):
             # Loops that are not unrolled: this runs seldom, and would take longer to compile.
-            g, places, cells = cpdi.corner_gradients(body, p, on), body.weights[p], body.corner_nodes[p]
-            for corner in range(16):
-                c, k = corner // 4, corner % 4
-                x, y = places[c], places[c + 4]
-                N = (x if k % 2 == 1 else 1 - x) * (y if k // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
-                node = cells[c] + (k // 2) * body.row + k % 2
-                record, a = body.node_bound[node], 2 * (c % 2)
-                body.node_bound[node] = record + N * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+            g = cpdi.corner_gradients(body, p, on)
+            for k in range(16):
+                node, a = corner_node(body, p, k), 2 * (k // 4 % 2)
+                gradient = corner_hat(body, p, k) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+                body.node_bound[node] = body.node_bound[node] + gradient
             stiffness, metric = traits.tangent(body, p, on)
-            for corner in range(16):
-                k = corner % 4
-                total += take_gradient(body, traits, metric, cells[corner // 4] + (k // 2) * body.row + k % 2)
+            for k in range(16):
+                total += take_gradient(body, traits, metric, corner_node(body, p, k))
             stiffness *= total
-            for corner in range(16):
-                k = corner % 4
-                add_circle(body, traits, cells[corner // 4] + (k // 2) * body.row + k % 2, stiffness)
+            for k in range(16):
+                add_circle(body, traits, corner_node(body, p, k), stiffness)
         else:
             S, dS, R, dR = gimp.stencils_of(body, p)
             first = body.first_node[p]
@@ -116,10 +111,8 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
         node = corner_node(body, p, k)
         for other in range(16):
             if corner_node(body, p, other) == node:
-                c = other // 4
-                x, y = body.weights[p][c], body.weights[p][c + 4]
-                N = (x if other % 2 == 1 else 1 - x) * (y if other % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
-                gradient += N * (ti.Vector([g[0], g[1]]) if c % 2 == 0 else ti.Vector([g[2], g[3]]))
+                pair = ti.Vector([g[0], g[1]]) if other // 4 % 2 == 0 else ti.Vector([g[2], g[3]])
+                gradient += corner_hat(body, p, other) * pair
         for other in range(k):
             if corner_node(body, p, other) == node:
                 gradient = ti.Vector([0.0, 0.0])
@@ -135,6 +128,14 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
 def corner_node(body: ti.template(), p, k):
     """The k-th of the sixteen nodes of the corners of a particle."""
     return body.corner_nodes[p][k // 4] + (k % 4 // 2) * body.row + k % 2
+
+
+@ti.func
+def corner_hat(body: ti.template(), p, k):
+    """The hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
+    c = k // 4
+    x, y = body.weights[p][c], body.weights[p][c + 4]
+    return (x if k % 2 == 1 else 1 - x) * (y if k % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
 
 
 @ti.func

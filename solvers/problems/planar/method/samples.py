@@ -5,27 +5,11 @@ Euclidean and Frobenius norms. The acceleration is the one that the last step us
 time. ``error_extra`` is the paper's "Err A": the error of the acceleration at the nodes that carry mass.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.solver.samples import BASE, EACH, column
-
-
-class Measures(NamedTuple):
-    """What a problem knows of itself, as functions for kernels; ``exact_at_step`` is handed on to those that follow
-    it."""
-
-    exact_at_step: Callable  # (body, step): what is known of the exact solution at the step, as numbers or in an array
-    vector_errors: Callable  # (body, p, exact_at_step, on): errors of x and v as one vector of four, and of a
-    stress_error: Callable  # (body, p, exact_at_step): error of the Cauchy stress, as xx, xy, yy
-    node_acceleration_error: Callable  # (body, exact_at_step, on): mean squared error of the nodes' acceleration
-    strain_energy: Callable  # (body, p): of a particle, in J
-    look: Callable  # (body, row): for contradictions
-    more: Callable  # (body, row, step, on): samples that only this problem has
 
 
 @ti.func

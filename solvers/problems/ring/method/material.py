@@ -64,8 +64,9 @@ def body_force_on(ring: ti.template(), p):
 
 
 @ti.func
-def squared_stretch(ring: ti.template(), p, on: ti.template()):
-    """The largest eigenvalue of F F^T; with frozen weights, of its inverse."""
+def tangent(ring: ti.template(), p, on: ti.template()):
+    """k V, the same along all directions: mu V0 (1 + the largest eigenvalue of F F^T); for frozen weights that of its
+    inverse."""
     F = ring.deformation_gradient[p]
     xx, yy, xy = F[0] * F[0] + F[1] * F[1], F[2] * F[2] + F[3] * F[3], F[0] * F[2] + F[1] * F[3]
     root = ti.sqrt((xx - yy) ** 2 + 4 * xy * xy)
@@ -73,12 +74,4 @@ def squared_stretch(ring: ti.template(), p, on: ti.template()):
     if ti.static(on.frozen):
         J = F[0] * F[3] - F[1] * F[2]
         largest = largest / (J * J)
-    return largest
-
-
-@ti.func
-def tangent(ring: ti.template(), p, on: ti.template()):
-    """k V, the same along all directions: mu V0 (1 + the largest eigenvalue of F F^T); for frozen weights that of its
-    inverse."""
-    largest = squared_stretch(ring, p, on)
     return ring.shear_modulus * ring.mass[p] / ring.density * (1 + largest), ti.Vector([1.0, 0.0, 1.0])

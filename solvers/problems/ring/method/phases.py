@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.traits import Traits
+from solvers.problems.planar.parts import Traits
 from solvers.problems.ring.method.material import body_force_on, radial_forces, stress_of, tangent
 
 GHOSTS = 2  # rows of nodes beyond each symmetry plane
@@ -35,20 +35,14 @@ def pin(i, j, record):
 
 
 @ti.func
-def mirror(ring: ti.template(), values: ti.template(), in_x: ti.template(), in_y: ti.template()):
-    """Copy the nodes' values, with the signs of either plane, to their images beyond the symmetry planes."""
+def mirror(ring: ti.template(), values: ti.template()):
+    """Copy the nodes' values, two vectors each, to their images beyond the planes: odd in what points across one."""
     for j in range(GHOSTS, ring.active):
         for i in ti.static(range(GHOSTS)):
-            values[j * ring.row + i] = ti.Vector(in_x) * values[j * ring.row + 2 * GHOSTS - i]
+            values[j * ring.row + i] = ti.Vector([-1.0, 1.0, -1.0, 1.0]) * values[j * ring.row + 2 * GHOSTS - i]
     for i in range(ring.active):
         for j in ti.static(range(GHOSTS)):
-            values[j * ring.row + i] = ti.Vector(in_y) * values[(2 * GHOSTS - j) * ring.row + i]
-
-
-@ti.func
-def mirror_records(ring: ti.template(), values: ti.template()):
-    """The same for two vectors a node, v and a."""
-    mirror(ring, values, (-1.0, 1.0, -1.0, 1.0), (1.0, -1.0, 1.0, -1.0))
+            values[j * ring.row + i] = ti.Vector([1.0, -1.0, 1.0, -1.0]) * values[(2 * GHOSTS - j) * ring.row + i]
 
 
 @ti.func
@@ -74,4 +68,4 @@ def nothing_to_prepare(ring: ti.template(), start, end):
 
 
 TRAITS = Traits(forces=radial_forces, prepare=nothing_to_prepare, body_force_on=body_force_on, stress=stress_of,
-                tangent=tangent, first=GHOSTS, fold=fold, pin=pin, mirror=mirror_records, image=image)
+                tangent=tangent, first=GHOSTS, fold=fold, pin=pin, mirror=mirror, image=image)

@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.kernels.elementary import cos, log, sin
-from solvers.problems.planar.method.samples import Measures
+from solvers.problems.planar.parts import Measures
 from solvers.problems.ring.exact import C1, C2, C3, INNER
 from solvers.problems.ring.method.material import kirchhoff_stress
 from solvers.problems.ring.method.phases import GHOSTS

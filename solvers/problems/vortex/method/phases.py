@@ -2,24 +2,19 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.traits import Traits
+from solvers.problems.planar.parts import Traits
 from solvers.problems.vortex.method.material import body_force_on, forces, prepare, stress, tangent
 
 
 @ti.func
-def nothing_to_fold(vortex: ti.template(), fold_pair: ti.template()):
-    """There are no ghosts."""
+def no_ghosts(vortex: ti.template(), what: ti.template()):
+    """There is nothing to fold or to mirror."""
 
 
 @ti.func
 def free(i, j, record):
     """No node is held."""
     return record
-
-
-@ti.func
-def nothing_to_mirror(vortex: ti.template(), values: ti.template()):
-    """There are no ghosts."""
 
 
 @ti.func
@@ -36,4 +31,4 @@ def has_escaped(vortex: ti.template(), p):
 
 
 TRAITS = Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress, tangent=tangent, first=0,
-                fold=nothing_to_fold, pin=free, mirror=nothing_to_mirror, image=itself)
+                fold=no_ghosts, pin=free, mirror=no_ghosts, image=itself)

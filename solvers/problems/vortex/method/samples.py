@@ -9,7 +9,7 @@ import taichi as ti
 
 from solvers.kernels.elementary import cos, log, sin
 from solvers.problems.planar.method.phases import TOTALS
-from solvers.problems.planar.method.samples import Measures
+from solvers.problems.planar.parts import Measures
 from solvers.problems.vortex.exact import BEND, INNER, MIDDLE, OUTER, RISE
 from solvers.problems.vortex.method.material import cauchy_stress, determinant
 from solvers.problems.vortex.method.soundness import look
