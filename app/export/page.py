@@ -51,8 +51,7 @@ def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, 
     """The page, of a lesson where one is given."""
     runs = list({id(run): run for run in recorded.values()}.values())
     places = {id(run): number for number, run in enumerate(runs)}
-    stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs})
-              for k, one in enumerate(plans)]
+    stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs}) for k, one in enumerate(plans)]
     texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # most runs say the same
     data = {**vocabulary({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson, "texts": texts,
             "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}

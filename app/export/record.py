@@ -106,8 +106,7 @@ def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
     for every k-th would be rows of them."""
     if dimensions == 1:
         return np.arange(0, count, -(-count // most))
-    return np.arange(count) if count <= most \
-        else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
+    return np.arange(count) if count <= most else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
 def _tracks(wanted: Wanted, scene: Scene, kept: np.ndarray, marked: np.ndarray,

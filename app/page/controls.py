@@ -187,9 +187,8 @@ class Controls:
             with self._part("stretch"):
                 self._bound.sliders(view.motion.sliders)
         with self._part("modulus"):
-            self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus,
-                            view.modulus_hint),
-                       scene.modulus, lambda value: session.set(modulus=value))
+            self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus, view.modulus_hint),
+                             scene.modulus, lambda value: session.set(modulus=value))
             self._bound.sliders(view.material)
         with self._part("step"):
             self._step()

@@ -91,8 +91,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
                 (-1, estimates.get(name), f"estimate ({name})", ESTIMATE, EMPTY_HALVES[0]),
                 (1, truth, "truth", TRUTH, EMPTY_HALVES[1])):
             own = slice(None) if mirrored else (x < 0) == (side < 0)
-            look = {"color": UNKNOWN_COLOUR} if sizes is None else \
-                {"c": sizes[own], "cmap": COLOUR_MAP, "norm": scale}
+            look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes[own], "cmap": COLOUR_MAP, "norm": scale}
             axes.scatter(side * x[own] if mirrored else x[own], y[own], s=_dot_area(result, len(few), per_metre),
                          linewidths=0, zorder=2, **look)
             axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,

@@ -31,8 +31,7 @@ class Sheet:
     @property
     def room(self) -> Room:
         camera, (x0, x1, y0, y1) = self._client.camera, RECTANGLE
-        return Room(min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0)),
-                    self._lettering.factor)
+        return Room(min(camera.image_width / (x1 - x0), camera.image_height / (y1 - y0)), self._lettering.factor)
 
     def child(self, name: str) -> "Sheet":
         return Sheet(self._client, f"{self._at}/{name}")

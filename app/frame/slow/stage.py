@@ -166,8 +166,7 @@ class SlowStage(ABC):
     def _caption(self, scene: Scene, a: StepBreakdown, phase: int) -> None:
         lines, width = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)], self.width
         self._sketch.text(LEFT, TOP, wrapped("; ".join(self._legend), width), "top-left", CAPTION)
-        self._sketch.text(LEFT, BOTTOM, "\n".join(wrapped(line, width) for line in lines), "bottom-left",
-                          CAPTION)
+        self._sketch.text(LEFT, BOTTOM, "\n".join(wrapped(line, width) for line in lines), "bottom-left", CAPTION)
 
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
                    written: list[tuple[np.ndarray, np.ndarray]]) -> int:

@@ -56,17 +56,22 @@ class RunSeries:
 
     @property
     def series(self) -> dict[str, np.ndarray]:
+        self._take_in()
         return self._whole.series
 
     @property
     def latest(self) -> dict[str, np.ndarray]:
         """The last periods only."""
+        self._take_in()
         return self._latest.series
 
     def append(self, new: Mapping[str, np.ndarray]) -> None:
         """To both, as :meth:`DownsampledSeries.add`."""
         self._whole.add(new)
         self._latest.add(new)
+
+    def _take_in(self) -> None:
+        """Append what waits for a reader, where anything does."""
 
 
 def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:

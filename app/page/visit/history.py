@@ -43,16 +43,6 @@ class History(RunSeries):
             self._take_in()
 
     @property
-    def series(self) -> dict[str, np.ndarray]:
-        self._take_in()
-        return super().series
-
-    @property
-    def latest(self) -> dict[str, np.ndarray]:
-        self._take_in()
-        return super().latest
-
-    @property
     def margin(self) -> float:
         """Of the step, as last looked at: few samples do."""
         self._take_in()

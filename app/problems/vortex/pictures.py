@@ -22,6 +22,5 @@ def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) ->
     lines = VortexStage.exact_lines(scene, result.shown.time, SPOKES * scene.solution_known)
     rims = [R * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1) for R in (INNER, OUTER)]  # circles that stay
     draw_profile(space, result, VortexStage)
-    draw_halves(figure, particles, result, VortexStage, 1.06 * OUTER,
-                [*lines, *rims],
+    draw_halves(figure, particles, result, VortexStage, 1.06 * OUTER, [*lines, *rims],
                 "rims and material lines of the exact solution", POINTS_PER_METRE)
