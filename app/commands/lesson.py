@@ -3,17 +3,17 @@
 import os
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, put_text, say, working
-from app.lessons import grading, progress
-from app.lessons.checking import checks
 from app.lessons.lesson import Lesson, LessonError
-from app.lessons.outcomes import Outcomes, scene_texts
 from solvers.scene.rules import require_whole
+
+if TYPE_CHECKING:
+    from app.lessons.progress import Progress
 
 OK, FAILED = 0, 1
 MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
@@ -59,6 +59,8 @@ class LessonCheck:
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
+        from app.lessons.checking import checks
+        from app.lessons.outcomes import Outcomes, scene_texts
         lessons, mistakes = _read(self.names)
         with working(self.quiet) as show, closing(Outcomes(self.processes)) as outcomes:
             texts = [text for lesson in lessons for numbers in lesson.variants[:self.variants]
@@ -90,6 +92,7 @@ class LessonGuide:
 
     def execute(self) -> int:
         from app.lessons import guide
+        from app.lessons.outcomes import Outcomes
         ending = "" if self.out is None else next((kind for kind in guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
             raise BadInput("out", self.out, f"give a file that ends in {' or '.join(guide.KINDS)}")
@@ -121,7 +124,8 @@ class LessonGrade:
         if not self.files:
             raise BadInput("", "", "give the files that students have handed in")
         target = None if self.out is None else Target("out", self.out, ending=".csv")
-        from app.lessons import shelf
+        from app.lessons import grading, shelf
+        from app.lessons.outcomes import Outcomes
         read = [answers for file in self.files if (answers := _answers(file)) is not None]
         lessons = shelf.lessons()
         with working(self.quiet) as show, closing(Outcomes(2)) as outcomes:
@@ -135,9 +139,9 @@ class LessonGrade:
         return OK if len(read) == len(self.files) else FAILED
 
 
-def _answers(file: str) -> tuple[str, progress.Progress] | None:
+def _answers(file: str) -> "tuple[str, Progress] | None":
     """What a file says; None where it cannot be read, which is told."""
-    from app.lessons import shelf
+    from app.lessons import progress, shelf
     try:
         with open(file, encoding="utf-8") as opened:
             text = opened.read(MOST_CHARACTERS)

@@ -4,16 +4,18 @@ import contextlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, draw, say
 from solvers.scene.rules import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.grid import MOST_ROWS, Task
-from solvers.study.places import Cluster, Here, NoCluster, Place, PlaceLost, execute
 from solvers.study.row import FAILED, REFUSED, refused
 from solvers.study.store import Store, StoreError
+
+if TYPE_CHECKING:
+    from solvers.study.places import Place
 
 INCOMPLETE = 1  # exit status
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
@@ -72,7 +74,8 @@ class Study:
     def put(self, name: str, content: bytes) -> None:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
-    def _place(self) -> Place:
+    def _place(self) -> "Place":
+        from solvers.study.places import Cluster, Here, NoCluster
         try:
             return Here(self.workers or 1) if self.scheduler is None else Cluster(self.scheduler)
         except NoCluster as error:
@@ -90,8 +93,9 @@ class Study:
         for sentence in dict.fromkeys([*(f"refused: {error}" for error in refusals.values()), *warnings]):
             say(sentence)
 
-    def _measure(self, tasks: Sequence[Task], refusals: dict, place: Place, store: Store) -> bool:
+    def _measure(self, tasks: Sequence[Task], refusals: dict, place: "Place", store: Store) -> bool:
         """Fill the store; False if the place where rows run was lost on the way."""
+        from solvers.study.places import PlaceLost, execute
         todo = [task for task in tasks if not store.finished(task.key)]
         done = len(tasks) - len(todo)
 

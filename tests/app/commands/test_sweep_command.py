@@ -117,7 +117,7 @@ class Instant:
 
 
 def test_refused_combinations_are_rows(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("app.commands.study.rows.Here", Instant)
+    monkeypatch.setattr("solvers.study.places.Here", Instant)
     assert main(["sweep", "bar", "--method", "ugimp", "cpgimp", "--velocity", "corners", "--out", str(tmp_path)]) == 0
     rows = rows_of(tmp_path)
     assert [r["status"] for r in rows] == ["refused", "ok"] and "cpgimp" in rows[0]["reason"]

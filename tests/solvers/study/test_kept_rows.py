@@ -102,7 +102,7 @@ class Instant:
 
 
 def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("app.commands.study.rows.Here", Instant)
+    monkeypatch.setattr("solvers.study.places.Here", Instant)
     monkeypatch.setattr("app.pictures.study.FIGURES", {})
     flags = ["sweep", "bar", "--cells", "20", "40", "--out", str(tmp_path)]
     assert main(flags) == 0
