@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -62,17 +61,20 @@ class Motion:
 class ProblemView:
     """How one problem is shown.
 
-    ``stage`` makes marks of its frames, ``slow`` of one step in slow motion. ``regions`` divides the material by where
-    particles were at rest (P, D), and ``division`` says how in words: "the bar into 20 lengths". ``picture`` is the
-    height of a run's picture in inches, and that of its lower row over the upper one. ``speed`` is what the page begins
-    with, in periods a second. ``details`` are the fields of the scene among the "Method details", each with its hint.
-    ``motion`` is there where the scene has several motions, ``material`` are fields of the material beside the modulus.
+    ``stage`` makes marks of its frames, ``slow`` of one step in slow motion. ``draw(figure, space, particles, result)``
+    draws a run's error in space into the axes ``space`` and the particles at its end into the place ``particles``; it
+    imports matplotlib, which takes long, when it is called. ``regions`` divides the material by where particles were at
+    rest (P, D), and ``division`` says how in words: "the bar into 20 lengths". ``picture`` is the height of a run's
+    picture in inches, and that of its lower row over the upper one. ``speed`` is what the page begins with, in periods
+    a second. ``details`` are the fields of the scene among the "Method details", each with its hint. ``motion`` is
+    there where the scene has several motions, ``material`` are fields of the material beside the modulus.
     ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
     """
 
     problem: str
     stage: type[Stage[Any]]
     slow: type[SlowStage]
+    draw: Callable[..., None]
     regions: Callable[[np.ndarray], Regions]
     division: str
     picture: tuple[float, float]
@@ -84,11 +86,6 @@ class ProblemView:
     modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()
-
-    def draw(self, *places: Any) -> None:
-        """Draw with the folder's ``pictures.draw(figure, space, particles, result)`` a run's error in space into the
-        axes ``space`` and the particles at its end into the place ``particles``; matplotlib takes long to import."""
-        import_module(f"app.problems.{self.problem}.pictures").draw(*places)
 
     @property
     def about(self) -> str:

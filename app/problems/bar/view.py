@@ -1,6 +1,7 @@
 """How the bar is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -39,8 +40,14 @@ MOTION = Motion(
     speed=1.0, quantity="sigma")
 
 
+def draw(*places: Any) -> None:
+    from app.problems.bar import pictures
+
+    pictures.draw(*places)
+
+
 BAR = ProblemView(
-    "bar", BarStage, BarSlowStage, regions, f"the bar into {LENGTHS} lengths", picture=(10.0, 1.25 / 3),
+    "bar", BarStage, BarSlowStage, draw, regions, f"the bar into {LENGTHS} lengths", picture=(10.0, 1.25 / 3),
     speed=0.5, reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
     amplitude_hint="amplitude of the vibration; from 0.159 m on the exact bar turns inside out",
     motion=MOTION, estimators=("recovered", "transport"),

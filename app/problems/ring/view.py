@@ -1,5 +1,6 @@
 """How the ring is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
 
+from typing import Any
 
 import numpy as np
 
@@ -21,8 +22,14 @@ def regions(X: np.ndarray) -> Regions:
     return Regions(names, third * ANGLES + angle)
 
 
+def draw(*places: Any) -> None:
+    from app.problems.ring import pictures
+
+    pictures.draw(*places)
+
+
 RING = ProblemView(
-    "ring", RingStage, PlanarSlowStage, regions,
+    "ring", RingStage, PlanarSlowStage, draw, regions,
     f"the quarter ring into {ANGLES} angles from the x axis on and {len(THIRDS)} thirds of the wall",
     picture=(13.5, 0.85), speed=0.2, reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-2, 10.0)),
     amplitude_hint=f"largest displacement of the outer rim; from {RESONANCE} m on the motion itself is unstable, above "

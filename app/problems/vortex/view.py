@@ -1,5 +1,6 @@
 """How the vortex is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it."""
 
+from typing import Any
 
 import numpy as np
 
@@ -21,8 +22,14 @@ def regions(X: np.ndarray) -> Regions:
     return Regions(names, fifth * ANGLES + angle)
 
 
+def draw(*places: Any) -> None:
+    from app.problems.vortex import pictures
+
+    pictures.draw(*places)
+
+
 VORTEX = ProblemView(
-    "vortex", VortexStage, PlanarSlowStage, regions,
+    "vortex", VortexStage, PlanarSlowStage, draw, regions,
     f"the ring into {ANGLES} angles from the x axis on and {len(FIFTHS)} fifths of the wall",
     picture=(15.0, 1.3), speed=0.1,
     reach=Reach((12, 96, 2), (1, 3), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),

@@ -81,4 +81,3 @@ def _made_from(row: Row) -> dict:
     """What must be equal for a stored row to be this row, as it reads in JSON."""
     scenes = {name: scene.to_dict() for name, scene in row.scenes.items()}
     return json.loads(json.dumps({"schema": SCHEMA, "solvers": fingerprint(), "scenes": scenes}))
-
