@@ -194,7 +194,7 @@ class Worker:
                 return False
             states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
             replacement.take_over((states, {**self._waiting, **self._wishes},
-                            self._compiled | set(map(combination, replacement.compiled)), self._usual))
+                                   self._compiled | set(map(combination, replacement.compiled)), self._usual))
             return True
         except MemoryError:
             self._give_up(replacement, NO_MEMORY)

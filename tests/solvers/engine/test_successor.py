@@ -162,17 +162,17 @@ def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
     goes on when it is told, and does not keep its parent waiting."""
     monkeypatch.setattr(successor, "_compile", lambda scenes: 2)
     prepared = []
-    heir = successor.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
-    if not isinstance(heir, successor.Successor):  # the child
-        os._exit(int(prepared == ["coming"] and heir == "all"))
-    until(lambda: heir.ready(lambda: "coming"), "its preparations")
-    assert heir.compiled == [SCENE] * 2 and prepared == []
+    replacement = successor.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
+    if not isinstance(replacement, successor.Successor):  # the child
+        os._exit(int(prepared == ["coming"] and replacement == "all"))
+    until(lambda: replacement.ready(lambda: "coming"), "its preparations")
+    assert replacement.compiled == [SCENE] * 2 and prepared == []
     for rests in (True, False, True):
-        heir.rest(rests)
-        until(lambda rests=rests: (state(heir.process_id) == "T") == rests, "obedience")
-    heir.take_over("all")
-    assert os.waitstatus_to_exitcode(os.waitpid(heir.process_id, 0)[1]) == 1
-    heir.pipe.close()
+        replacement.rest(rests)
+        until(lambda rests=rests: (state(replacement.process_id) == "T") == rests, "obedience")
+    replacement.take_over("all")
+    assert os.waitstatus_to_exitcode(os.waitpid(replacement.process_id, 0)[1]) == 1
+    replacement.pipe.close()
 
 
 @pytest.mark.parametrize("answered", [False, True])
