@@ -1,12 +1,12 @@
 """The head of the page: style, theme, presenter's view. The viewer lets style be set by html of one's own only."""
 
 import colorsys
+from base64 import b64encode
 from pathlib import Path
 
 import viser
 
-from app.colours import ESTIMATE, TRUTH, rgb
-from app.templates import rendered
+from app.colours import TRUTH, rgb
 
 CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the left panel
 
@@ -22,18 +22,31 @@ _BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-present
 WEB = Path(__file__).parents[1] / "web"
 
 
-def _web(*names: str) -> str:
-    return "".join((WEB / name).read_text(encoding="utf-8") for name in names)
+FONTS = Path(__file__).parents[2] / "fonts"
+_RANGES = {"latin": "U+0000-00FF,U+0131,U+0152-0153,U+02BB-02DC,U+2000-206F,U+2070-209F,U+20AC,U+2122,U+2190-2193,"
+                    "U+2212,U+2215,U+2248,U+2264-2265,U+FEFF,U+FFFD", "greek": "U+0370-03FF"}
 
 
-#: A calm ground until there is a stage, and the scripts: what the html that a browser loads first has of ours.
-GROUND = _web("ground.html") + "<script>\n" \
-    + _web("names.js", "attendance.js", "tabs.js", "browser_store.js", "figures.js", "drop.js") + "</script>"
-# An image's onload is the one moment in a page's life that html alone can hook. The viewer's own buttons (its server,
-# its scene tree, its share link) are of no use to a visitor, and its warning of slow graphics, which would cover the
-# colour bar, does not hold for so light a picture. How far a file has come is said where all else is.
-_HEAD = rendered(WEB / "head.html", estimate=ESTIMATE, truth=TRUTH, left=MEASUREMENTS_WIDTH, right=CONTROLS_WIDTH,
-                 style=_web("style.css", "room.css", "present.css")).rstrip()
+def _web(folder: str, ending: str) -> str:
+    """All files of a folder, one after the other in the order of their names."""
+    return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
+
+
+def _faces() -> str:
+    """The page's type, as part of the style: nothing is fetched."""
+    return "".join(
+        f"@font-face {{ font-family: 'Lab Inter'; font-weight: 100 900; font-display: block; unicode-range: {ranges}; "
+        f"src: url(data:font/woff2;base64,{b64encode((FONTS / f'inter-{part}.woff2').read_bytes()).decode()}) "
+        "format('woff2'); }\n" for part, ranges in _RANGES.items())
+
+
+#: What the html that a browser loads first has of ours: all style, the page's own frame, and the scripts.
+GROUND = f"<style>\n{_faces()}{_web('css', 'css')}</style>\n" + (WEB / "ground.html").read_text(encoding="utf-8") \
+    + f"<script>\n{_web('js', 'js')}</script>"
+# An image's onload is the one moment in a page's life that html alone can hook. The viewer's warning of slow graphics,
+# which would cover the colour bar, does not hold for so light a picture. How far a file has come is said where all
+# else is.
+_HEAD = (WEB / "head.html").read_text(encoding="utf-8")
 
 
 def set_up(gui: viser.GuiApi) -> None:
@@ -45,7 +58,7 @@ def set_up(gui: viser.GuiApi) -> None:
 
 
 def add_head(gui: viser.GuiApi) -> None:
-    """The html that sets the style, in an element of its own so that it runs once."""
+    """The html that hides what the viewer says, in an element of its own so that it runs once."""
     gui.add_html(_HEAD)
 
 
