@@ -24,15 +24,19 @@ LINE_HEIGHT = 15.0  # of a line of such letters, with what is around it
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
                  "bottom-center", "bottom-right"]
-#: What a label is: a half's title or why it is empty, which run this is, what the marks mean, an axis's number or name,
-#: words at a step in slow motion, or words at a place of the body, which every renderer writes.
-Role = Literal["title", "silence", "name", "note", "number", "caption", "step", "place"]
+#: What a label is: a name left of what it names, outside of the rectangle, a half's title or why it is empty, which run
+#: this is, what the marks mean, an axis's number or name, words at a step in slow motion, or words at a place of the
+#: body, which every renderer writes.
+Role = Literal["gutter", "title", "silence", "name", "note", "number", "caption", "step", "place"]
+#: What a label belongs to, and so its colour.
+Tone = Literal["plain", "faint", "estimate", "truth", "crossing"]
+Sign = Literal["", "dot", "line"]  # a key in the label's tone before its words: what they explain looks like that
 
 
 @dataclass(frozen=True)
 class Label:
     """A text whose ``anchor`` is at (x, y), in lines of at most ``width`` letters if it says so, ``size`` times as
-    large as usual."""
+    large as usual, in a ``tone``, perhaps ``bold`` and after a ``sign``."""
 
     name: str
     text: str
@@ -42,6 +46,9 @@ class Label:
     role: Role
     size: float = 1.0
     width: int = 0
+    tone: Tone = "plain"
+    bold: bool = False
+    sign: Sign = ""
 
 
 @dataclass(eq=False, slots=True)
@@ -80,10 +87,27 @@ Mark = Label | Dots | Lines
 
 @dataclass(frozen=True)
 class Room:
-    """How large a stage is drawn: ``pixels`` for a length of one, and letters so many times as large as usual."""
+    """The box that a stage is drawn in.
+
+    Attributes
+    ----------
+    pixels
+        For a length of one: from x = 0 to 1 of the stage.
+    lettering
+        Letters are so many times as large as usual.
+    high
+        The box's height, in lengths of one: y goes from 0 to it.
+    gutter
+        Room for names left of x = 0, in lengths of one; with none they stand above what they name.
+    dark
+        Whether the ground is dark.
+    """
 
     pixels: float
     lettering: float = 1.0
+    high: float = 0.5
+    gutter: float = 0.0
+    dark: bool = False
 
     def letters(self, length: float, size: float = 1.0) -> int:
         """How many letters of a size there is room for in a length of the stage."""
