@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import asdict, replace
 from time import monotonic
+from typing import Any
 
 from app.page.visit.health import Tally
 from app.page.visit.history import History
@@ -59,9 +60,10 @@ class Session:
     def __init__(self, pool: PageLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
         self._lock = threading.RLock()
         self._on_frame = on_frame
-        self._refusal: str | None = None
+        self._refused: tuple[str, str] | None = None
         self._trouble: str | None = None
         self._engine_lost = False
+        self._wished: dict[str, Any] = {}
         self._news = (-math.inf, "")  # when something has happened, and what is said of it for a while
         self._crowded_at = -math.inf
         self.watched, self._rests = True, False
@@ -75,28 +77,27 @@ class Session:
         self._ask()
 
     def set(self, **fields: object) -> None:
-        """Ask for some fields of the scene. What cannot be is refused in words, and the present scene runs on.
-
-        A refused value stays wished, as it stays on the visitor's slider, until the whole wish can be met.
-        """
+        """Ask for some fields of the scene. What cannot be is refused in words (:attr:`refused`), the present scene
+        runs on, and what was refused is wished no longer."""
         with self._lock:
-            self._wished |= fields
+            wished = self._wished | fields
             try:
-                scene = PROBLEMS[self._wished["problem"]].scene(**self._wished)
+                scene = PROBLEMS[wished["problem"]].scene(**wished)
             except SceneError as refusal:
-                self._refusal = on_page(str(refusal))
+                self.refuse(on_page(str(refusal)), refusal.field if refusal.field in fields else next(iter(fields)))
                 return
-            self._refusal = too_many(scene) or None
-            if not self._refusal:
-                self.scene, self._beyond = scene, False
-                self._ask()
+            if crowd := too_many(scene):
+                self.refuse(crowd, next(iter(fields)))
+                return
+            self._wished, self.scene, self._beyond = wished, scene, False
+            self._ask()
 
     def choose(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
         """Take a scene whole, at so many periods a second, to its end or further; what was wished of the one before is
         forgotten."""
         with self._lock:
-            self._refusal = too_many(scene) or None
-            if self._refusal:
+            if crowd := too_many(scene):
+                self.refuse(crowd)
                 return
             if scene.problem != self.scene.problem and self.pinned:
                 self.unpin()
@@ -173,19 +174,24 @@ class Session:
             self._beyond = False
             self._ask(restarts=self._pace.restarts + 1)
 
-    def refuse(self, sentence: str) -> None:
-        """Something was asked for that means nothing; the present scene runs on."""
+    @property
+    def refused(self) -> tuple[str, str] | None:
+        """The field of the scene, or "speed", that was asked for last and cannot be ("" for none of them), and why in a
+        sentence without its full stop; None once anything else has been asked for."""
+        return self._refused
+
+    def refuse(self, sentence: str, field: str = "") -> None:
+        """Something was asked for that means nothing, of a ``field`` or of none; the present scene runs on."""
         with self._lock:
-            self._refusal = sentence
+            self._refused = field, sentence
 
     def set_speed(self, speed: float) -> None:
         """Periods a second."""
         with self._lock:
             if speed > FASTEST:
-                self._refusal = f"Speed: {speed:g} periods a second are too many; at most {FASTEST:g} can be asked for"
+                self.refuse(f"Speed: {speed:g} periods a second are too many; at most {FASTEST:g} can be asked for",
+                            "speed")
                 return
-            if (self._refusal or "").startswith("Speed:"):
-                self._refusal = None
             self._ask(speed=speed)
 
     def show(self, **options: object) -> None:
@@ -245,8 +251,8 @@ class Session:
         if self._engine_lost and waiting:
             return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
                                   "and the scene begins again.")
-        if self._refusal:
-            return Notice("refused", f"{self._refusal}. The scene before it runs on.")
+        if self._refused:
+            return Notice("refused", f"{self._refused[1]}. The scene before it runs on.")
         if self._rests and not self.playing:
             return Notice("wait", "The run rests, because nobody has asked anything of it for a while. Press Play to "
                                   "go on.")
@@ -304,7 +310,7 @@ class Session:
     def _ask(self, **pace: float) -> None:
         """Ask for all that is wanted now, with another ``pace`` from now on."""
         self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
-        self._trouble, self._asked_at = None, monotonic()
+        self._trouble, self._refused, self._asked_at = None, None, monotonic()
         now = replace(self._pace, playing=self.playing and self.watched, ends=self.ends and not self._beyond)
         self._number = self._link.ask(self.scene, now, self._frame)
         if self.pinned:

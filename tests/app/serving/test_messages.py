@@ -260,6 +260,23 @@ def test_session_asks_for_no_more_than_one_visitor_may_have():
     assert session.scene == fits and "particles are too many" in session.notice().sentence
 
 
+def test_what_is_refused_is_wished_no_longer():
+    """It is said of which field, until anything else is asked for, which is done with the value that there was."""
+    session = Session(Pool(), FIRST_SCENE, lambda *_: None)
+    session.set(amplitude=0.2)
+    field, sentence = session.refused
+    assert field == "amplitude" and "0.159" in sentence and session.scene == FIRST_SCENE
+    session.set(cells=20)
+    assert session.refused is None and session.scene == replace(FIRST_SCENE, cells=20)
+    for ask, field in ((lambda: session.set(cells=MOST_WATCHED), "cells"), (lambda: session.set_speed(1e9), "speed"),
+                       (lambda: session.refuse("no number", "modulus"), "modulus"),
+                       (lambda: session.choose(replace(FIRST_SCENE, cells=MOST_WATCHED)), "")):
+        ask()
+        assert session.refused[0] == field
+        session.play(True)
+        assert session.refused is None
+
+
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_sliders_reach_no_scene_that_is_refused(problem):
     reach = VIEWS[problem].reach
