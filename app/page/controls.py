@@ -1,5 +1,6 @@
 """The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
 
+import threading
 from collections.abc import Callable
 
 import viser
@@ -8,9 +9,12 @@ from app import words
 from app.frame.scale import ColourScale
 from app.page.features.slow.panel import SlowMotion
 from app.page.panels.bound import BoundWidgets, Patience, Size
-from app.page.panels.estimators import EstimatorChoice
+from app.page.panels.drawn import Drawn
+from app.page.panels.estimators import Judges
 from app.page.panels.looking import Looking
+from app.page.panels.stage_choice import StageChoice
 from app.page.source import Choice
+from app.page.transport import Transport
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
@@ -21,25 +25,32 @@ from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
 from solvers.scene.step_bound import SAFE
 
 CFL = (0.01, 2.0)
-PIN, UNPIN = "Pin this run", "Unpin"
 
 
 class Controls:
-    """Widgets of one visitor, bound to the session. ``on_view`` is called when only the drawing changes."""
+    """Widgets of one visitor, bound to the session. Those that are there whatever tab is open are made at once, before
+    the tabs; :meth:`build` makes the others. ``on_view`` is called when only the drawing changes."""
 
-    def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, session: Session, scale: ColourScale,
-                 on_view: Callable[[], None], looking: Looking, slow: SlowMotion):
-        self._gui, self._tab, self._session, self._scale, self._on_view = gui, tab, session, scale, on_view
-        self.domains, self.magnified, self._slow = False, 1, slow
+    def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
+                 looking: Looking, slow: SlowMotion):
+        self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
+        self._looking, self._slow = looking, slow
         self._offered: tuple[str, ...] = ()  # the controls that a lesson leaves; without any all are
-        self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
-        self.looking = looking
         self._patience = Patience()
-        self._bound = BoundWidgets(gui, session, self._patience)
-        self._turn = self._bound.turn  # widgets must not be removed while others are made or changed among them
-        self.estimators = EstimatorChoice(session, on_view, self._bound)
+        self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
+        self._bound = BoundWidgets(gui, session, self._patience, self._turn)
+        gui.add_html("<i class='lab-at-problem'></i>")
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
+        self._stage = StageChoice(gui, session, scale, on_view)
+        lasting = BoundWidgets(gui, session, self._patience, self._turn)
+        self._transport = Transport(gui, session, looking, slow, lasting, on_view)
+        self._drawn = Drawn(session, scale, looking, on_view)
+        self._judges = Judges(session, self._stage, self._bound)
+
+    def build(self, tab: viser.GuiTabHandle) -> None:
+        """Make the widgets of the tab, within it."""
+        self._tab = tab
         self._build()
 
     def begin(self) -> None:
@@ -52,7 +63,7 @@ class Controls:
         """Put a scene on the stage, and all that it says into the widgets."""
         with self._turn:
             if scene.problem != self._session.scene.problem:
-                self.domains = False
+                self._drawn.domains = False
             self._session.choose(scene)
             self._rebuild()
 
@@ -62,44 +73,48 @@ class Controls:
             if controls != self._offered:
                 self._offered = controls
                 self._problem.visible = not controls or "problem" in controls
+                self._stage.offer(controls)
+                self._transport.offer(controls)
                 self._rebuild()
 
     def show(self, state: State) -> None:
         """Put all of a state on the stage and into the widgets."""
         session = self._session
         with self._turn:
-            self.quantity, self.magnified, self.domains = state.quantity, state.magnified, state.domains
+            self._stage.show(state.quantity, state.estimator, state.magnified)
+            self._drawn.difference, self._drawn.domains = state.difference, state.domains
             self._scale.logarithmic = state.logarithmic
             self._scale.forget()
-            self.estimators.drawn, self.estimators.difference = state.estimator, state.difference
             session.unpin()
             session.choose(state.scene, state.speed, state.stops)
             if state.pinned is not None:
-                session.pin(self._pinned_drawn, state.pinned)
+                self._transport.pin(state.pinned)
             session.show(differences=state.difference, plotted=state.quantity)
-            self.looking.trace(state.traced)
+            self._looking.trace(state.traced)
             self._rebuild()
         self._on_view()
 
     @property
     def choice(self) -> Choice:
         """What is to be seen of a run."""
-        return Choice(self.quantity, self.estimators.drawn, self.estimators.difference, self.domains, self.magnified,
-                      self.looking.latest)
+        stage, drawn = self._stage, self._drawn
+        return Choice(stage.quantity, stage.estimator, drawn.difference, drawn.domains, stage.magnified,
+                      self._looking.latest)
 
     @property
     def state(self) -> State:
         """What the visitor sees."""
-        session, first = self._session, next(iter(self._session.scene.estimators), None)
-        drawn, speed, pinned = self.estimators.drawn, VIEWS[session.scene.problem].speed, session.pinned
-        return State(session.scene, self.quantity, drawn if drawn != first else None, self.estimators.difference,
-                     self.magnified, self._scale.logarithmic, self.domains,
-                     session.speed if session.speed != speed else None, self.looking.traced, session.ends,
+        session, stage, first = self._session, self._stage, next(iter(self._session.scene.estimators), None)
+        speed, pinned = VIEWS[session.scene.problem].speed, session.pinned
+        return State(session.scene, stage.quantity, stage.estimator if stage.estimator != first else None,
+                     self._drawn.difference, stage.magnified, self._scale.logarithmic, self._drawn.domains,
+                     session.speed if session.speed != speed else None, self._looking.traced, session.ends,
                      pinned.scene if pinned else None)
 
     def _rebuild(self) -> None:
         """Make the widgets anew, for the session's present scene."""
         self._problem.value = self._session.scene.TITLE  # type: ignore[misc]  # it is chosen: nothing follows from it
+        self._transport.show()
         self._bound.forget()
         self._widgets.remove()
         with self._tab:
@@ -114,11 +129,12 @@ class Controls:
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once
         with self._widgets:
-            self._run()
             with self._part("slow-motion"):
                 self._slow.build(self._gui)
             self._scene()
-            self._view()
+            with self._part("estimators"):
+                self._judges.build(self._gui)
+            self._drawn.build(self._gui, self._part)
             with self._part("details"), self._gui.add_folder("Method details and remedies", expand_by_default=False):
                 for field, hint in VIEWS[self._session.scene.problem].details.items():
                     if field != "body_force" or self._session.scene.swings:
@@ -132,37 +148,6 @@ class Controls:
     def _part(self, control: str) -> viser.GuiFolderHandle:
         """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
         return self._gui.add_folder(None, visible=not self._offered or control in self._offered)
-
-    def _run(self) -> None:
-        gui, session = self._gui, self._session
-        acts = {"Play": lambda: session.play(True), "Pause": lambda: session.play(False),
-                "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
-        buttons = gui.add_button_group("Run", tuple(acts), hint="Step pauses and takes one time step")
-        buttons.on_click(lambda event: acts[event.target.value]())
-        with self._part("pin"):
-            pin = gui.add_button(PIN if session.pinned is None else UNPIN, hint="keep the run on the stage beside what "
-                                 "you change: both begin at t = 0 and go on together, period by period")
-        pin.on_click(self._bound.in_turn(lambda _: self._pin(pin)))
-        view = VIEWS[session.scene.problem]
-        with self._part("speed"):
-            self._bound.size(Size("Speed", "", view.reach.speed, view.speed,
-                            "periods of the exact vibration in a second of yours"), session.speed, session.set_speed)
-        with self._part("look-back"):
-            self.looking.build_slider(gui)
-
-    def _pin(self, button: viser.GuiButtonHandle) -> None:
-        session = self._session
-        if session.pinned is None:
-            session.pin(self._pinned_drawn)
-        else:
-            session.unpin()
-        button.label = PIN if session.pinned is None else UNPIN
-        self._on_view()
-
-    def _pinned_drawn(self) -> None:
-        """The pinned run has a frame: while both play, it is drawn with the other's."""
-        if not (self._session.report and self._session.report.playing):
-            self._on_view()
 
     def _scene(self) -> None:
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
@@ -195,7 +180,7 @@ class Controls:
 
     def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Another motion has other controls."""
-        self.show(State(changed, quantity or self.quantity, magnified=self.magnified, speed=speed,
+        self.show(State(changed, quantity or self._stage.quantity, magnified=self._stage.magnified, speed=speed,
                         logarithmic=self._scale.logarithmic))
 
     def _step(self) -> None:
@@ -227,7 +212,8 @@ class Controls:
         """
         self._patience.show(self._session.compiling)
         with self._turn:
-            self.looking.refresh()
+            self._looking.refresh()
+            self._transport.refresh()
             scene = self._session.scene
             if scene.dt == AUTO and scene.courant_number != self._shown_step:
                 self._shown_step = scene.courant_number
@@ -250,51 +236,3 @@ class Controls:
             self._session.set(cells=count)
 
         self._bound.follow(cells, changed)
-
-    def _view(self) -> None:
-        gui, scale, session = self._gui, self._scale, self._session
-        quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
-        with self._part("quantity"):
-            quantity = gui.add_dropdown("Error of", tuple(quantities),
-                                        initial_value=str(words.QUANTITIES[self.quantity]),
-                                        hint="the quantity whose error gives the colours, and whose field is plotted")
-        factors = {f"× {factor}": factor for factor in words.MAGNIFICATIONS}
-        with self._part("magnify"):
-            magnify = gui.add_dropdown("Magnify error", tuple(factors), initial_value=f"× {self.magnified}",
-                                       hint="in the plot of the field: how many times the deviation of the particles "
-                                            "from the exact curve is drawn")
-        with self._part("estimators"):
-            self.estimators.build(gui)
-        with self._part("colours"):
-            kind = gui.add_dropdown("Colours", ("linear", "logarithmic"), hint="of estimate and truth alike",
-                                    initial_value="logarithmic" if scale.logarithmic else "linear")
-            hold = gui.add_checkbox("Hold colours", scale.held, hint="keep the colour scale while settings change")
-        with self._part("trace"):
-            self.looking.build_trace(gui)
-
-        def changed(_: viser.GuiEvent) -> None:
-            scale.logarithmic, scale.held = kind.value == "logarithmic", hold.value
-            scale.forget()
-            self._on_view()
-
-        def choose_quantity(event: viser.GuiEvent) -> None:
-            self.quantity = quantities[quantity.value]
-            session.show(plotted=self.quantity)
-            changed(event)
-
-        def choose_factor(_: viser.GuiEvent) -> None:
-            self.magnified = factors[magnify.value]
-            self._on_view()
-
-        quantity.on_update(choose_quantity)
-        magnify.on_update(choose_factor)
-        for widget in (kind, hold):
-            widget.on_update(changed)
-        if hint := VIEWS[session.scene.problem].stage.DOMAINS_HINT:
-            with self._part("domains"):
-                domains = gui.add_checkbox("Show domains", self.domains, hint=hint)
-            domains.on_update(lambda e: self._show_domains(e.target.value))
-
-    def _show_domains(self, shown: bool) -> None:
-        self.domains = shown
-        self._on_view()

@@ -89,11 +89,11 @@ class Page:
         self._cost.jobs.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
+        looking = Looking(self._session, self._recent, self._trace, self._redraw)
+        self._controls = Controls(client.gui, self._session, self._scale, self._redraw, looking, self._slow)
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
-            looking = Looking(self._session, self._recent, self._trace, self._redraw)
-            self._controls = Controls(client.gui, explore, self._session, self._scale, self._redraw, looking,
-                                      self._slow)
+            self._controls.build(explore)
             Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:

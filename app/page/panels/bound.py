@@ -10,7 +10,7 @@ import numpy as np
 import viser
 
 from app import words
-from app.page.panels.head import LOGARITHMIC, TYPED, WIDE_LABEL
+from app.page.panels.head import WIDE_LABEL
 from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
@@ -65,9 +65,9 @@ class BoundWidgets:
     """Makes them for one visitor. Callbacks run side by side: they take ``turn``, so that what is read last is asked
     for last, and so do those who make the widgets anew."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, patience: Patience):
+    def __init__(self, gui: viser.GuiApi, session: Session, patience: Patience, turn: threading.RLock):
         self._gui, self._session, self._patience = gui, session, patience
-        self.turn, self._made = threading.RLock(), object()
+        self.turn, self._made = turn, object()
 
     def forget(self) -> None:
         """The widgets are about to be removed: from now on nothing that was asked by one of them is done."""
@@ -148,9 +148,9 @@ class BoundWidgets:
 
         shown.on_update(chosen)
 
-    def size(self, size: Size, value: float, act: Callable[[float], None]) -> "SizeControl":
-        """A slider and a text for a number of any size."""
-        return SizeControl(self._gui, self, size, value, act, self._session.refuse)
+    def size(self, size: Size, value: float, act: Callable[[float], None], place: str = "") -> "SizeControl":
+        """A slider and a text for a number of any size. The style may lay them elsewhere by the name of a ``place``."""
+        return SizeControl(self._gui, self, size, value, act, self._session.refuse, place)
 
 
 class SizeControl:
@@ -158,26 +158,40 @@ class SizeControl:
     called with a number that the visitor has set, ``refuse`` with a sentence about text that is none."""
 
     def __init__(self, gui: viser.GuiApi, bound: BoundWidgets, size: Size, value: float, act: Callable[[float], None],
-                 refuse: Callable[[str], None]):
+                 refuse: Callable[[str], None], place: str):
         self._size, self._act, self._refuse = size, act, refuse
         self._typed: threading.Timer | None = None
-        low, high = (float(np.log10(end)) for end in (min(*size.reach, value), max(*size.reach, value)))
-        decades = range(int(np.ceil(low)), int(np.floor(high)) + 1)
-        gui.add_html(LOGARITHMIC)
-        self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint,
-                                      marks=tuple((float(d), f"{10.0**d:g}" if abs(d) < 4 else f"1e{d}")
-                                                  for d in decades))
-        gui.add_html(TYPED)
+        low, high = _ends(size, value)
+        gui.add_html(f"<i class='lab-logarithmic {place}'></i>")
+        self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint)
+        gui.add_html(f"<i class='lab-typed {place}'></i>")
         self._text = gui.add_text(f"{size.name}, typed", self._shown(value), hint=f"{size.hint}. Type a number"
                                   + f" in {size.unit}, or with a prefix: {self._shown(size.default)}" * bool(size.unit))
-        self._ends, self._read_in_turn = (low, high), bound.in_turn(self._read)
+        self._read_in_turn = bound.in_turn(self._read)
         bound.follow(self._slider, self._moved)
         bound.follow(self._text, self._keyed)
 
+    def begin(self, size: Size, value: float) -> None:
+        """Show a number of another reach."""
+        self._size = size
+        self._slider.min, self._slider.max = _ends(size, value)
+        self.show(value)
+
     def show(self, value: float) -> None:
         """Show another value, which nobody has set by hand."""
-        self._slider.value = float(np.clip(np.log10(value), *self._ends))  # type: ignore[misc]
+        self._place(value)
         self._text.value = self._shown(value)  # type: ignore[misc]
+
+    @property
+    def visible(self) -> bool:
+        return self._slider.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._slider.visible = self._text.visible = visible
+
+    def _place(self, value: float) -> None:
+        self._slider.value = float(np.clip(np.log10(value), self._slider.min, self._slider.max))  # type: ignore[misc]
 
     def _shown(self, value: float) -> str:
         return with_unit(value, self._size.unit, DIGITS) if self._size.unit else f"{value:.{DIGITS}g}"
@@ -207,5 +221,10 @@ class SizeControl:
             self._refuse(f"{self._size.name}: {text!r} is not a number above 0{unit}; "
                          f"give one such as {self._shown(self._size.default)}")
             return
-        self._slider.value = float(np.clip(np.log10(value), *self._ends))  # type: ignore[misc]
+        self._place(value)
         self._act(value)
+
+
+def _ends(size: Size, value: float) -> tuple[float, float]:
+    """Of a slider that shows this value, too: logarithms."""
+    return float(np.log10(min(*size.reach, value))), float(np.log10(max(*size.reach, value)))

@@ -11,8 +11,6 @@ from app.colours import TRUTH, rgb
 CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the left panel
 
 # Marks for the style, each put before a widget:
-LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box would show a logarithm, and is hidden
-TYPED = "<i class='lab-typed'></i>"  # the text beside such a slider
 HALF_WIDE = "<i class='lab-half'></i>"  # each of the boxes that stand two in a row
 BESIDE = "<i class='lab-beside'></i>"  # each of two buttons that stand in a row
 BARE = "<i class='lab-bare'></i>"  # a row of buttons that needs all of the width

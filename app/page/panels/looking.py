@@ -20,11 +20,12 @@ class Looking:
         self.latest = False  # whether plots show the last periods only
         self._refused = False
 
-    def build_slider(self, gui: viser.GuiApi) -> None:
+    def build_slider(self, gui: viser.GuiApi) -> viser.GuiSliderHandle[int]:
         """Make the slider: to the left is the past."""
         self._slider = gui.add_slider("Look back", -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
         self._slider.on_update(self._moved)
         self._at = 0
+        return self._slider
 
     def build_trace(self, gui: viser.GuiApi) -> None:
         """Make what belongs to the plots over time."""

@@ -1,0 +1,87 @@
+"""What the stage shows: the error of which quantity, by which estimator, how many times magnified. The three are laid
+onto the stage, beside what they change (``css/10-shell.css``), whatever tab is open: they are made once, before the
+tabs."""
+
+from collections.abc import Callable
+
+import viser
+
+from app import words
+from app.frame.scale import ColourScale
+from app.page.visit.session import Session
+
+NONE = "none"
+_FACTORS = {f"× {factor}": factor for factor in words.MAGNIFICATIONS}
+_NAMES = {factor: name for name, factor in _FACTORS.items()}
+
+
+class StageChoice:
+    """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None]):
+        self._session, self._scale, self._on_view = session, scale, on_view
+        self._quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
+        self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
+        self.estimator = next(iter(session.scene.estimators), None)  # the one on the stage, if any
+        self.magnified = 1
+        gui.add_html("<i class='lab-at-quantity'></i>")
+        self._quantity = gui.add_dropdown("Error of", tuple(self._quantities), initial_value=self._shown_quantity,
+                                          hint="the quantity whose error gives the colours, and whose field is plotted")
+        gui.add_html("<i class='lab-at-estimator'></i>")
+        self._estimator = gui.add_dropdown("On the stage", session.scene.estimators or (NONE,),
+                                           initial_value=self.estimator or NONE,
+                                           hint="the estimator whose errors are drawn, of those that run")
+        gui.add_html("<i class='lab-at-magnify'></i>")
+        self._magnify = gui.add_dropdown("Magnify error", tuple(_FACTORS), initial_value=_NAMES[1],
+                                         hint="in the plot of the field: how many times the deviation of the particles "
+                                              "from the exact curve is drawn")
+        self._quantity.on_update(lambda event: self._choose_quantity() if event.client else None)
+        self._estimator.on_update(lambda event: self._choose_estimator() if event.client else None)
+        self._magnify.on_update(lambda event: self._choose_factor() if event.client else None)
+
+    def offer(self, controls: tuple[str, ...]) -> None:
+        """Show what is among these controls, or all where there are none."""
+        for widget, control in ((self._quantity, "quantity"), (self._estimator, "estimators"),
+                                (self._magnify, "magnify")):
+            widget.visible = not controls or control in controls
+
+    def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
+        """Show these; the estimator as far as it runs, see :meth:`judge_by`."""
+        self.quantity, self.estimator, self.magnified = quantity, estimator, magnified
+        for widget, shown in ((self._quantity, self._shown_quantity), (self._magnify, _NAMES[magnified])):
+            widget.value = shown  # type: ignore[misc]
+
+    def judge_by(self, estimators: tuple[str, ...]) -> None:
+        """These run: one of them is on the stage."""
+        before = self.estimator
+        if before not in estimators:
+            self.estimator = next(iter(estimators), None)
+        if self._estimator.options != (estimators or (NONE,)):
+            self._estimator.options = estimators or (NONE,)
+        if self._estimator.value != (self.estimator or NONE):
+            self._estimator.value = self.estimator or NONE  # type: ignore[misc]
+        if self.estimator != before:
+            self._on_view()
+
+    def put(self, estimator: str) -> None:
+        """Put an estimator that runs on the stage."""
+        self.estimator = self._estimator.value = estimator  # type: ignore[misc]
+        self._on_view()
+
+    @property
+    def _shown_quantity(self) -> str:
+        return str(words.QUANTITIES[self.quantity])
+
+    def _choose_quantity(self) -> None:
+        self.quantity = self._quantities[self._quantity.value]
+        self._session.show(plotted=self.quantity)
+        self._scale.forget()
+        self._on_view()
+
+    def _choose_estimator(self) -> None:
+        self.estimator = None if self._estimator.value == NONE else self._estimator.value
+        self._on_view()
+
+    def _choose_factor(self) -> None:
+        self.magnified = _FACTORS[self._magnify.value]
+        self._on_view()

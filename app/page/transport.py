@@ -1,0 +1,81 @@
+"""The instrument of time: what lets the run go, stand, go back, stay and be seen slowly. It is laid below the stage,
+whatever tab is open (``css/20-deck.css``), and so it is made once, before the tabs."""
+
+from collections.abc import Callable
+
+import viser
+
+from app.page.features.slow.panel import SlowMotion
+from app.page.panels.bound import BoundWidgets, Size
+from app.page.panels.looking import Looking
+from app.page.visit.session import Session
+from app.problems.views import VIEWS
+from solvers.scene.scene import Scene
+
+PIN, UNPIN = "Pin this run", "Unpin"
+SLOW, NOT_SLOW = "Slow motion", "End slow motion"
+
+
+class Transport:
+    """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, looking: Looking, slow: SlowMotion, bound: BoundWidgets,
+                 on_view: Callable[[], None]):
+        self._session, self._slow, self._on_view = session, slow, on_view
+        acts = {"Play": lambda: session.play(True), "Pause": lambda: session.play(False),
+                "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
+        gui.add_html("<i class='lab-at-run'></i>")
+        buttons = gui.add_button_group("Run", tuple(acts))
+        buttons.on_click(lambda event: acts[event.target.value]())
+        self._speed = bound.size(self._pace, session.speed, session.set_speed, "lab-at-speed")
+        gui.add_html("<i class='lab-at-pin'></i>")
+        self._pin = gui.add_button(PIN, hint="keep the run on the stage beside what you change: both begin at t = 0 "
+                                   "and go on together, period by period")
+        self._pin.on_click(lambda _: self._turn())
+        gui.add_html("<i class='lab-at-back'></i>")
+        self._back = looking.build_slider(gui)
+        gui.add_html("<i class='lab-at-slow'></i>")
+        self._slowly = gui.add_button(SLOW, hint="pause, and walk through one time step phase by phase")
+        self._slowly.on_click(lambda _: slow.end() if slow.on else slow.forward())
+
+    def offer(self, controls: tuple[str, ...]) -> None:
+        """Show what is among these controls, or all where there are none."""
+        def offered(control: str) -> bool:
+            return not controls or control in controls
+
+        self._pin.visible, self._back.visible = offered("pin"), offered("look-back")
+        self._slowly.visible = offered("slow-motion")
+        self._speed.visible = offered("speed")
+
+    def pin(self, scene: Scene | None = None) -> None:
+        """Keep the run on the stage, or one of a scene, beside what follows."""
+        self._session.pin(self._pinned_drawn, scene)
+
+    def show(self) -> None:
+        """Show what belongs to the session's present scene."""
+        self._speed.begin(self._pace, self._session.speed)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show what the session has come to by itself."""
+        self._pin.label = PIN if self._session.pinned is None else UNPIN
+        self._slowly.label = NOT_SLOW if self._slow.on else SLOW
+
+    @property
+    def _pace(self) -> Size:
+        view = VIEWS[self._session.scene.problem]
+        return Size("Speed", "", view.reach.speed, view.speed,
+                    "periods of the exact vibration in a second of yours")
+
+    def _turn(self) -> None:
+        if self._session.pinned is None:
+            self.pin()
+        else:
+            self._session.unpin()
+        self.refresh()
+        self._on_view()
+
+    def _pinned_drawn(self) -> None:
+        """The pinned run has a frame: while both play, it is drawn with the other's."""
+        if not (self._session.report and self._session.report.playing):
+            self._on_view()
