@@ -1,20 +1,53 @@
-"""The colours of the page and of every picture: one for the estimate, one for the truth, one map for sizes.
+"""The colours of the page and of every picture, light and dark: data are coloured, the interface is ink and one accent.
 
-The pair is from Okabe and Ito's set, which people with any of the common colour blindnesses tell apart; the
-map's lightness rises evenly, so that equal steps of error look equally far apart, in print as well.
+Blue is the truth, warm colours are estimates, magenta is crossings: blue and orange are Okabe and Ito's pair, which
+people with any of the common colour blindnesses tell apart. The map of sizes rises evenly in lightness, so that equal
+steps of error look equally far apart, in print as well. The page has the same palette as variables
+(``css/00-tokens.css``).
 """
 
 from collections import defaultdict
+from typing import NamedTuple
 
 import numpy as np
 
-ESTIMATE = "#D55E00"
-TRUTH = "#0072B2"
-PINNED = "#8A929C"  # a run that stays beside the one that is changed: grey
+
+class Shades(NamedTuple):
+    """A colour as "#rrggbb" on a light and on a dark ground."""
+
+    light: str
+    dark: str
+
+
+GROUNDS = {"ground": Shades("#ffffff", "#121419"), "panel": Shades("#f6f7fa", "#191c22"),
+           "raised": Shades("#ffffff", "#22262e")}
+#: Words and numbers, on any ground: a contrast of 4.5 at least.
+TEXTS = {"ink": Shades("#15171c", "#f0f2f6"), "ink2": Shades("#454b58", "#c3c9d4"),
+         "ink3": Shades("#5f6675", "#9aa2b1"), "accent": Shades("#4a3fb5", "#a79ff7"),
+         "truth-ink": Shades("#005f96", "#7cc6f2"), "estimate-ink": Shades("#a84500", "#ffa466"),
+         "warn-ink": Shades("#714400", "#ffd98a"), "bad-ink": Shades("#9c2318", "#ffb3a8"),
+         "good-ink": Shades("#00664a", "#6fd8b5")}
+#: Lines, marks and edges of controls, on any ground: a contrast of 3 at least.
+LINES = {"truth": Shades("#0072b2", "#4fb0ea"), "estimate": Shades("#d55e00", "#ff8b3d"),
+         "transport": Shades("#d55e00", "#ff8b3d"), "recovered": Shades("#6b2a00", "#f0b08c"),
+         "companion": Shades("#bf7600", "#ffc766"), "twogrid": Shades("#b0156b", "#f07fb8"),
+         "cross": Shades("#cc0078", "#ff62b3"), "edge": Shades("#7f8796", "#757d8d"),
+         "dot": Shades("#15171c", "#f0f2f6")}
+#: What only divides or tints, and says nothing by itself.
+FAINT = {"line": Shades("#e2e5eb", "#2c313a"), "line2": Shades("#c5cad4", "#4a515e"),
+         "cell": Shades("#cfd4dd", "#3a404b")}
+PALETTE = GROUNDS | TEXTS | LINES | FAINT
+
+ESTIMATE, TRUTH = LINES["estimate"].light, LINES["truth"].light
+ESTIMATE_INK, TRUTH_INK = TEXTS["estimate-ink"].light, TEXTS["truth-ink"].light  # of words about either
+INK, INK2, INK3 = (TEXTS[name].light for name in ("ink", "ink2", "ink3"))
+LINE, LINE2 = FAINT["line"].light, FAINT["line2"].light
+PINNED = "#7f8796"  # a run that stays beside the one that is changed: grey
 COLOUR_MAP = "viridis"
-#: Methods side by side, in what the set has left; each has a mark of its own as well. A method without either is grey.
-METHOD_COLOURS = defaultdict(lambda: "#777777", {"mpm": "#000000", "ugimp": "#009E73", "cpgimp": "#CC79A7",
-                                                 "bspline": "#E69F00", "cpdi": "#56B4E9"})
+#: Methods side by side: what Okabe and Ito's set has left, as dark as a line on white must be; each has a mark of its
+#: own as well. A method without either is grey.
+METHOD_COLOURS = defaultdict(lambda: "#777777", {"mpm": INK, "ugimp": "#009e73", "cpgimp": "#c2609a",
+                                                 "bspline": "#b87d00", "cpdi": "#2f93cc"})
 METHOD_MARKS = defaultdict(lambda: "o", {"mpm": "o", "ugimp": "s", "cpgimp": "^", "bspline": "D", "cpdi": "v"})
 
 

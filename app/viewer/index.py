@@ -6,25 +6,24 @@ All else of the page comes over the wire later; until then the viewer would show
 import gzip
 import re
 from pathlib import Path
+from urllib.parse import quote
 
 import viser
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-_ICON = ("data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16'%3E"
-         "%3Crect width='16' height='16' rx='3' fill='%230072B2'/%3E%3Cpath d='M2 8q3-7 6 0t6 0' fill='none' "
-         "stroke='white' stroke-width='1.6'/%3E%3Ccircle cx='5' cy='4.6' r='1.7' fill='%23D55E00'/%3E%3C/svg%3E")
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"
 PATHS = ("/", "/index.html")
 
 
 class Index:
-    """The viewer's html with ``own`` in it, for the viewer has no setting for any."""
+    """The viewer's html with ``own`` in it, for the viewer has no setting for any; ``icon`` is svg."""
 
-    def __init__(self, own: str):
+    def __init__(self, own: str, icon: str):
         html = _VIEWERS.read_text(encoding="utf-8")
         html = re.sub(r"<title>.*?</title>", "<title>mpm-lab</title>", html, count=1)
-        html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{_ICON}"', html, count=1)
+        address = f"data:image/svg+xml,{quote(icon)}"
+        html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{address}"', html, count=1)
         self._body = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1).encode()
         self._packed = gzip.compress(self._body)
 

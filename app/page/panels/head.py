@@ -38,6 +38,8 @@ def _faces() -> str:
         "format('woff2'); }\n" for part, ranges in _RANGES.items())
 
 
+#: Two lanes, and a question: the mark of the page, of its tab in the browser and of files.
+MARK = (WEB / "mark.svg").read_text(encoding="utf-8")
 #: What the html that a browser loads first has of ours: all style, the page's own frame, and the scripts.
 GROUND = f"<style>\n{_faces()}{_web('css', 'css')}</style>\n" + (WEB / "ground.html").read_text(encoding="utf-8") \
     + f"<script>\n{_web('js', 'js')}</script>"
