@@ -42,14 +42,14 @@ def said(*given, **changes):
 
 def test_how_wrong_comes_first_then_whether_it_is_known_then_where():
     """Of a run that plays both are of all its time so far: the mean error over the amplitude, and the index."""
-    assert said() == ("So far the displacement is 10 % wrong; transport finds 44 % of it. 2.5 mm of 25 mm at most. Worst "
-                      "at X = 0.30–0.35 m. No particle crossed a cell boundary in the last 0.05 s.")
+    assert said() == ("So far the displacement is 10 % wrong; transport finds 44 % of it. 2.5 mm of 25 mm at most. "
+                      "Worst at X = 0.30–0.35 m. No particle crossed a cell boundary in the last 0.05 s.")
     assert "; transport says 1.30 times as much. " in said(series=SERIES | {"transport/index_x": [1.0, 1.3]})
     assert "; transport finds 100 % of it. " in said(series=SERIES | {"transport/index_x": [1.0, 1.004]})
 
 
 def test_of_a_run_that_stands_both_are_of_the_moment():
-    assert said(playing=False).startswith("At t = 0.35 s the displacement is 16 % wrong; transport finds 42 % of it. 4 mm")
+    assert said(playing=False).startswith("At t = 0.35 s the displacement is 16 % wrong; transport finds 42 % of it. 4")
     assert said(playing=False, ago=0.25).startswith("0.25 periods back the displacement is 16 % wrong; transport finds")
 
 
@@ -95,7 +95,7 @@ def test_with_neither():
 
 
 def test_lost_and_unstable_come_first():
-    assert said(status=LOST, since=0.2).startswith("The run is lost from t = 0.2 s on: so far the displacement is 10 % ")
+    assert said(status=LOST, since=0.2).startswith("The run is lost from t = 0.2 s on: so far the displacement is ")
     assert said(status=UNSTABLE, playing=False) == \
         "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
 
