@@ -9,13 +9,13 @@ from time import monotonic
 
 import viser
 
-from app.frame.sentence import Said
 from app.frame.silences import NO_INDEX
 from app.page.features.own import words
 from app.page.features.own.judging import Judging
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
+from app.page.panels.timeline import Now
 from app.page.source import Choice, Picture, Sight
 from app.page.stage.worst import WorstRegions
 from app.page.visit.notice import Notice
@@ -238,14 +238,14 @@ class OwnFile:
         if (shown := self._code.shown) is None:
             return None
         run, k = shown
-        return Numbers(words.readout(run, k, choice.quantity, probed), words.lines(run, choice.quantity),
-                       None if run.estimate is None else run, (JUDGE,), (JUDGE,), JUDGE, run.times[k],
+        return Numbers(words.readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+                       (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self._code.playing),
                        "" if run.true is not None else NO_INDEX)
 
-    def sentence(self, choice: Choice, picture: Picture) -> Said:
+    def sentence(self, choice: Choice, picture: Picture) -> str:
         shown = self._code.shown
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
-            return Said()
+            return ""
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view)
         return words.sentence(*shown, picture.view, worst, choice.quantity)
