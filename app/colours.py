@@ -62,3 +62,8 @@ def colour_table() -> np.ndarray:
 def rgb(colour: str) -> tuple[int, int, int]:
     """Red, green and blue, 0 to 255, of "#rrggbb"."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def tokens() -> str:
+    """The light shades of the palette as variables of a style."""
+    return f":root {{ {' '.join(f'--{name}: {shades.light};' for name, shades in PALETTE.items())} }}\n"

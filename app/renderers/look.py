@@ -4,7 +4,6 @@ Whoever draws imports this, and drawing is so from then on: the settings are mat
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -16,10 +15,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import Formatter, LogLocator, MaxNLocator, NullFormatter
 
 from app.colours import INK, INK2, LINE, LINE2
+from app.identity import FONTS
 from app.words import with_unit
 
 FAMILY = "Lab Inter"
-FONTS = Path(__file__).parents[1] / "fonts"
 TRUTH_WIDTH, ESTIMATE_WIDTH = 2.6, 1.3  # points: the truth lies wide below, estimates on it
 FEW = 3  # lines of a grid, roughly
 

@@ -7,7 +7,8 @@ import pytest
 from matplotlib import font_manager
 from matplotlib.figure import Figure
 
-from app.renderers.look import FAMILY, FONTS, in_sizes, name_ends
+from app.identity import FONTS
+from app.renderers.look import FAMILY, in_sizes, name_ends
 from app.words import PREFIXES, QUANTITIES, SUPERSCRIPTS
 
 
