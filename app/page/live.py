@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from app.frame.scale import LEAST_TOP
+from app.frame.sentence import Said
 from app.frame.silences import why_no_index
 from app.frame.view import View, look
 from app.page.measurements import Numbers
@@ -67,12 +68,13 @@ class LiveRun:
         return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
-    def sentence(self, choice: Choice, picture: Picture) -> str:
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
         """What is seen, and how a pinned run compares."""
         history, pinned, report = self._session.history, self._session.pinned, picture.report
         if picture.foreign or not history.scene == report.scene == self._worst.scene:
-            return ""  # another run has begun just now
-        beside = compared(history.latest, pinned.history.latest, choice.quantity) if pinned else ""
+            return Said()  # another run has begun just now
+        beside = "" if pinned is None else compared(history.series, pinned.history.series, choice.quantity,
+                                                    (report.scene, pinned.scene))
         return summary(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
                        choice.estimator, self._recent.ago, beside)
 

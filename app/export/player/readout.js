@@ -89,20 +89,25 @@ function put(box, text) {
 
 function summary(run) {
   if (stage.refusal) return capital(stage.refusal) + ".";
-  const {unstable, lost, paused} = DATA.sentences, now = {time: number(stage.time)};
-  if (run.status === "unstable" && stage.time >= endOf(run)) return capital(fill(unstable, now)) + ".";
-  const parts = [...isBroken(run) ? [fill(lost, {since: number(run.since)})] : [], errors(run, stage.view)];
-  return capital((stage.playing ? "" : fill(paused, now)) + parts.join("; ") + ".");
+  const {unstable, last, lost, now, paused} = DATA.sentences, when = {time: number(stage.time)};
+  const sentences = run.status === "unstable" && stage.time >= endOf(run) ? [fill(unstable, when), last]
+    : errors(run, stage.view, stage.playing ? now : fill(paused, when));
+  if (isBroken(run) && sentences[1] !== last) sentences[0] = `${fill(lost, {since: number(run.since)})}: ${sentences[0]}`;
+  return sentences.filter(Boolean).map((said) => `${capital(said)}.`).join(" ");
 }
 
-// How large the estimate is beside the truth, as app/frame/sentence.py says it.
-function errors(run, view) {
+// How wrong it is now and whether the estimate knows it, and further facts, as app/frame/sentence.py says it.
+function errors(run, view, before) {
   const said = saidOf(run, view).errors, at = pictureAt(run, stage.time), {unit} = DATA.quantities[view.quantity];
-  const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), index = of(`index.${view.estimator}`);
-  const size = (value) => Number.isFinite(value) ? withUnit(value, unit, 2) : DATA.sentences.nothing_yet;
-  if (truth <= said.least) return fill(said.still, {true: truth ? size(truth) : "zero"});
-  if (said.told.includes("{index}") && !Number.isFinite(index)) return said.unmeasured;
-  return fill(said.told, {true: size(truth), estimate: size(of(`norm.${view.estimator}`)), index: times(index)});
+  const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), estimate = of(`norm.${view.estimator}`);
+  const {less, more, all} = DATA.sentences, index = truth ? estimate / truth : NaN, norm = Number.isFinite(truth) ? truth : estimate;
+  const size = (value) => withUnit(value, unit, 2);
+  if (truth <= said.least) return [before + said.still, fill(said.trace, {true: truth ? size(truth) : "zero"})];
+  if (!said.told.includes("{wrong}")) return [said.told, said.why];
+  if (!Number.isFinite(norm) || (said.told.includes("{found}") && !Number.isFinite(index))) return [before + said.unmeasured, said.why];
+  const told = before + said.told.replace("{found}", index >= all ? more : less);
+  return [fill(told, {wrong: perCent(norm / said.size), share: perCent(index), factor: ratio(index), ...said.names}),
+    fill(said.of, {true: size(norm)}), said.why];
 }
 
 // Norms over time: the truth broad, estimates with their dashes, and a line where the time is.

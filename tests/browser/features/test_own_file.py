@@ -60,7 +60,7 @@ def test_a_file_is_chosen_judged_and_left(page, ring):
         assert norm(page, name, 2) == pytest.approx(error["max"], rel=0.05)
         assert norm(page, name, 1) == pytest.approx(error["final"], rel=0.05)
     assert coloured(stage(page)) > 0.02  # of which the colour bar is a half
-    shown(page, "mine.npz at t = 0.01 s: the true error of displacement x is")
+    shown(page, "At t = 0.01 s in mine.npz the displacement is")
     assert page.url == link
     picture = stage(page)
     row(page, "Frame").get_by_role("slider").focus()

@@ -9,6 +9,7 @@ from time import monotonic
 
 import viser
 
+from app.frame.sentence import Said
 from app.frame.silences import NO_INDEX
 from app.page.features.own import words
 from app.page.features.own.judging import Judging
@@ -242,10 +243,10 @@ class OwnFile:
                        (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self._code.playing),
                        "" if run.true is not None else NO_INDEX)
 
-    def sentence(self, choice: Choice, picture: Picture) -> str:
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
         shown = self._code.shown
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
-            return ""
+            return Said()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view)
         return words.sentence(*shown, picture.view, worst, choice.quantity)

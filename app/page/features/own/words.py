@@ -1,34 +1,32 @@
 """What the page says of a visitor's own file: the sentence above the stage, and the numbers beside it."""
 
+from dataclasses import replace
 from html import escape
 
 import numpy as np
 
+from app.frame.sentence import Said, error_words, errors
 from app.frame.silences import TRUE
 from app.frame.view import View
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.panels.readout import named, row, table
 from app.page.stage.worst import WorstRegions
-from app.words import NOTHING, QUANTITIES, number, ratio, times, with_unit
+from app.words import NOTHING, QUANTITIES, number, ratio, with_unit
 
 HINTS = {"now": "root of the mean square over the particles, at the time that is shown",
          "largest": "of all times in the file after the start",
          "index": "estimated over true error, summed over the times; 1 is perfect"}
 
 
-def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> str:
-    words, when = QUANTITIES[quantity], f"{run.name} at t = {number(run.times[k])} s"
-    true, estimated = _now(run.true, k, quantity), _now(run.estimate, k, quantity)
-    if true is not None:
-        said = f"the true error of {words} is {with_unit(true, words.unit)}"
-        if estimated is not None and true > 0:
-            said += f", and {JUDGE} estimates {times(estimated / true)} it"
-    elif estimated is not None:
-        said = f"{JUDGE} estimates the error of {words} at {with_unit(estimated, words.unit)}"
-    else:
-        return f"{when}: nothing is known of the error of {words}: {view.right.silence or view.left.silence}."
+def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Said:
+    true, estimated = (_now(norms, k, quantity) for norms in (run.true, run.estimate))
+    words = error_words(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
+                        view.right.silence if true is None else "")
+    wrong, says = (np.nan if norm is None else norm for norm in (true, estimated))
+    said = errors(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
+                  f"at t = {number(run.times[k])} s in {run.name} ")
     region = worst.by_truth or worst.by_estimate
-    return f"{when}: {said}{f'; worst at {region.name}' if region else ''}."
+    return replace(said, facts=(*said.facts, f"worst at {region.name}") if region else said.facts)
 
 
 def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:

@@ -8,6 +8,7 @@ from html import escape
 
 import viser
 
+from app.frame.sentence import Said
 from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.stage import DIGITS, SlowStage
 from app.page.canvas import Canvas
@@ -39,7 +40,7 @@ class SlowMotion:
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
         self._step: tuple[Scene, StepBreakdown] | None = None
         self.on = self._walking = False
-        self.sentence = ""  # that says what is on the stage, while the mode is on
+        self.sentence = Said()  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
         self._drawn: tuple[int, float, int] | None = None  # phase, how far it is, letters in a line
 
@@ -141,7 +142,7 @@ class SlowMotion:
     def _leave(self) -> None:
         self.on = self._walking = self._box.value = False  # type: ignore[misc]
         self._over.set()
-        self._text.content = self.sentence = ""
+        self._text.content, self.sentence = "", Said()
         self._step = self._drawn = None
         for stage in self._stages.values():
             stage.sheet.visible = False
@@ -208,7 +209,7 @@ class SlowStep:
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         return self._run.numbers(choice, picture, probed)
 
-    def sentence(self, choice: Choice, picture: Picture) -> str:
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
         said = self._run.sentence(choice, picture)
         return said and (self._slow.sentence or said)
 
@@ -216,10 +217,9 @@ class SlowStep:
         return self._run.notice()
 
 
-def _sentence(scene: Scene, phase: int) -> str:
+def _sentence(scene: Scene, phase: int) -> Said:
     """What happens in a phase, for above the stage."""
-    words = PHASES[phase].words(scene)
-    return f"{phase + 1} of {len(PHASES)}: {PHASES[phase].title}. {words[:1].upper()}{words[1:]}."
+    return Said.of(f"{phase + 1} of {len(PHASES)}: {PHASES[phase].title}.", PHASES[phase].words(scene))
 
 
 def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
