@@ -5,7 +5,7 @@ from pathlib import Path
 
 import viser
 
-from app.colours import TRUTH, rgb
+from app.colours import TEXTS, rgb
 from app.identity import faces
 
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
@@ -35,7 +35,8 @@ _HEAD = (WEB / "head.html").read_text(encoding="utf-8")
 
 def set_up(gui: viser.GuiApi) -> None:
     """Theme and panel of a page."""
-    gui.configure_theme(dark_mode=False, show_logo=False, show_share_button=False, brand_color=_brand(TRUTH))
+    gui.configure_theme(dark_mode=False, show_logo=False, show_share_button=False,
+                        brand_color=_brand(TEXTS["accent"].light))
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
     gui.set_panel_label("mpm-lab: how wrong is it?")

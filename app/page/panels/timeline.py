@@ -105,12 +105,13 @@ class Timeline:
         def part(time: float) -> float:
             return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
 
+        tick, _ = round_up(0.5 * top, (1, 2, 5))
         step, _ = round_up((end - start) / TICKS / 1.0001, (1, 2, 5))
         ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
         last = with_unit(ticks[-1], "s") if ticks else ""
         factor = float(last.split()[0]) / ticks[-1] if ticks else 1.0  # a unit with a prefix, said once
         marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
-        said = {"symbol": QUANTITIES[quantity].symbol, "top": with_unit(top, QUANTITIES[quantity].unit),
+        said = {"symbol": QUANTITIES[quantity].symbol, "top": [round(1 - tick / top, 4), with_unit(tick, QUANTITIES[quantity].unit)],
                 "start": with_unit(start, "s") if start else "0", "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "strip": self._strip(past, series, start, end),
                 "clock": with_unit(now.time, "s"), "playing": now.playing,

@@ -11,7 +11,8 @@
 
   function write(at) {
     const [from, to] = at.reach;
-    [top.textContent, begin.textContent, zero.textContent] = [at.top, at.start, "0"];
+    [top.textContent, begin.textContent, zero.textContent] = [at.top[1], at.start, "0"];
+    top.style.top = percent(at.top[0]);
     while (ticks.length > at.ticks.length) ticks.pop().remove();
     while (ticks.length < at.ticks.length) ticks.push(make("tick"));
     at.ticks.forEach(([part, text], k) => { ticks[k].style.left = percent(part); ticks[k].textContent = text; });
