@@ -111,7 +111,8 @@ class Timeline:
         last = with_unit(ticks[-1], "s") if ticks else ""
         factor = float(last.split()[0]) / ticks[-1] if ticks else 1.0  # a unit with a prefix, said once
         marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
-        said = {"symbol": QUANTITIES[quantity].symbol, "top": [round(1 - tick / top, 4), with_unit(tick, QUANTITIES[quantity].unit)],
+        words = QUANTITIES[quantity]
+        said = {"symbol": words.symbol, "top": [round(1 - tick / top, 4), with_unit(tick, words.unit)],
                 "start": with_unit(start, "s") if start else "0", "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "strip": self._strip(past, series, start, end),
                 "clock": with_unit(now.time, "s"), "playing": now.playing,
