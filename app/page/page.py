@@ -61,7 +61,8 @@ class Page:
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
         self._slow = SlowMotion(client, self._canvas, self._session, self._redraw)
-        self._own = OwnCode(client, self._session, self._redraw, self._slow.end)
+        self._own = OwnCode(client, self._session, self._redraw, self._slow.end,
+                            lambda scene: self._controls.load(scene))
         self._tabs(client)
         run = LiveRun(self._session, self._recent, self._trace, self._cost.notice)
         self._sources = OwnFile(self._own), SlowStep(self._slow, run), run  # the first that is on is seen

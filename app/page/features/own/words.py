@@ -1,6 +1,7 @@
 """What the page says of a visitor's own file: the sentence above the stage, and the numbers beside it."""
 
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import fields, replace
 from html import escape
 
 import numpy as np
@@ -11,7 +12,10 @@ from app.frame.view import View
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.panels.readout import named, row, table
 from app.page.stage.worst import WorstRegions
-from app.words import NOTHING, QUANTITIES, number, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, differing, number, ratio, with_unit
+from solvers.judging.said import NOT_OF_THE_PROBLEM
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
 
 HINTS = {"now": "root of the mean square over the particles, at the time that is shown",
          "largest": "of all times in the file after the start",
@@ -27,6 +31,19 @@ def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str
                   f"at t = {number(run.times[k])} s in {run.name} ")
     region = worst.by_truth or worst.by_estimate
     return replace(said, facts=(*said.facts, f"worst at {region.name}") if region else said.facts)
+
+
+def scene_of(own: Scene, page: Scene) -> Scene:
+    """The page's scene of a file's problem, with all that matters to a judge as in the file's own."""
+    with suppress(SceneError):  # a method may not bear it
+        return replace(page, **{f.name: getattr(own, f.name) for f in fields(page) if f.name not in NOT_OF_THE_PROBLEM})
+    return page
+
+
+def taken(run: OwnRun, page: Scene) -> str:
+    """That a file is on the stage, and with what it is judged where that is not what the page shows."""
+    said = differing(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
+    return f"The file {run.name} is on the stage{f', judged with {said}' if said else ''}."
 
 
 def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
