@@ -15,7 +15,7 @@ from itertools import product
 
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.study.family import Family
+from solvers.study.family import Family, Point
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
@@ -85,7 +85,8 @@ def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterabl
 
 
 def advise(choices: list[Family], goal: Goal,
-           on_look: Callable[[int, Scene], None] = lambda looks, scene: None) -> Advice:
+           on_look: Callable[[int, Scene], None] = lambda looks, scene: None,
+           on_point: Callable[[Family, Point], None] = lambda family, point: None) -> Advice:
     """Search for the cheapest run that meets a goal; the best within reach if none does.
 
     Parameters
@@ -95,6 +96,8 @@ def advise(choices: list[Family], goal: Goal,
     goal
     on_look
         Told of every run before it is made: its number and its scene.
+    on_point
+        Told of every run that has been made: its family and what was measured.
     """
     looks = 0
 
@@ -102,7 +105,7 @@ def advise(choices: list[Family], goal: Goal,
         nonlocal looks
         looks += 1
         on_look(looks, family.member(cells))
-        family.measure(cells)
+        on_point(family, family.measure(cells))
 
     for family in choices:
         for cells in COARSE[family.scene.DIMENSIONS]:

@@ -14,6 +14,7 @@ from solvers.running.run import build, run
 from solvers.running.timing import rate
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.solver.soundness import OK
 
 #: By which the advisor goes. It compares methods and steps, so it needs one that sees every error of the particles
 #: whatever they are: "transport" misses that of the step, "two-grid" needs second order, "recovered" a polar lattice.
@@ -27,11 +28,14 @@ TIMED_TURNS = 4
 
 @dataclass(frozen=True, order=True)
 class Point:
-    """One measured member: the largest RMS error over the run (infinite for an unstable one) and its rate."""
+    """One measured member: the largest RMS error over the run (infinite for an unstable one) and its rate; how the run
+    ended, and why not well."""
 
     cells: int
     error: float
     seconds_per_particle_step: float
+    status: str = field(default=OK, compare=False)
+    reason: str | None = field(default=None, compare=False)
 
 
 @dataclass
@@ -51,10 +55,10 @@ class Family:
         """Run a member and learn its error and its rate."""
         scene = self.member(cells)
         result = run(scene, prices=False, mid_run=False)
-        largest = result.estimates(ESTIMATOR)[self.quantity]["max"] if result.status == "ok" else None
+        largest = result.estimates(ESTIMATOR)[self.quantity]["max"] if result.status == OK else None
         error = math.inf if largest is None or ESTIMATOR in result.not_valid else largest
         bare = replace(scene, estimators=(), effects=(), cfl=GENTLE_CFL)  # how long a step takes is not its length's
-        point = Point(cells, error, _seconds_per_particle_step(bare))
+        point = Point(cells, error, _seconds_per_particle_step(bare), result.status, result.reason)
         insort(self.points, point)
         return point
 

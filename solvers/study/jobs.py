@@ -1,15 +1,14 @@
 """A whole sweep or search as the work of one process (``solvers.workers``), which says how it goes. Its messages::
 
-    {"row": a row}                                   of a sweep
+    {"row": a row}                                   of a sweep; of a search what it knows of a run that it has made
     {"look": n, "coarse": m, "task": a task}         of a search: run n begins; the first m are on coarse grids
     {"advice": {...}}                                what the search found; its task has every effect
     {"trouble": a sentence}                          why nothing can be found
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
 from solvers.study.grid import Task, task_of
@@ -41,7 +40,7 @@ def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
     """What the process of a search does: the job of these fields."""
     from solvers.study.advise import COARSE, Goal, advise, families
-    from solvers.study.family import ESTIMATOR
+    from solvers.study.found import point_row, to_watch
 
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
@@ -54,9 +53,9 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
     def look(looks: int, scene: Scene) -> None:
         tell({"look": looks, "coarse": coarse, "task": task_of(scene).to_dict()})
 
-    advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look)
+    advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look,
+                    lambda family, point: tell({"row": point_row(family, point)}))
     chosen = advice.chosen
-    scene = replace(chosen.scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS))  # the one that it was found by
-    tell({"advice": {"met": advice.met, "task": task_of(scene).to_dict(), "measured": chosen.measured,
+    tell({"advice": {"met": advice.met, "task": to_watch(chosen.scene).to_dict(), "measured": chosen.measured,
                      "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,
                      "looks": advice.looks}})

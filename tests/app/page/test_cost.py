@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
-import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from app.page.features.cost import words
 from app.page.features.cost.jobs import timings
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.picture import LogAxis, picture
-from app.page.features.cost.runs import LIVE, SWEEP, LiveRows, Runs, csv_bytes, live_row
+from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, LiveRows, Runs, csv_bytes, live_row
 from app.page.visit.history import History
 from solvers.engine.messages import FrameReport
 from solvers.engine.soundness_watch import SoundnessWatch
@@ -92,10 +89,7 @@ def test_live_run_that_is_lost_is_a_row():
     runs.add(row, LIVE)
     runs.add(made_up(status="lost"), SWEEP)
     assert runs.all()[0].drawable and "the run is lost from" in words.sentence(runs.all()[0])
-    drawing, listed = picture(runs.all()), words.table(runs.all())
-    assert "</svg> lost</span>" in drawing and listed.count(">lost</td>") == 2
-    runs.add(made_up("mpm", status="unstable"), SWEEP)
-    assert "unstable or lost" in picture(runs.all())
+    assert words.table(runs.all()).count(">lost</td>") == 2
 
 
 def test_run_that_is_lost_after_its_scene_is_ok():
@@ -111,7 +105,8 @@ def test_live_run_without_truth_has_its_estimate():
     runs = Runs()
     runs.add(row, LIVE)
     run = runs.all()[0]
-    assert run.error is None and run.size == run.estimate > 0 and picture([run])
+    assert run.error is None and run.size == run.estimate > 0 and run.drawable
+    assert f"est. {words.percent(run.estimate)}" in words.table([run])
 
 
 def test_runs_keep_their_numbers_and_are_bounded():
@@ -158,35 +153,26 @@ def test_what_is_no_number_is_refused_in_words(text):
     assert words.typed("Tolerance", " 1e-4 ") == 1e-4
 
 
-def test_picture_has_a_button_a_run():
-    """Every run that has an error and a time is a numbered dot; sweeps are joined; an unstable one is at the top."""
+def test_row_that_says_most_is_kept():
+    """A search knows less of a run than a sweep, and more of its time than a stage; the number stays."""
     runs = Runs()
-    for cells in (10, 20, 40):
+    for source, kept in ((LIVE, LIVE), (SEARCH, SEARCH), (LIVE, SEARCH), (SWEEP, SWEEP), (SEARCH, SWEEP)):
+        runs.add(made_up(), source)
+        assert [(run.number, run.source) for run in runs.all()] == [(1, kept)]
+
+
+@pytest.mark.parametrize(("part", "text"), [(0.005, "0.5"), (0.12, "12"), (0.0123, "1.2"), (1.0, "100"), (0.999, "100"),
+                                            (22.0, "2200"), (1e-5, "0.001"), (3.14e-9, "3.1 × 10⁻⁷")])
+def test_parts_are_said_in_percent(part, text):
+    assert words.percent(part) == f"{text}\N{NO-BREAK SPACE}%"
+
+
+def test_table_is_bounded_and_says_what_is_left_out():
+    """It is made anew with every run that a search makes."""
+    runs = Runs()
+    for cells in range(10, 10 + words.MOST_LINES + 3):
         runs.add(made_up(cells=cells), SWEEP)
-    runs.add(made_up("mpm", status="unstable"), SWEEP)
-    runs.add(made_up("bspline"), LIVE)
     runs.add(failed(task_of(SCENE), "lost <b>"), SWEEP)
-    drawing = picture(runs.all())
-    assert drawing.count("class='lab-dot'") == 5 and drawing.count("class='lab-number'") == 5
-    assert "unstable" in drawing and "as timed on the stage" in drawing and "data-run='6'" not in drawing
-    assert drawing.count("<polyline") == 1
     listed = words.table(runs.all())
-    assert listed.count("<button") == 6 and "lost <b>" not in listed
-    assert picture([]) == "" and words.table([]) == ""
-
-
-@pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021], []])
-def test_axis_holds_its_values_and_has_ticks(values):
-    axis = LogAxis(values, 40, 318)
-    assert all(40 <= axis.at(value) <= 318 for value in values)
-    assert len(axis.ticks()) >= 1 and np.all(np.diff([axis.at(value) for value, _ in axis.ticks()]) > 0)
-
-
-def test_label_of_the_errors_crosses_no_tick():
-    """It stands above the highest of them."""
-    runs = Runs()
-    runs.add(made_up(), SWEEP)
-    drawing = picture(runs.all())
-    label = re.search(r"<text x='4' y='(\d+)'>error of x / A", drawing)
-    heights = [float(y) for y in re.findall(r"y='([\d.]+)' text-anchor='end'", drawing)]
-    assert heights and int(label[1]) < min(heights) - 10 and "rotate" not in drawing
+    assert listed.count("<button") == words.MOST_LINES and "4 more are on the chart" in listed
+    assert "lost <b>" not in listed and words.table([]) == ""

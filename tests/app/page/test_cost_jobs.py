@@ -12,7 +12,8 @@ from types import SimpleNamespace
 import pytest
 
 from app.page.features.cost import words
-from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, question, search, small_sweep
+from app.page.features.cost.front import cheapest, question
+from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, search, small_sweep
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.runs import Runs
 from app.page.page import Page
@@ -123,7 +124,8 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
 
 
 def test_search_finds_a_scene_that_can_be_loaded(jobs):
-    """It says what it looks at, and the advice is a scene with the truth and the estimate by which it was found."""
+    """It says what it looks at, and the advice is a scene with the truth and the estimate by which it was found. Each
+    of its runs is a row as soon as it is made, with an estimate, no true error, and a scene to watch."""
     job = replace(search(SCENE, 1e-2, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
                   courant_numbers=(0.5,))
     jobs.search(job)
@@ -134,6 +136,13 @@ def test_search_finds_a_scene_that_can_be_loaded(jobs):
     assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
     text = words.going(jobs.status)
     assert text.startswith("Take uGIMP") and "estimate" in text
+    found = jobs.runs.all()
+    assert len(found) == advice["looks"] == jobs.status.done
+    assert {(run.source, run.error, run.estimator) for run in found} == {("search", None, "companion")}
+    assert all(run.drawable for run in found)
+    taken = cheapest(found, 1e-2)
+    assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
+    assert taken.seconds == advice["seconds"] and taken.size == advice["error"] / SCENE.amplitude
     assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
 
 

@@ -21,7 +21,7 @@ def begin(page, server):
         page.goto(f"{server[0]}/?fixedDpr=0.5")
         page.locator("#lab-ground").evaluate("ground => ground.remove()")  # it stays until there is a frame
         open_cost(page)
-        shown(page, "No run of the vibrating bar yet")
+        shown(page, "Nothing measured yet.")
 
 
 def dots(page):

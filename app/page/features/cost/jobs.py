@@ -8,7 +8,8 @@ from concurrent.futures import Future
 from dataclasses import asdict, dataclass, replace
 
 from app import __version__
-from app.page.features.cost.runs import LIVE, SWEEP, NumberedRun, Runs
+from app.page.features.cost.front import bare
+from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs
 from app.page.visit.session import Session
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -49,22 +50,10 @@ def timings(runs: Sequence[NumberedRun]) -> list[Task]:
             for run in runs if run.source == LIVE]
 
 
-def question(scene: Scene) -> dict:
-    """What an advice depends on, of the scene that it is asked for."""
-    chosen = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # by the search
-    return {"problem": scene.problem} | {name: value for name, value in task_of(_base(scene)).inputs.items()
-                                         if name not in chosen}
-
-
 def search(scene: Scene, tolerance: float, budget: float) -> SearchJob:
     """The job of finding the cheapest run of this problem with an error of x of ``tolerance`` times A at most."""
-    return SearchJob(task_of(_base(scene)).to_dict(), scene.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, "x",
+    return SearchJob(task_of(bare(scene)).to_dict(), scene.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, "x",
                      tolerance * scene.size_of("x"), budget)
-
-
-def _base(scene: Scene) -> Scene:
-    """The scene without what a search brings with it."""
-    return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
 
 
 @dataclass(frozen=True)
@@ -86,7 +75,7 @@ class JobStatus:
 
 
 class Jobs:
-    """A visitor's jobs, in ``slots`` that all share; the rows of a sweep go to ``runs``. Any thread may call."""
+    """A visitor's jobs, in ``slots`` that all share; what they measure goes to ``runs``. Any thread may call."""
 
     def __init__(self, runs: Runs, slots: Slots = SLOTS):
         self.runs, self.slots, self._lock = runs, slots, threading.Lock()
@@ -153,11 +142,11 @@ class Jobs:
         with self._lock:
             before = self.status
             if "row" in message:
-                self.runs.add(message["row"], SWEEP)
+                self.runs.add(message["row"], SWEEP if before.kind == "sweep" else SEARCH)
                 self.status = replace(before, done=before.done + 1)
             elif "look" in message:
                 self.status = replace(before, done=message["look"] - 1, total=message["coarse"],
-                                        task=Task(**message["task"]))
+                                      task=Task(**message["task"]))
             else:
                 self.status = replace(before, **message)  # advice or trouble
 

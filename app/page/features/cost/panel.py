@@ -1,13 +1,18 @@
 """The Cost tab: what accuracy costs in time, out of a visitor's own runs."""
 
-import html
+import math
 from collections.abc import Callable
+from html import escape
+from threading import Lock
+from time import monotonic
 
 import viser
 
 from app.page.features.cost import words
-from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, question, search, small_sweep, timings
-from app.page.features.cost.picture import picture
+from app.page.features.cost.front import comparable, question
+from app.page.features.cost.headline import headline, line
+from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, search, small_sweep, timings
+from app.page.features.cost.picture import Axes, axes, picture
 from app.page.features.cost.runs import LIVE, LiveRows, Runs, csv_bytes
 from app.page.visit.history import History
 from app.page.visit.limits import too_many
@@ -19,25 +24,26 @@ from solvers.scene.scene import Scene
 from solvers.study.grid import Task
 
 FILE_NAME = "mpm-lab-runs.csv"
-#: Put before the text field through which a click arrives: the style hides that field.
-PICKED = "<i class='lab-picked'></i>"
-# A drawing has no callbacks. One handler finds what was clicked and types its number into the hidden field, as a
-# visitor would; the time makes every click another text.
-_PICK = ("const d=event.target.closest('[data-run]');if(d&&(event.type=='click'||event.key=='Enter')){"
-         "const i=document.querySelector('[data-lab~=lab-picked] + div input');"
-         "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,d.dataset.run+' '+Date.now());"
-         "i.dispatchEvent(new Event('input',{bubbles:true}))}")
+STREAM_SECONDS = 0.5  # between two pictures of what a job finds
+#: Put before the text field through which a click on a run arrives, and before the one that the line writes into: a
+#: script finds them (``js/cost.js``).
+PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 
 
 class CostTab:
-    """Made inside its tab; ``load`` puts a scene on the stage. One thread calls :meth:`refresh`."""
+    """Made inside its tab, with the chart that takes the stage's place; ``load`` puts a scene on the stage. Any thread
+    may call."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load
         self.runs = Runs()
         self.jobs = Jobs(self.runs)
         self._live, self._quiet = LiveRows(), QuietStage(session)
-        self._shown: tuple | None = None
+        self._refreshing = Lock()
+        self._charted: tuple | None = None
+        self._told: tuple | None = None
+        self._axes: dict[str, Axes] = {}  # of each problem
+        self._next = 0.0  # when there is a new picture, while a job runs
         self._asked: tuple | None = None  # what the last search was asked
         self._remark = ""
         self._remarked_on: tuple | None = None
@@ -49,14 +55,23 @@ class CostTab:
             self.runs.add(row, LIVE)
 
     def refresh(self) -> None:
+        """Now and then, and when the line of the tolerance has been moved."""
+        with self._refreshing:
+            self._refresh()
+
+    def _refresh(self) -> None:
         status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
         self._quiet.follow(status.running)
         self._drop_what_is_old()
-        problem, stage = self._session.scene.problem, self._stage_word(status)
-        shown = (self.runs.version, problem, status, self._remark, stage)
-        if shown != self._shown:
-            self._shown = shown
-            self._show_runs(problem)
+        scene, stage = self._session.scene, self._stage_word(status)
+        charted = (self.runs.version, question(scene))
+        if charted != self._charted and (not status.running or monotonic() >= self._next):
+            self._charted, self._next = charted, monotonic() + STREAM_SECONDS
+            self._show_runs(scene)
+        told = (charted, self._tolerance.value, status, self._remark, stage)
+        if told != self._told:
+            self._told = told
+            self._show_answer(scene, status, stage)
             self._show_status(status, stage)
 
     def notice(self) -> Notice | None:
@@ -96,20 +111,16 @@ class CostTab:
         self._remarked_on, self._remark = self._input(), remark
 
     def _build(self, gui: viser.GuiApi) -> None:
+        self._chart, self._line = gui.add_html(""), gui.add_html("")
         gui.add_html(PICKED)
         picked = gui.add_text("Run to load", "")
         picked.on_update(lambda event: self._pick(event.target.value))
-        self._picture = gui.add_html("")
-        self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
-                                     "grids with each of its methods, timed in the background")
-        self._sweep.on_click(lambda _: self._start_sweep(small_sweep(self._session.scene)))
-        self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="hollow dots "
-                                    "are timed on the stage, in small pieces and with every effect; this runs them "
-                                    "bare and in one go, in the background")
-        self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
+        gui.add_html("<h2 class='lab-cost-head'>How accurate must it be?</h2>" + WANTED)
         self._tolerance = gui.add_text("Tolerance / A", "1e-3", hint="largest RMS error of x that is allowed at any "
                                        "time of one period, as a part of the amplitude A")
+        self._tolerance.on_update(lambda _: self.refresh())
         self._budget = gui.add_text("Longest run, s", "10", hint="longest bare run that may be recommended")
+        gui.add_html("<i class='lab-primary'></i>")
         self._search = gui.add_button("Find the cheapest run", icon=viser.Icon.TARGET_ARROW, hint="tries methods, "
                                       "cells, particles per cell and steps in the background, on estimates alone")
         self._search.on_click(lambda _: self._start_search())
@@ -121,21 +132,53 @@ class CostTab:
         self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False, hint="put the "
                                     "run that was found on the stage")
         self._take.on_click(lambda _: self._load_advice())
-        self._table = gui.add_html("")
+        gui.add_html("<h2 class='lab-cost-head'>Runs so far</h2>")
+        self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
+                                     "grids with each of its methods, timed in the background")
+        self._sweep.on_click(lambda _: self._start_sweep(small_sweep(self._session.scene)))
+        self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="runs on the "
+                                    "stage are timed in small pieces and with every effect; this runs them bare and in "
+                                    "one go, in the background")
+        self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
         self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True, hint="all these runs, "
                                         "a row each, for a spreadsheet")
         self._download.on_click(lambda _: self._client.send_file_download(
             FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True))
+        self._table = gui.add_html("")
 
-    def _show_runs(self, problem: str) -> None:
+    def _show_runs(self, scene: Scene) -> None:
+        """The chart and the table: when runs or what they are compared with have changed."""
         runs = self.runs.all()
-        of_problem = [run for run in runs if run.row["problem"] == problem]
-        drawing = picture(of_problem) or f"<p>{words.empty(problem, len(small_sweep(self._session.scene)))}</p>"
-        hidden = words.others(runs, problem)
-        self._picture.content = _clickable(drawing + (f"<p>{hidden}</p>" if hidden else ""))
-        self._table.content = _clickable(words.table(of_problem))
+        of_problem = [run for run in runs if run.row["problem"] == scene.problem]
+        inside = axes(of_problem, self._wanted()[0], self._axes.get(scene.problem))
+        if inside:
+            self._axes[scene.problem] = inside
+        drawing = picture(of_problem, comparable(of_problem, scene), scene, inside) if inside else ""
+        self._chart.content = f"<template class='lab-cost-chart'>{drawing}</template>"
+        hidden = f"<p>{words.others(runs, scene.problem)}</p>"
+        self._table.content = f"<div class='lab-cost'>{words.table(of_problem)}{hidden}</div>"
         self._download.disabled = not runs
         self._time.visible = bool(timings(runs))
+
+    def _show_answer(self, scene: Scene, status: JobStatus, stage: str) -> None:
+        """What stands above the chart, and the line in it."""
+        like = comparable(self.runs.all(), scene)
+        tolerance, trouble = self._wanted()
+        before = self._axes.get(scene.problem)
+        if before and axes(like, tolerance, before) != before:
+            self._show_runs(scene)
+        says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)))
+        if status.running:
+            more = escape(f"{words.going(status)} {stage}")
+        self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
+                              f"{line(like, scene, tolerance, self._axes.get(scene.problem))}")
+
+    def _wanted(self) -> tuple[float, str]:
+        """The tolerance that was typed, or NaN and why it is none."""
+        try:
+            return words.typed("Tolerance", self._tolerance.value), ""
+        except words.NoNumber as refusal:
+            return math.nan, str(refusal)
 
     def _show_status(self, status: JobStatus, stage: str) -> None:
         self._sweep.disabled = self._time.disabled = self._search.disabled = status.running
@@ -144,7 +187,9 @@ class CostTab:
             share = status.done / status.total if status.total else 0.0
             self._bar.value = min(100.0, 100.0 * share)  # type: ignore[misc]
         self._take.visible = bool(status.advice) and not status.running
-        texts = [f"<p>{html.escape(text)}</p>" for text in (words.going(status), stage, self._remark) if text]
+        found = " class='lab-found'" * (bool(status.advice) and not status.running)
+        texts = [f"<p{look}>{escape(text)}</p>" for text, look in ((words.going(status), found), (stage, ""),
+                                                                   (self._remark, "")) if text]
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     def _pick(self, text: str) -> None:
@@ -183,7 +228,3 @@ class CostTab:
             return
         self._load(scene)
         self._say(f"{name} is on the stage.")
-
-
-def _clickable(content: str) -> str:
-    return f"<div class='lab-cost' onclick=\"{_PICK}\" onkeydown=\"{_PICK}\">{content}</div>" if content else ""

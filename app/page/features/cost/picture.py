@@ -1,124 +1,193 @@
-"""Error against seconds, one dot a run, as a drawing in SVG: dots that can be clicked and have a number.
+"""Error against time, one dot a run: the chart that takes the stage's place while the Cost tab is open.
 
-The viewer's charts report no clicks and mark no single points; a drawing of our own does, and each dot is a button for
-the keyboard too. What is clicked is named by ``data-run`` (see ``app.page.features.cost.panel``).
+Every place is a share of the chart's box, so the browser fits it to any window and letters stay letters: lines are
+drawn in SVG, dots are buttons and names are text (``css/60-cost.css``). What is clicked is named by ``data-run``, and a
+script keeps names apart and puts the line of the accuracy that is wanted (``js/cost.js``).
 """
 
-import html
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from itertools import pairwise
 
-from app.colours import METHOD_COLOURS, METHOD_MARKS
-from app.page.features.cost.runs import LIVE, SWEEP, NumberedRun
-from app.page.features.cost.words import sentence
-from app.words import METHODS, power_text
-from solvers.solver.soundness import BROKEN
+from app.colours import METHOD_MARKS
+from app.page.features.cost.axes import LogAxis, around
+from app.page.features.cost.front import front, measured
+from app.page.features.cost.runs import SWEEP, NumberedRun
+from app.page.features.cost.words import percent, seconds, sentence, whole
+from app.words import method_name
+from solvers.scene.scene import Scene
 
-WIDTH, HEIGHT = 330, 226
-LEFT, RIGHT, TOP, BOTTOM = 46, 318, 20, 192
-MOST_NUMBERS = 40  # dots that have their number beside them; of more it is in their title only
-ROOM = 0.15  # decades around the dots
-FEW = 1.7  # decades below which 2 and 5 have a tick as well
-#: Marks of radius about 4 around (0, 0); the circle is a path too, so that all are drawn alike.
-SHAPES = {"o": "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", "s": "M-3.6 -3.6h7.2v7.2h-7.2z", "^": "M0 -4.6L4.4 3.4H-4.4z",
-          "D": "M0 -4.8L4.6 0L0 4.8L-4.6 0z", "v": "M0 4.6L4.4 -3.4H-4.4z"}
-CROSS = "M-4 -4L4 4M-4 4L4 -4"
-
-
-class LogAxis:
-    """A logarithmic axis from the decade ``low`` to ``high``, drawn from pixel ``start`` to ``end``."""
-
-    def __init__(self, values: Iterable[float], start: float, end: float):
-        logs = [math.log10(value) for value in values] or [0.0]
-        middle, half = 0.5 * (min(logs) + max(logs)), max(0.5 * (max(logs) - min(logs)) + ROOM, 0.5)
-        self.low, self.high, self._start, self._end = middle - half, middle + half, start, end
-
-    def at(self, value: float) -> float:
-        part = (math.log10(value) - self.low) / (self.high - self.low)
-        return round(self._start + part * (self._end - self._start), 1)
-
-    def ticks(self) -> list[tuple[float, str]]:
-        """Values and labels: powers of ten, and where those are few 2 and 5 times them."""
-        factors = (1, 2, 5) if self.high - self.low < FEW else (1,)
-        found = [(factor * 10.0**power, _label(factor, power))
-                 for power in range(math.floor(self.low), math.ceil(self.high) + 1) for factor in factors]
-        return [(value, label) for value, label in found if self.low <= math.log10(value) <= self.high]
+#: Marks of radius about 5 around (0, 0); the circle is a path too, so that all are drawn alike.
+SHAPES = {"o": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", "s": "M-4.5 -4.5h9v9h-9z", "^": "M0 -5.8L5.4 4.2H-5.4z",
+          "D": "M0 -6L5.8 0L0 6L-5.8 0z", "v": "M0 5.8L5.4 -4.2H-5.4z"}
+CROSS = "M-4.5 -4.5L4.5 4.5M4.5 -4.5L-4.5 4.5"
+UNTIMED = LogAxis(-4.0, -1.0)  # before anything has been timed
+MOST_BELOW = 2  # decades below all errors to which the line of a tolerance may draw the axis
+ORDER = 2  # of the methods, in the size of a cell
 
 
-def picture(runs: Sequence[NumberedRun]) -> str:
-    """The drawing of those of the runs that have both an error and a time; "" if there are none."""
+@dataclass(frozen=True)
+class Axes:
+    """Time across, if any is known, and error up; they only grow, so that what is looked at stays where it is."""
+
+    times: LogAxis | None
+    up: LogAxis
+
+    @property
+    def across(self) -> LogAxis:
+        return self.times or UNTIMED
+
+    def place(self, run: NumberedRun) -> tuple[float, float]:
+        """From the left and from the top, in percent. A broken run is at the top, for its error may be anything; one
+        that was not timed alone at the left, in a band of its own."""
+        return (_percent(self.across.part(run.seconds)) if run.alone else 0.0,
+                0.0 if run.broken else _percent(1 - self.up.part(run.size)))
+
+
+def axes(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes | None:
+    """Those that hold the runs and the tolerance, and what was held ``before``; None where there is nothing to hold."""
+    times = [run.seconds for run in runs if run.drawable and run.alone]
+    errors = [run.size for run in runs if run.drawable and not run.broken]
+    if not times and not errors:
+        return before
+    least = min(errors, default=1.0) / 10**MOST_BELOW
+    wanted = [max(tolerance, least)] if math.isfinite(tolerance) else []
+    if before is None:
+        return Axes(around(times), around([*errors, *wanted]) or LogAxis(-4.0, -1.0))
+    return Axes(before.times.around(times) if before.times else around(times), before.up.around([*errors, *wanted]))
+
+
+def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
+    """The drawing of the runs of the scene's problem; those that are not among the ones ``like`` it are faint."""
+    numbers = {run.number for run in like}
     dots = [run for run in runs if run.drawable]
-    if not dots:
-        return ""
-    across = LogAxis((dot.seconds for dot in dots), LEFT, RIGHT)
-    # From broken runs no scale is taken: their error may be anything.
-    up = LogAxis((dot.size for dot in dots if not dot.broken), BOTTOM, TOP)
-    numbered = len(dots) <= MOST_NUMBERS
-    inside = "".join([_frame(across, up), _lines(dots, across, up), *(_dot(dot, across, up, numbered) for dot in dots)])
-    return (f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' width='100%' role='group' aria-label='error against seconds'>{inside}"
-            f"</svg>{_legend(dots)}")
+    best = front(like)
+    band = "<div class='lab-band'><span>not timed alone</span></div>" * any(not run.alone for run in dots)
+    drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in curves(like)]
+    under = _path(best, inside, "class='lab-front'")
+    lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS), under, *drawn])
+    texts = "".join([*(_name(run, words, inside) for run, words in names(like)), *(
+        _beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*_on_curves(like), *best])])
+    # What is drawn last is on top: those that count.
+    last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
+    words = _titles(scene) + _keys(dots, best, scene.DIMENSIONS)
+    return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{texts}"
+            f"{''.join(_dot(run, inside, run.number not in numbers) for run in last)}")
 
 
-def _frame(across: LogAxis, up: LogAxis) -> str:
-    """Grid, ticks and what the axes are."""
-    parts = []
-    for value, label in across.ticks():
-        x = across.at(value)
-        parts.append(f"<path d='M{x} {TOP}V{BOTTOM}' class='lab-grid'/>"
-                     f"<text x='{x}' y='{BOTTOM + 13}' text-anchor='middle'>{label}</text>")
-    for value, label in up.ticks():
-        y = up.at(value)
-        parts.append(f"<path d='M{LEFT} {y}H{RIGHT}' class='lab-grid'/>"
-                     f"<text x='{LEFT - 4}' y='{y + 3.5}' text-anchor='end'>{label}</text>")
-    parts.append(f"<path d='M{LEFT} {TOP}V{BOTTOM}H{RIGHT}' class='lab-axis'/>"
-                 f"<text x='{(LEFT + RIGHT) / 2}' y='{HEIGHT - 6}' text-anchor='middle'>seconds for one run</text>"
-                 f"<text x='4' y='{TOP - 8}'>error of x / A</text>")  # above the axis, where no tick is
-    return "".join(parts)
-
-
-def _lines(dots: Sequence[NumberedRun], across: LogAxis, up: LogAxis) -> str:
-    """Runs of sweeps that differ in their cells alone are joined."""
+def curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
+    """Runs of sweeps that differ in their cells alone, by cells."""
     groups: dict[str, list[NumberedRun]] = {}
-    for dot in dots:
-        if dot.source == SWEEP and not dot.broken:
-            groups.setdefault(json.dumps({**dot.row["asked"], "cells": 0}, sort_keys=True), []).append(dot)
-    drawn = []
-    for group in groups.values():
-        group.sort(key=lambda dot: dot.row["scene"]["cells"])
-        points = " ".join(f"{across.at(dot.seconds)},{up.at(dot.size)}" for dot in group)
-        drawn.append(f"<polyline points='{points}' class='lab-line' stroke='{METHOD_COLOURS[group[0].method]}'/>")
-    return "".join(drawn)
+    for run in measured(runs):
+        if run.source == SWEEP:
+            groups.setdefault(json.dumps({**run.row["asked"], "cells": 0}, sort_keys=True), []).append(run)
+    return [sorted(group, key=lambda run: run.scene.cells) for group in groups.values()]
 
 
-def _dot(run: NumberedRun, across: LogAxis, up: LogAxis, numbered: bool) -> str:
-    colour = METHOD_COLOURS[run.method]
-    x, y = across.at(run.seconds), TOP + 5 if run.broken else up.at(run.size)
+def names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
+    """What stands where: each curve's method at its finest run, and where several curves are of one method what they
+    differ in; a method without a curve at the most accurate of its runs."""
+    ends = [curve[-1] for curve in curves(runs)]
+    found = []
+    for end in ends:
+        others = [other for other in ends if other is not end and other.method == end.method]
+        told = [words for words, of in ((f"{end.scene.ppc} per cell", lambda run: run.scene.ppc),
+                                        (f"CFL {end.scene.courant_number:.3g}", lambda run: run.scene.courant_number))
+                if any(of(other) != of(end) for other in others)]
+        found.append((end, ", ".join([_method(end), *told])))
+    named = {end.method for end in ends}
+    for run in sorted(measured(runs), key=lambda run: run.size):
+        if run.method not in named:
+            named.add(run.method)
+            found.append((run, _method(run)))
+    return found
+
+
+def _on_curves(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    return [run for curve in curves(runs) for run in curve]
+
+
+def _method(run: NumberedRun) -> str:
+    return method_name(run.method) + " (linearity-preserving)" * run.scene.linearity_preserving
+
+
+def _colour(run: NumberedRun) -> str:
+    """A variable of the style sheet, and grey for a method that it does not know."""
+    return f"--m:var(--m-{escape(run.method, quote=True)},var(--ink3))"
+
+
+def _percent(part: float) -> float:
+    return round(100 * part, 2)
+
+
+def _grid(inside: Axes) -> str:
+    parts = []
+    for tick in inside.across.ticks(seconds):
+        x, kind = _percent(tick.part), " lab-minor" * tick.minor
+        parts.append(f"<line x1='{x}%' x2='{x}%' y1='0' y2='100%' class='lab-grid{kind}'/><text x='{x}%' y='100%' "
+                     f"dy='1.6em' text-anchor='middle' class='lab-across{kind}'>{tick.label}</text>")
+    for tick in inside.up.ticks(percent):
+        y, kind = _percent(1 - tick.part), " lab-minor" * tick.minor
+        parts.append(f"<line x1='0' x2='100%' y1='{y}%' y2='{y}%' class='lab-grid{kind}'/><text x='0' y='{y}%' "
+                     f"dy='0.35em' text-anchor='end' class='lab-up{kind}'>{tick.label}</text>")
+    return "".join([*parts, "<line x1='0' x2='0' y1='0' y2='100%' class='lab-axis'/>"
+                    "<line x1='0' x2='100%' y1='100%' y2='100%' class='lab-axis'/>"])
+
+
+def _guides(inside: Axes, dimensions: int) -> str:
+    """What a method of second order would pay: faint lines."""
+    slope = ORDER / (dimensions + 1)  # cells in each direction, and steps
+    across, up = inside.across, inside.up
+    lines = []
+    for power in range(math.floor(up.low + slope * across.low), math.ceil(up.high + slope * across.high) + 1):
+        ends = [_percent(1 - (power - slope * x - up.low) / (up.high - up.low)) for x in (across.low, across.high)]
+        lines.append(f"<line x1='0' x2='100%' y1='{ends[0]}%' y2='{ends[1]}%' class='lab-guide'/>")
+    return f"<svg>{''.join(lines)}</svg>"
+
+
+def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
+    """What looks differ by, where no run can be: fast and exact."""
+    judges = " or ".join(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
+    keys = [f"hollow: as {judges} estimates"] * bool(judges) + ["grey: no run is better for less"] * (len(best) > 1)
+    keys.append(f"dashed: a quarter of the error for {2 ** (dimensions + 1)} times the time")
+    return "".join(f"<text x='12' y='100%' dy='{-12 - 17 * k}' class='lab-key-line'>{escape(words)}</text>"
+                   for k, words in enumerate(reversed(keys)))
+
+
+def _titles(scene: Scene) -> str:
+    length = "the run" if not scene.periods else "one period" if scene.periods == 1 else f"{scene.periods:g} periods"
+    return (f"<text x='0' y='0' class='lab-title lab-above'>error of x, in % of {whole(scene)} "
+            f"<tspan>the RMS, largest in {length}</tspan></text>"
+            "<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>time of one run "
+            "<tspan>alone on this machine</tspan></text>")
+
+
+def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:
+    """Lines from run to run."""
+    places = [inside.place(run) for run in runs]
+    return "".join(f"<line x1='{x}%' y1='{y}%' x2='{right}%' y2='{below}%' {look}/>"
+                   for (x, y), (right, below) in pairwise(places))
+
+
+def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
+    x, y = inside.place(run)
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
-    fill = "none" if run.broken else "#fff" if run.source == LIVE else colour
-    words = html.escape(sentence(run), quote=True)
-    number = f"<text x='5.5' y='-3.5' class='lab-number'>{run.number}</text>" if numbered else ""
-    return (f"<g class='lab-dot' data-run='{run.number}' tabindex='0' role='button' aria-label='load {words}' "
-            f"transform='translate({x} {y})'><title>{words} Click to load.</title><circle r='8' fill='transparent'/>"
-            f"<path d='{shape}' fill='{fill}' stroke='{colour}' stroke-width='1.8'/>{number}</g>")
+    kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
+                                      ("lab-untimed", not run.alone), ("lab-aside", aside)) if holds]
+    other = "; of another scene than the one on the stage" * aside
+    words = escape(sentence(run) + other, quote=True)
+    return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "
+            f"style='left:{x}%;top:{y}%;{_colour(run)}' aria-label='{words}'>"
+            f"<svg viewBox='-8 -8 16 16'><path d='{shape}'/></svg></button>")
 
 
-def _legend(dots: Sequence[NumberedRun]) -> str:
-    """The methods that occur, and what hollow marks and crosses are if there are any."""
-    present = {dot.method for dot in dots}
-    entries = [(SHAPES[METHOD_MARKS[code]], METHOD_COLOURS[code], METHOD_COLOURS[code], method.name)
-               for code, method in METHODS.items() if code in present]
-    if any(dot.source == LIVE for dot in dots):
-        entries.append((SHAPES["o"], "#fff", "#6b7480", "as timed on the stage"))
-    if any(dot.broken for dot in dots):
-        found = {dot.status for dot in dots}
-        entries.append((CROSS, "none", "#6b7480", " or ".join(status for status in BROKEN if status in found)))
-    return "<div class='lab-legend'>" + "".join(
-        f"<span><svg width='12' height='12' viewBox='-6 -6 12 12'><path d='{shape}' fill='{fill}' stroke='{stroke}' "
-        f"stroke-width='1.6'/></svg> {words}</span>" for shape, fill, stroke, words in entries) + "</div>"
+def _name(run: NumberedRun, words: str, inside: Axes) -> str:
+    return _beside(run, inside, "lab-name", words, _colour(run))
 
 
-def _label(factor: int, power: int) -> str:
-    if -3 <= power <= 3:
-        return f"{factor * 10.0**power:g}"
-    return f"{factor}·" * (factor > 1) + power_text(power).strip()
+def _beside(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = "") -> str:
+    x, y = inside.place(run)
+    return f"<span class='{kind}' style='left:{x}%;top:{y}%;{style}' aria-hidden='true'>{escape(words)}</span>"

@@ -1,4 +1,5 @@
-"""A visitor's runs, one row each, numbered: those of small sweeps, and those that came to their end on the stage."""
+"""A visitor's runs, one row each, numbered: those of small sweeps, those that a search has made, and those that came to
+their end on the stage."""
 
 import functools
 import math
@@ -19,8 +20,9 @@ from solvers.study import summary as table
 from solvers.study.grid import Task, task_of
 from solvers.study.row import BLANK, FAILED, SCHEMA
 
-MOST_RUNS = 200  # then the oldest is forgotten
-LIVE, SWEEP = "live", "sweep"
+MOST_RUNS = 300  # then the oldest is forgotten
+LIVE, SEARCH, SWEEP = "live", "search", "sweep"
+KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # of one scene the row with more to say is kept: that with a time measured alone
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,13 @@ class NumberedRun:
 
     @functools.cached_property
     def estimate(self) -> float | None:
-        """The same by the first of the estimators that hold."""
-        return next((self._relative(norms) for norms in (self.row.get("estimate") or {}).values()), None)
+        """The same by :attr:`estimator`."""
+        return self._relative((self.row.get("estimate") or {}).get(self.estimator) or {})
+
+    @property
+    def estimator(self) -> str:
+        """The first of the estimators that hold, "" if none does."""
+        return next(iter(self.row.get("estimate") or {}), "")
 
     @property
     def size(self) -> float:
@@ -54,9 +61,15 @@ class NumberedRun:
 
     @property
     def seconds(self) -> float:
-        """Of a sweep's row the bare run's, of a live one those of everything that was computed; NaN if not known."""
+        """Of the bare run where it was timed alone, of a live one those of everything that was computed; NaN if not
+        known."""
         seconds = self.row.get("seconds") or {}
         return seconds.get("min") or seconds.get("full") or math.nan
+
+    @property
+    def alone(self) -> bool:
+        """Whether it was timed by itself, and not on a stage: beside drawing, estimates and other visitors."""
+        return self.source != LIVE
 
     @property
     def method(self) -> str:
@@ -74,7 +87,7 @@ class NumberedRun:
     @property
     def drawable(self) -> bool:
         """Whether it can be a dot: a broken run, whose error is out of bounds, goes to the edge."""
-        return self.seconds > 0 and (self.broken or (self.status == OK and self.size > 0))
+        return 0 < self.seconds < math.inf and (self.broken or (self.status == OK and self.size > 0))
 
     def _relative(self, norms: dict) -> float | None:
         largest = (norms.get("x") or {}).get("max")
@@ -90,12 +103,12 @@ class Runs:
         self._numbers = self.version = 0
 
     def add(self, row: dict, source: str) -> None:
-        """Take a row in. A scene that is there keeps its number, its sweep's row goes before a live one, and a row that
+        """Take a row in. A scene that is there keeps its number and the row that says most (``KNOWN``), and a row that
         was lost replaces none."""
         key = row["key"]
         with self._lock:
             before = self._runs.get(key)
-            if before and ((before.source == SWEEP and source == LIVE) or row["status"] == FAILED):
+            if before and (KNOWN[before.source] > KNOWN[source] or row["status"] == FAILED):
                 return
             if before is None:
                 self._numbers += 1

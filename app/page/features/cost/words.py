@@ -1,12 +1,12 @@
 """Runs, jobs and advice in words: sentences and the table of the Cost tab."""
 
-import html
 import math
 from collections.abc import Sequence
+from html import escape
 
 from app.page.features.cost.jobs import JobStatus
 from app.page.features.cost.runs import MOST_RUNS, NumberedRun
-from app.words import NOTHING, method_name, moving, number, on_page, per_cell
+from app.words import NOTHING, method_name, moving, number, on_page, per_cell, power_text, with_unit
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
@@ -15,6 +15,9 @@ from solvers.study.grid import Task
 from solvers.study.row import FAILED
 
 LONGEST_BUDGET = 60.0
+TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit: they stand in sentences
+LEAST_PLAIN, MOST_PLAIN = -5, 3  # powers of ten of a percentage that are written out
+MOST_LINES = 40  # of the table: it is made anew with every run
 NOTHING_TO_FIND = ("There is nothing to find in a patch test: its error is round-off, or does not fall with the cells. "
                    "Compare methods and particles per cell instead.")
 
@@ -45,49 +48,78 @@ def setting(scene: Scene) -> str:
 
 
 def sentence(run: NumberedRun) -> str:
-    """A run in a sentence."""
+    """A run in short, one fact after the other."""
     scene = run.scene
-    text = f"run {run.number}: {setting(scene)}, {moving(scene)}, E {scene.modulus:.3g} Pa; "
+    parts = [f"run {run.number}: {called(run)}", details(run), f"{moving(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
     if run.status in (*BROKEN, FAILED):
-        return f"{text}{run.status}: {run.row['reason']}."
-    return f"{text}error of x {relative(run.error)}, estimated {relative(run.estimate)} of A in {seconds(run.seconds)}."
+        return "; ".join([*parts, f"{run.status}: {run.row['reason']}"])
+    of = whole(scene)
+    if run.error is not None:
+        parts.append(f"true error of x {percent(run.error)} of {of}")
+    if run.estimate is not None:
+        parts.append(f"{percent(run.estimate)} of {of} as {run.estimator} estimates")
+    return "; ".join([*parts, f"{seconds(run.seconds)} {'alone' if run.alone else 'on the stage'}"])
 
 
-def relative(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.2e}".replace("e-0", "e-")
+def called(run: NumberedRun) -> str:
+    """Its method and cells."""
+    return f"{method_name(run.method)} on {run.scene.cells} cells"
+
+
+def details(run: NumberedRun) -> str:
+    """What else was chosen, and how many steps that makes."""
+    scene = run.scene
+    remedies = "".join(f", {REMEDIES[name].label}" for name in scene.remedies)
+    return (f"{per_cell(scene.problem, scene.ppc)} per cell, CFL {scene.courant_number:.3g}, {scene.steps:,} steps"
+            f"{', linearity-preserving' * scene.linearity_preserving}{remedies}")
+
+
+def whole(scene: Scene) -> str:
+    """What an error is a part of."""
+    return "A" if scene.size_of("x") == scene.amplitude and scene.swings else "the largest displacement"
+
+
+def percent(value: float | None) -> str:
+    """A part as a percentage of two digits: 12 %, 0.5 %, 3.1 × 10⁻⁶ %."""
+    if value is None:
+        return NOTHING
+    digits, _, power = f"{100 * value:.1e}".partition("e")
+    if not LEAST_PLAIN <= int(power) <= MOST_PLAIN:
+        return f"{digits} × {power_text(int(power)).strip()}{TOGETHER}%"
+    plain = f"{float(f'{digits}e{power}'):.{max(0, 1 - int(power))}f}"
+    return (plain.rstrip("0").rstrip(".") if "." in plain else plain) + f"{TOGETHER}%"
 
 
 def seconds(value: float | None) -> str:
-    if value is None or math.isnan(value):
+    """A time of two digits, with the prefix that keeps it short."""
+    if value is None or not math.isfinite(value):
         return NOTHING
-    return f"{1e3 * value:.2g} ms" if value < 0.0995 else f"{value:.2g} s" if value < 99.5 else f"{value:.0f} s"
+    return (f"{value:.0f} s" if value >= 99.5 else with_unit(value, "s", 2)).replace(" ", TOGETHER)
 
 
 def table(runs: Sequence[NumberedRun]) -> str:
-    """The runs as a table, the newest first; their numbers are buttons."""
+    """The newest runs as a table, the newest first; their numbers are buttons."""
     if not runs:
         return ""
-    heads = "".join(f"<th>{head}</th>" for head in ("run", "method", "cells", "p/c", "CFL", "error", "estim.", "time"))
-    return (f"<table class='lab-runs'><tr>{heads}</tr>{''.join(_line(run) for run in reversed(runs))}</table><p>Errors "
-            f"of x over A, the RMS, largest over time. The newest {MOST_RUNS} runs are kept.</p>")
+    more = f" {len(runs) - MOST_LINES} more are on the chart and in the file." * (len(runs) > MOST_LINES)
+    lines = "".join(_line(run) for run in list(reversed(runs))[:MOST_LINES])
+    heads = "<tr><th>run</th><th>method, cells</th><th>error</th><th>time</th></tr>"
+    return (f"<table class='lab-runs'><thead>{heads}</thead>{lines}</table><p>Errors of x in % of "
+            f"{whole(runs[-1].scene)}: the RMS, largest over time.{more} The newest {MOST_RUNS} runs are kept.</p>")
 
 
 def _line(run: NumberedRun) -> str:
-    scene, words = run.scene, html.escape(sentence(run), quote=True)
-    method = method_name(scene.method) + "*" * scene.linearity_preserving
-    cells = [method, scene.cells, scene.ppc, f"{scene.courant_number:.3g}"]
+    small = [details(run)]
     if run.status in (*BROKEN, FAILED):
-        end = f"<td colspan=2 class='lab-bad'>{run.status}</td><td>{seconds(run.seconds)}</td>"
+        error = f"<td class='lab-bad'>{run.status}</td>"
     else:
-        end = f"<td>{relative(run.error)}</td><td>{relative(run.estimate)}</td><td>{seconds(run.seconds)}</td>"
-    return (f"<tr title='{words}'><td><button data-run='{run.number}' aria-label='load run {run.number}'>{run.number}"
-            "</button></td>" + "".join(f"<td>{cell}</td>" for cell in cells) + f"{end}</tr>")
-
-
-def empty(problem: str, sweep: int) -> str:
-    """Why there is no picture yet."""
-    return (f"No run of the {PROBLEMS[problem].scene.TITLE} yet. A run becomes a dot when it has gone through its one "
-            f"period on the stage. A small sweep makes {sweep} dots at once.")
+        error = f"<td>{f'est. {percent(run.estimate)}' if run.error is None else percent(run.error)}</td>"
+        small += [f"{run.estimator}: {percent(run.estimate)}"] * (run.estimate is not None)
+    small += ["timed on the stage"] * (not run.alone)
+    return (f"<tbody title='{escape(sentence(run), quote=True)}'><tr><td rowspan=2><button data-run='{run.number}' "
+            f"aria-label='load run {run.number}'>{run.number}</button></td><td>{escape(method_name(run.method))}, "
+            f"{run.scene.cells}</td>{error}<td>{seconds(run.seconds)}</td></tr>"
+            f"<tr><td colspan=3 class='lab-details'>{escape('; '.join(small))}</td></tr></tbody>")
 
 
 def others(runs: Sequence[NumberedRun], problem: str) -> str:
@@ -110,7 +142,7 @@ def going(status: JobStatus) -> str:
         coarse = f" of {status.total} on coarse grids" if status.done < status.total else ""
         return f"Search, run {status.done + 1}{coarse}: {setting(status.task.scene())}."
     if status.cancelled:
-        kept = f" The {status.done} runs that were done are kept." if status.kind == "sweep" else ""
+        kept = f" The {status.done} runs that were done are kept." if status.done else ""
         return f"The {status.kind} was cancelled.{kept}"
     if status.trouble:
         return status.trouble if status.trouble.endswith(".") else f"The {status.kind} ended: {status.trouble}."

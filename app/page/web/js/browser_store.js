@@ -28,7 +28,6 @@
     if (found !== field) {
       field = found;
       tellLink();
-      dispatchEvent(new Event("lab-asked"));
     }
     const kept = document.querySelector(".lab-kept")?.dataset;
     if (!kept) return;
@@ -45,7 +44,6 @@
     }
   }
 
-  addEventListener("lab-tell", event => field && tell(event.detail));  // what other scripts have to say
   addEventListener("hashchange", () => {  // somebody has typed or followed another link on the same page
     read();
     if (field && link) tellLink();

@@ -15,6 +15,7 @@
       open = name(selected);
       wanted = null;
     }
+    document.body.classList.toggle("lab-cost-open", open === "Cost");  // its chart takes the stage's place
     const tab = wanted && !pressed && tabs.find(tab => name(tab) === wanted);
     if (tab) {  // in wide windows tabs hear keys, and pointers, which may drag; in narrow ones clicks
       pressed = setTimeout(() => { pressed = null; look(); }, 500);

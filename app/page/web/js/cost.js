@@ -1,0 +1,86 @@
+// The chart of the Cost tab, in the stage's place: the page says what is in it (features/cost) in templates.
+(() => {
+  const section = document.body.appendChild(document.createElement("section"));
+  section.id = "lab-cost";
+  section.setAttribute("aria-label", "what accuracy costs");
+  section.innerHTML = `<header></header><div class="lab-plot"><div class="lab-shade"></div>
+    <div class="lab-drop"><span></span></div>
+    <div class="lab-wish" role="slider" tabindex="0" aria-orientation="vertical" aria-label="accuracy wanted">
+    <span></span></div>
+    <div class="lab-dots" role="group" aria-label="runs, from cheap to dear: arrow keys go from one to the next"></div>
+    <div class="lab-tip" aria-hidden="true"></div></div>`;
+  const dots = section.querySelector(".lab-dots"), tip = section.querySelector(".lab-tip");
+  const charts = document.getElementsByClassName("lab-cost-chart");
+  const heads = document.getElementsByClassName("lab-cost-says");
+  const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
+  let chart = null, head = null;
+
+  addEventListener("lab-type", ({detail: [mark, text]}) => {  // as a visitor would
+    const field = document.querySelector(`[data-lab~=${mark}] + div input`);
+    if (!field || field.value === text) return;
+    set.call(field, text);
+    field.dispatchEvent(new Event("input", {bubbles: true}));
+  });
+
+  function draw() {
+    const held = dots.contains(document.activeElement) && document.activeElement.dataset.run;
+    dots.replaceChildren(chart.content.cloneNode(true));
+    tip.classList.remove("lab-shown");
+    section.classList.toggle("lab-empty", !dots.childElementCount);
+    const stop = (held && dots.querySelector(`[data-run="${held}"]`)) || dots.querySelector("button");
+    if (stop) stop.tabIndex = 0;
+    if (held && stop) stop.focus();
+    dispatchEvent(new Event("lab-cost-drawn"));
+  }
+
+  function look() {
+    if (heads[0] && heads[0] !== head) {
+      head = heads[0];
+      section.querySelector("header").replaceChildren(head.content.cloneNode(true));
+    }
+    if (charts[0] && charts[0] !== chart) {
+      chart = charts[0];
+      draw();
+    }
+  }
+
+  function say(dot) {  // its numbers beside it, towards the middle
+    const [first, ...rest] = dot.getAttribute("aria-label").split("; ");
+    const line = (kind, text) => Object.assign(document.createElement(kind), {textContent: text});
+    tip.replaceChildren(line("b", first), ...rest.map(text => line("div", text)));
+    tip.style.left = dot.style.left;
+    tip.style.top = dot.style.top;
+    tip.classList.toggle("lab-left", parseFloat(dot.style.left) > 55);
+    tip.classList.toggle("lab-up", parseFloat(dot.style.top) > 55);
+    tip.classList.add("lab-shown");
+  }
+
+  for (const [event, shows] of [["pointerover", true], ["focusin", true], ["pointerout", false], ["focusout", false]])
+    dots.addEventListener(event, ({target}) => {
+      const dot = target.closest(".lab-dot");
+      if (dot && shows) say(dot); else tip.classList.remove("lab-shown");
+    });
+  dots.addEventListener("keydown", event => {
+    const way = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key], from = event.target;
+    if (!way || !from.matches(".lab-dot")) return;
+    const order = [...dots.querySelectorAll(".lab-dot")];
+    order.sort((one, other) => parseFloat(one.style.left) - parseFloat(other.style.left));
+    const next = order[order.indexOf(from) + way];
+    if (next) {
+      from.tabIndex = -1;
+      next.tabIndex = 0;
+      next.focus();
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  document.addEventListener("click", ({target}) => {
+    const picked = target.closest?.("#lab-cost [data-run], .lab-runs [data-run]");
+    const pressed = target.closest?.("[data-press]")?.dataset.press;
+    if (picked)  // the time makes every click another text
+      dispatchEvent(new CustomEvent("lab-type", {detail: ["lab-picked", `${picked.dataset.run} ${Date.now()}`]}));
+    if (pressed)
+      [...document.querySelectorAll("#root button")].find(one => one.innerText.trim() === pressed)?.click();
+  });
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+})();

@@ -1,0 +1,36 @@
+// Names in the chart of the Cost tab keep apart, whatever the window: methods move down until they are free, and
+// numbers of cells, and ticks under the price, that would touch anything are not shown.
+(() => {
+  const section = document.getElementById("lab-cost"), dots = section.querySelector(".lab-dots");
+  const all = name => [...dots.querySelectorAll(name)], box = element => element.getBoundingClientRect();
+  const apart = (one, other) => one.left >= other.right || other.left >= one.right || one.top >= other.bottom
+    || other.top >= one.bottom;
+  const show = (element, shown) => { element.style.visibility = shown ? "" : "hidden"; };
+
+  function settle() {
+    const edge = box(section).right - 4, taken = [], free = one => taken.every(other => apart(one, other));
+    const names = all(".lab-name"), cells = all(".lab-cells");
+    for (const name of names) {
+      name.style.translate = "";
+      name.classList.remove("lab-left");
+    }
+    for (const name of names.filter(name => box(name).right > edge)) name.classList.add("lab-left");
+    for (const [name, at] of names.map(name => [name, box(name)]).sort((one, other) => one[1].top - other[1].top)) {
+      const moved = down => ({left: at.left, right: at.right, top: at.top + down, bottom: at.bottom + down});
+      let down = 0;
+      while (!free(moved(down)) && down < 200) down += 2;
+      name.style.translate = `0 ${down}px`;
+      taken.push(moved(down));
+    }
+    for (const {left, top} of all(".lab-dot").map(box))  // of their 20 pixels the mark itself
+      taken.push({left: left + 5, right: left + 15, top: top + 5, bottom: top + 15});
+    const shown = cells.map(cell => [cell, box(cell)]).map(([cell, at]) => [cell, free(at) && taken.push(at)]);
+    for (const [cell, isFree] of shown) show(cell, isFree);
+    const price = box(section.querySelector(".lab-drop span"));
+    for (const [tick, at] of all(".lab-across").map(tick => [tick, box(tick)])) show(tick, apart(at, price));
+  }
+
+  addEventListener("lab-cost-drawn", settle);
+  addEventListener("lab-cost-wished", settle);
+  new ResizeObserver(settle).observe(dots);
+})();

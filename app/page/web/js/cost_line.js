@@ -1,0 +1,71 @@
+// The line of the accuracy that is wanted, in the chart of the Cost tab: dragged, or moved by keys, it writes into the
+// box "Tolerance / A", and the page says which run is the cheapest below it.
+(() => {
+  const section = document.getElementById("lab-cost"), part = name => section.querySelector(name);
+  const plot = part(".lab-plot"), dots = part(".lab-dots"), wish = part(".lab-wish"), price = part(".lab-drop span");
+  const lines = document.getElementsByClassName("lab-cost-line");
+  let line = null, value = -3, dragged = false, due = 0;  // value: a power of ten, as the axis' ends are
+
+  const said = () => line?.dataset || {}, ends = () => [Number(said().low ?? -4), Number(said().high ?? -1)];
+  const percent = power => Number((100 * 10 ** power).toPrecision(2));
+
+  function put() {
+    const {text, spoken, best} = said(), [low, high] = ends(), words = `${percent(value)}\u00a0%`;
+    section.classList.toggle("lab-wished", text !== undefined);
+    plot.style.setProperty("--wish", `${100 * Math.min(1, Math.max(0, (high - value) / (high - low)))}%`);
+    wish.firstElementChild.textContent = dragged ? words : text || words;
+    for (const [name, power] of [["min", low], ["max", high], ["now", value]])
+      wish.setAttribute(`aria-value${name}`, percent(power));
+    wish.setAttribute("aria-valuetext", spoken || words);
+    const dot = best && dots.querySelector(`[data-run="${best}"]`);
+    dots.querySelector(".lab-best")?.classList.remove("lab-best");
+    section.classList.toggle("lab-met", !!dot);
+    if (dot) {
+      dot.classList.add("lab-best");
+      plot.style.setProperty("--best-x", dot.style.left);
+      plot.style.setProperty("--best-y", dot.style.top);
+      price.textContent = said().price;
+    }
+  }
+
+  function move(power) {
+    const [low, high] = ends(), wanted = Number((10 ** Math.min(high, Math.max(low, power))).toPrecision(2));
+    value = Math.log10(wanted);
+    put();
+    clearTimeout(due);
+    due = setTimeout(() => dispatchEvent(new CustomEvent("lab-type", {detail: ["lab-wanted", String(wanted)]})), 40);
+  }
+
+  function look() {
+    if (!lines[0] || lines[0] === line) return;
+    const before = said().best;
+    line = lines[0];
+    if (!dragged && said().value) value = Number(said().value);
+    put();
+    if (before !== said().best) dispatchEvent(new Event("lab-cost-wished"));
+  }
+
+  wish.addEventListener("keydown", event => {
+    const [low, high] = ends(), small = 0.05, large = 0.3;
+    const way = {ArrowUp: small, ArrowRight: small, ArrowDown: -small, ArrowLeft: -small, PageUp: large,
+      PageDown: -large, Home: low - value, End: high - value}[event.key];
+    if (way === undefined) return;
+    move(value + way);
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  wish.addEventListener("pointerdown", event => {
+    dragged = true;
+    wish.setPointerCapture(event.pointerId);
+  });
+  wish.addEventListener("pointermove", ({clientY}) => {
+    const {top, height} = dots.getBoundingClientRect(), [low, high] = ends();
+    if (dragged) move(high - (clientY - top) / height * (high - low));
+  });
+  wish.addEventListener("lostpointercapture", () => {
+    dragged = false;
+    put();
+  });
+  addEventListener("lab-cost-drawn", put);
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+})();

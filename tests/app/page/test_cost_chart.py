@@ -1,0 +1,184 @@
+"""The chart of the Cost tab: what is drawn where, what can be compared, and the answer above it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from app.colours import GROUNDS, METHOD_COLOURS
+from app.page.features.cost.axes import LogAxis, around
+from app.page.features.cost.front import cheapest, comparable, front
+from app.page.features.cost.headline import headline, line
+from app.page.features.cost.picture import axes, names, picture
+from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs
+from app.page.features.cost.words import percent, seconds
+from app.page.panels.head import WEB
+from solvers.problems.bar.scene import BarScene
+from solvers.study.grid import task_of
+from solvers.study.row import failed
+from tests.app.test_colours import contrast
+from tests.rows import made_up
+
+SCENE = BarScene(method="ugimp", cells=20)  # what rows are made up of
+NBSP = "\N{NO-BREAK SPACE}"
+
+
+def judged(method="ugimp", cells=20, size=1e-3, **changed):
+    """A row as a search knows it: of the errors the estimate only, of A as a part."""
+    estimate = {"companion": {"x": {"max": size * SCENE.amplitude}}}
+    return {**made_up(method, cells), "error": {}, "estimate": estimate, **changed}
+
+
+def numbered(*rows):
+    """Runs with these rows and sources."""
+    runs = Runs()
+    for row, source in rows:
+        runs.add(row, source)
+    return runs.all()
+
+
+def drawn(runs, scene=SCENE, tolerance=1e-3):
+    inside = axes(runs, tolerance)
+    return picture(runs, comparable(runs, scene), scene, inside) if inside else ""
+
+
+def sweep(*methods):
+    return [(made_up(method, cells), SWEEP) for method in methods for cells in (10, 20, 40)]
+
+
+def buttons(drawing):
+    """Classes, place and words of every dot, by its run."""
+    found = {}
+
+    class Reader(HTMLParser):
+        def handle_starttag(self, tag, attributes):
+            have = dict(attributes)
+            if tag == "button":
+                left, top = re.match(r"left:([-\d.]+)%;top:([-\d.]+)%", have["style"]).groups()
+                found[int(have["data-run"])] = set(have["class"].split()), float(left), float(top), have["aria-label"]
+
+    Reader().feed(drawing)
+    return found
+
+
+def test_every_run_is_a_button_where_its_error_and_time_are():
+    """Every run with an error and a time alone is within the chart, cheap ones to the left, exact ones below; one that
+    broke is at the top, one that failed nowhere; runs of a sweep are joined and named at the finest."""
+    runs = numbered(*sweep("ugimp"), (made_up("mpm", status="unstable"), SWEEP), (judged("bspline", 40), SEARCH),
+                    (failed(task_of(SCENE), "lost <b>"), SWEEP))
+    drawing = drawn(runs)
+    found = buttons(drawing)
+    assert sorted(found) == [1, 2, 3, 4, 5] and "<b>" not in drawing
+    assert found[1][1] < found[2][1] < found[3][1] and found[1][2] < found[2][2] < found[3][2]
+    assert all(0 < left < 100 and 0 <= top < 100 for _, left, top, _ in found.values())
+    assert found[4][0] == {"lab-dot", "lab-broken"} and found[4][2] == 0 and "too long" in found[4][3]
+    assert found[5][0] == {"lab-dot", "lab-judged"} and "as companion estimates" in found[5][3]
+    assert drawing.count("class='lab-curve'") == 2 and "hollow: as companion estimates" in drawing
+    assert [words for _, words in names(runs)] == ["uGIMP", "B-spline"]
+    assert drawn([]) == ""
+
+
+def test_times_of_a_stage_are_not_on_the_axis():
+    """They are taken beside pictures and estimates: such a run stands in a band, is never the answer, and no axis
+    reaches for it."""
+    slow = made_up("bspline", seconds={"full": 1e5})
+    runs = numbered((slow, LIVE), *sweep("ugimp"))
+    found = buttons(drawn(runs))
+    assert found[1][0] == {"lab-dot", "lab-untimed"} and found[1][1] == 0 and "on the stage" in found[1][3]
+    assert axes(runs, 1e-3).across.high < 2 and "not timed alone" in drawn(runs)
+    only = numbered((slow, LIVE))
+    assert not front(only) and cheapest(only, 1e9) is None and "lab-band" in drawn(only)
+    assert "lab-band" not in drawn(numbered(*sweep("ugimp")))
+
+
+def test_runs_of_another_scene_are_faint_and_no_answer():
+    """Another amplitude is another question; another method or remedy is not."""
+    runs = numbered(*sweep("ugimp"))
+    other = replace(SCENE, amplitude=0.01)
+    assert len(comparable(runs, replace(SCENE, method="cpgimp", cells=33, ppc=2, cfl=0.3))) == 3
+    assert not comparable(runs, other)
+    faint = buttons(drawn(runs, other)).values()
+    assert all("lab-aside" in kinds and "another scene" in words for kinds, _, _, words in faint)
+    assert not any("lab-aside" in kinds for kinds, *_ in buttons(drawn(runs)).values())
+
+
+def test_front_is_what_none_beats():
+    """By whatever method, and by an estimate where no truth is known; the cheapest below a tolerance is on it."""
+    runs = numbered(*sweep("ugimp", "mpm"), (judged(cells=30, size=0.049, seconds={"min": 1e-4}), SEARCH))
+    best = front(runs)
+    assert [run.seconds for run in best] == sorted(run.seconds for run in best)
+    assert [run.size for run in best] == sorted((run.size for run in best), reverse=True)
+    assert cheapest(runs, 0.05).number == 7 and cheapest(runs, 0.03).scene.cells == 40 and cheapest(runs, 1e-9) is None
+
+
+def test_headline_is_the_answer_and_says_whose_word_it_is():
+    runs = numbered(*sweep("ugimp"), (made_up("mpm", 10, order=0.5), SWEEP), (made_up("mpm", 20, order=0.1), SWEEP))
+    best = cheapest(runs, 0.03)
+    says, more = headline(runs, SCENE, 0.03, "", 16)
+    assert says == f"For <b>3{NBSP}% of A</b>, pay <strong>{seconds(best.seconds)}</strong>: uGIMP on 40 cells."
+    assert percent(best.size) in more and "MPM (hat functions) gets worse" in more and "estimate" not in more
+    assert headline(runs, SCENE, 1e-9, "", 16)[0].startswith("No run so far comes below")
+    guessed = numbered((judged(size=0.02), SEARCH))
+    assert "as companion estimates" in headline(guessed, SCENE, 0.03, "", 16)[1]
+    assert headline(runs, SCENE, float("nan"), "give a <number>", 16)[1] == "give a &lt;number&gt;"
+
+
+def test_headline_says_how_to_begin():
+    assert headline([], SCENE, 1e-3, "", 16)[0] == "Nothing measured yet."
+    says, more = headline(numbered((made_up(), LIVE)), SCENE, 1e-3, "", 16)
+    assert says == "Nothing timed yet." and "data-press='Small sweep'" in more and "of 16 runs" in more
+
+
+def test_line_says_what_it_lights_up():
+    runs = numbered(*sweep("ugimp"))
+    mark = line(runs, SCENE, 0.03, axes(runs, 0.03))
+    assert f"data-best='3' data-price='{seconds(runs[2].seconds)}'" in mark
+    assert f"data-spoken='3{NBSP}% of A: {seconds(runs[2].seconds)}, uGIMP on 40 cells'" in mark
+    out_of_reach = line(runs, SCENE, 1e-9, axes(runs, 1e-9))
+    assert "data-best" not in out_of_reach and "no run so far" in out_of_reach
+    nothing = "<i class='lab-cost-line'></i>"
+    assert line(runs, SCENE, float("nan"), axes(runs, 0.03)) == line([], SCENE, 0.03, None) == nothing
+
+
+def test_axes_hold_everything_and_only_grow():
+    runs = numbered(*sweep("ugimp"))
+    first = axes(runs, 1e-3)
+    assert axes(runs, 0.01, first) == first  # what is looked at stays where it is
+    wider = axes(runs, 1e-4, first)
+    assert wider.up.low < first.up.low and wider.up.high == first.up.high
+    assert axes(runs, 1e-30, first).up.low > -10  # a line is no reason to squeeze all runs together
+    assert axes([], 1e-3) is None and axes([], 1e-3, first) == first
+
+
+@pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021]])
+def test_axis_holds_its_values_and_has_ticks(values):
+    axis = around(values)
+    ticks = axis.ticks(str)
+    assert all(0 < axis.part(value) < 1 for value in values) and around([]) is None
+    assert ticks and np.all(np.diff([tick.part for tick in ticks]) > 0) and not all(tick.minor for tick in ticks)
+    assert LogAxis(0.0, 1.0).around(values).part(values[0]) >= 0
+
+
+def test_several_curves_of_a_method_are_told_apart():
+    rows = [(made_up("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
+    assert [words for _, words in names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
+
+
+def test_what_a_visitor_may_have_written_is_escaped():
+    """A method's name may come from elsewhere."""
+    row = made_up(status="lost", reason="<img src=x onerror='alert(1)'>")
+    drawing = drawn([NumberedRun(1, SWEEP, row)])
+    assert "<img" not in drawing and "onerror=&#x27;" in drawing
+
+
+def test_methods_have_the_colours_of_every_picture():
+    """Light as in ``app.colours``; on a dark ground with a contrast of 3 at least."""
+    style = (WEB / "css/60-cost.css").read_text(encoding="utf-8")
+    light, dark = (dict(re.findall(r"--m-(\w+): (#\w+);", block)) for block in re.findall(r"\{ (--m-[^}]+)\}", style))
+    assert light == {name: colour for name, colour in METHOD_COLOURS.items() if name in light}
+    assert set(light) == set(dark) == set(METHOD_COLOURS) - {"mpm"}
+    assert all(contrast(colour, GROUNDS["ground"].dark) > 3 for colour in dark.values())
