@@ -1,7 +1,8 @@
 """The colours of the page and of every picture, light and dark: data are coloured, the interface is ink and one accent.
 
-Blue is the truth, warm colours are estimates, magenta is crossings: blue and orange are Okabe and Ito's pair, which
-people with any of the common colour blindnesses tell apart. The map of sizes rises evenly in lightness, so that equal
+Blue is the truth, warm colours are estimates, magenta is crossings: blue and orange are Okabe and Ito's pair (the
+orange a little darker, so that estimators differ in lightness, too), which people with any of the common colour
+blindnesses tell apart. The map of sizes rises evenly in lightness, so that equal
 steps of error look equally far apart, in print as well. The page has the same palette as variables
 (``css/00-tokens.css``).
 """
@@ -28,9 +29,9 @@ TEXTS = {"ink": Shades("#15171c", "#f0f2f6"), "ink2": Shades("#454b58", "#c3c9d4
          "warn-ink": Shades("#714400", "#ffd98a"), "bad-ink": Shades("#9c2318", "#ffb3a8"),
          "good-ink": Shades("#00664a", "#6fd8b5")}
 #: Lines, marks and edges of controls, on any ground: a contrast of 3 at least.
-LINES = {"truth": Shades("#0072b2", "#4fb0ea"), "estimate": Shades("#d55e00", "#ff8b3d"),
-         "transport": Shades("#d55e00", "#ff8b3d"), "recovered": Shades("#6b2a00", "#f0b08c"),
-         "companion": Shades("#bf7600", "#ffc766"), "twogrid": Shades("#b0156b", "#f07fb8"),
+LINES = {"truth": Shades("#0072b2", "#4fb0ea"), "estimate": Shades("#cf5a00", "#ff8b3d"),
+         "transport": Shades("#cf5a00", "#ff8b3d"), "recovered": Shades("#6b2a00", "#f0b08c"),
+         "companion": Shades("#c97d00", "#ffc766"), "twogrid": Shades("#b0156b", "#f07fb8"),
          "cross": Shades("#cc0078", "#ff62b3"), "edge": Shades("#7f8796", "#757d8d"),
          "dot": Shades("#15171c", "#f0f2f6")}
 #: What only divides or tints, and says nothing by itself.
@@ -61,3 +62,8 @@ def colour_table() -> np.ndarray:
 def rgb(colour: str) -> tuple[int, int, int]:
     """Red, green and blue, 0 to 255, of "#rrggbb"."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def tokens() -> str:
+    """The light shades of the palette as variables of a style."""
+    return f":root {{ {' '.join(f'--{name}: {shades.light};' for name, shades in PALETTE.items())} }}\n"

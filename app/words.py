@@ -13,6 +13,7 @@ from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
 NOTHING = "–"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
 PLAIN_RATIOS = (0.095, 1000.0)  # between them a ratio has two decimals
+PLAIN_PERCENT, WHOLE_PERCENT = (1e-3, 1e6), 9.95  # and a share; from the last on without decimals
 PLAIN_POWERS = (-1, 2)  # of ten, that are not taken out of numbers
 SUPERSCRIPTS = dict(zip("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))
 
@@ -146,7 +147,7 @@ def _field_said(scene: Scene, field: str, unit: str) -> str:
     if field == "cells":
         return f"{value} cells"
     if field == "ppc":
-        return f"{per_cell(scene.problem, value)} particles per cell"
+        return f"{(count := per_cell(scene.problem, value))} particle{'s' * (count != '1')} per cell"
     if unit:
         return f"{SYMBOLS.get(field, label)} = {with_unit(value, unit)}"
     return names[value] if field in ("method", "velocity") else f"{label} {names.get(value, value)}"
@@ -187,9 +188,13 @@ def ratio(value: float) -> str:
     return f"{digits} × {power_text(int(power)).strip()}" if power else digits
 
 
-def times(value: float) -> str:
-    """A ratio as it goes before what it is of: "0.36 of", "1.02 times"."""
-    return f"{ratio(value)} {'times' if value >= 1 else 'of'}"
+def per_cent(share: float) -> str:
+    """A share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %; beyond, as a :func:`ratio`."""
+    percent = 100 * share
+    if WHOLE_PERCENT <= percent < PLAIN_PERCENT[1]:
+        return f"{percent:,.0f} %"
+    plain = percent == 0 or PLAIN_PERCENT[0] < percent < PLAIN_PERCENT[1]
+    return f"{percent:.2g} %" if plain else f"{ratio(percent)} %"
 
 
 def power_of_ten(largest: float) -> int:

@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from app import __version__, state
+from app.colours import tokens
 from app.export import lattice, plan
 from app.export.plan import Plan, described, planned
 from app.export.record import recordings
 from app.export.vocabulary import vocabulary
+from app.identity import ICON, MARK, faces
 from app.templates import rendered
 from app.words import title
 
@@ -59,7 +61,8 @@ def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, 
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
                        for k, run in enumerate(runs))
     parts = {"title": escape(heading), "version": __version__, "kind": "lesson" if lesson else "scene",
-             "style": _file("player.css"), "data": _json(data), "runs": packed,
+             "style": faces() + tokens() + _file("player.css"), "mark": MARK, "icon": ICON,
+             "data": _json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
                        + "\n".join(_file(f"{name}.js") for name in SCRIPTS)}
     return rendered(PLAYER / "player.html", **parts)

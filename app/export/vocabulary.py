@@ -25,8 +25,9 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "colours": _colours(), "flash_seconds": marks.FLASH_SECONDS,
             "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
             "compare": (SIDE_BY_SIDE, DIFFERENCE), "unknown": counting("{caption}", "{unknown}"),
-            "sentences": {"unstable": sentence.UNSTABLE, "lost": sentence.LOST, "paused": sentence.PAUSED,
-                          "nothing_yet": sentence.NOTHING_YET, "not_counted": silences.NOT_COUNTED},
+            "sentences": {"unstable": sentence.UNSTABLE, "last": sentence.LAST, "lost": sentence.LOST,
+                          "now": sentence.NOW, "paused": sentence.PAUSED, "less": sentence.LESS,
+                          "more": sentence.MORE, "all": sentence.ALL_OF_IT, "not_counted": silences.NOT_COUNTED},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
             "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)}}
@@ -50,7 +51,8 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
 def formats() -> dict[str, Any]:
     """What the player's ``words.js`` needs for the forms of numbers."""
     return {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
-            "powers": words.PLAIN_POWERS, "nothing": words.NOTHING}
+            "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
+            "nothing": words.NOTHING}
 
 
 def _colours() -> dict[str, Any]:

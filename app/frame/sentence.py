@@ -1,50 +1,104 @@
-"""What is seen of a run, in one sentence: parts with places in braces for numbers, which the page fills with those of a
-frame and the script of an exported file with those of a picture."""
+"""What is said of a run: a headline and further facts, made of words with places in braces for numbers, which the page
+fills with those of a frame and the script of an exported file with those of a picture.
+
+How wrong comes first, in parts of a quantity's size; then whether an estimate knows it; then of which size that is. All
+of it is either of one moment or of the run so far, and says which.
+"""
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from typing import Self
 
-from app.words import QUANTITIES, brief, times, with_unit
+from app.words import QUANTITIES, brief, per_cent, ratio, with_unit
 from solvers.scene.scene import Scene
 
 ROUND_OFF = 1e-9  # of a quantity's size, and far above what a patch test that is passed has
-UNSTABLE = "the run went unstable and has stopped at t = {time} s; this is its last picture"
+UNSTABLE, LAST = "the run went unstable and has stopped at t = {time} s", "this is its last picture"
 LOST = "the run is lost from t = {since} s on"
-PAUSED = "paused at t = {time} s: "
-NOTHING_YET = "nothing yet"
+SO_FAR, NOW, PAUSED, BACK = "so far ", "now ", "at t = {time} s ", "{ago} periods back "  # of when a headline is
+LESS, MORE = "finds {share} of it", "says {factor} times as much"
+ALL_OF_IT = 1.005  # index up to which an estimate finds what there is
+
+Span = tuple[str, str]  # a kind, "" or one of KINDS, and a text
+#: What a text in a place is, by the place's name: for the eye only, the words say it too.
+KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad"}
+
+
+@dataclass(frozen=True)
+class Said:
+    """A headline in spans, and facts in words, each of which makes a sentence."""
+
+    headline: tuple[Span, ...] = ()
+    facts: tuple[str, ...] = ()
+    moment: Hashable = None  # what it is of: another one is worth being read aloud
+
+    @classmethod
+    def of(cls, headline: str, *facts: str, **places: str) -> Self:
+        """With texts in the headline's places, and without facts that are empty."""
+        return cls(tuple(spans(headline, places)), tuple(filter(None, facts)))
+
+    def __bool__(self) -> bool:
+        return bool(self.headline)
+
+    @property
+    def shown(self) -> list[Span]:
+        """The headline as a sentence."""
+        if not self.headline:
+            return []
+        (kind, first), *rest = self.headline
+        spans = [(kind, _capital(first)), *rest]
+        return spans if spans[-1][1].endswith(".") else [*spans, ("", ".")]
+
+    @property
+    def sentences(self) -> list[str]:
+        """The facts as sentences."""
+        return [_capital(fact).removesuffix(".") + "." for fact in self.facts]
+
+    def __str__(self) -> str:
+        return " ".join(["".join(text for _, text in self.shown), *self.sentences])
 
 
 @dataclass(frozen=True)
 class ErrorWords:
-    """How large the estimate is beside the truth: ``told`` with {index}, which ends in "times" or "of", or with
-    {estimate} or {true} alone and why the other is missing; ``unmeasured`` as long as there is no index; ``still`` as
-    long as the true error is at most ``least``: then a motion without swings is what it should be but for round-off."""
+    """How wrong a quantity is: ``told`` with {wrong}, the true error over the ``size`` that a quantity has, or where
+    nobody knows it the estimate, and with {found}, what the estimate says of the true error (:func:`found`); ``names``
+    are the other places of its. ``of`` has {true} and, in words, the size; ``why`` is a fact of what is missing.
+    ``unmeasured`` is said as long as there are no numbers; ``still`` and ``trace`` as long as the true error is at most
+    ``least``: then a motion without swings is what it should be but for round-off."""
 
     told: str
+    names: Mapping[str, str]
+    size: float
+    of: str
+    why: str
     unmeasured: str
     still: str
+    trace: str
     least: float
 
 
 def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate: str, no_truth: str) -> ErrorWords:
     """What is said of the errors of a quantity; arguments as of :func:`app.frame.captions.captions`."""
-    of = f"error of {QUANTITIES[quantity]}"
+    words, size = QUANTITIES[quantity], scene.size_of(quantity)
+    why = no_truth
     if no_truth and no_estimate:
-        told = f"nothing is known of the {of}: {no_truth}; {no_estimate}"
+        told, why = f"nothing is known of the error of the {words.noun}", f"{no_truth}; {no_estimate}"
     elif no_truth:
-        told = f"{estimator} estimates the {of} at {{estimate}}; {no_truth}"
+        told = f"{{by}} estimates that the {words.noun} is {{wrong}} wrong"
     elif no_estimate:
-        told = f"the true {of} is {{true}}; {brief(no_estimate)}"
+        told = f"the {words.noun} is {{wrong}} {{off}}; {brief(no_estimate)}"
     else:
-        told = f"the estimate by {estimator} is {{index}} the true {of}"
-    return ErrorWords(told, f"no {of} has been measured yet",
-                      f"exactly nothing happens, as it should: the true {of} is {{true}}, round-off",
-                      -1.0 if scene.swings else ROUND_OFF * scene.size_of(quantity))
+        told = f"the {words.noun} is {{wrong}} {{off}}; {{by}} {{found}}"
+    return ErrorWords(told, {"by": estimator or "", "off": "wrong"}, size,
+                      f"{{true}} of {with_unit(size, words.unit)} at most", why,
+                      f"no error of the {words.noun} has been measured", "exactly nothing happens, as it should",
+                      f"the true error of the {words.noun} is {{true}}, round-off",
+                      -1.0 if scene.swings else ROUND_OFF * size)
 
 
-def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float) -> str:
+def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float, before: str = "") -> Said:
     """The words with numbers in their places.
 
     Parameters
@@ -54,25 +108,42 @@ def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: fl
     unit
         That of the norms.
     true, estimate, index
-        The RMS norms of both errors, and their index so far; NaN is what nobody knows.
+        Both errors' RMS norms of one moment, or their means over a time, and the second over the first; NaN is what
+        nobody knows.
+    before
+        Of which moment or time: what the headline begins with, where there is anything to say.
     """
     if true <= words.least:
-        return fill(words.still, true=_size(true, unit) if true else "zero")
-    if "{index}" in words.told and not math.isfinite(index):
-        return words.unmeasured
-    return fill(words.told, true=_size(true, unit), estimate=_size(estimate, unit), index=times(index))
+        return Said.of(before + words.still, words.trace.format(true=_size(true, unit) if true else "zero"))
+    norm = true if math.isfinite(true) else estimate
+    if "{wrong}" not in words.told:
+        return Said.of(words.told, words.why)
+    if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
+        return Said.of(before + words.unmeasured, words.why)
+    return Said.of(before + words.told.replace("{found}", found(index)), words.of.format(true=_size(norm, unit)),
+                   words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=ratio(index),
+                   **words.names)
+
+
+def found(index: float) -> str:
+    """What an estimate says of a true error so many times smaller."""
+    return MORE if index >= ALL_OF_IT else LESS
 
 
 def _size(value: float, unit: str) -> str:
-    return with_unit(value, unit, 2) if math.isfinite(value) else NOTHING_YET
+    return with_unit(value, unit, 2)
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def fill(text: str, **numbers: str) -> str:
     """The text with numbers in the places of their names."""
-    return re.sub(r"\{(\w+)\}", lambda place: numbers.get(place[1], place[0]), text)
+    return "".join(piece for _, piece in spans(text, numbers))
 
 
-def joined(parts: Sequence[str], before: str = "") -> str:
-    """Parts as a sentence."""
-    sentence = before + "; ".join(parts) + "."
-    return sentence[:1].upper() + sentence[1:]
+def spans(text: str, places: Mapping[str, str]) -> list[Span]:
+    """The text in spans, with what is in the places of their names; a place of another name stays as it is."""
+    return [(KINDS.get(piece[1:-1], ""), places[piece[1:-1]]) if piece[1:-1] in places else ("", piece)
+            for piece in re.split(r"(\{\w+\})", text) if piece]

@@ -6,7 +6,6 @@ import numpy as np
 import viser
 
 from app.frame.colour_bar import ColourBar
-from app.frame.marks import RECTANGLE
 from app.frame.scale import ColourScale
 from app.frame.stage import Stage
 from app.page.source import Choice, Picture, Sight
@@ -15,10 +14,9 @@ from app.page.stage.probe import Probe
 from app.page.stage.trace_rings import TraceRings
 from app.page.visit.trace import Trace
 from app.problems.views import VIEWS
-from app.renderers.viewer import Sheet, enlarge
+from app.renderers.lettering import Lettering
+from app.renderers.viewer import Sheet
 from app.words import QUANTITIES
-
-ROOMY, LEAST_TEXT = 470, 0.58  # pixels for a length of one on the stage below which its text shrinks, and how far
 
 
 class Canvas:
@@ -26,16 +24,16 @@ class Canvas:
     the probe."""
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Trace, problem: str):
-        self._client, self._scale = client, scale
+        self._client, self._scale, self.lettering = client, scale, Lettering(client.gui)
         self.picture: Picture | None = None  # that is seen
         self._coloured: Hashable = None  # what the scale of colours is of
         client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
-        self._colour_bar = ColourBar(Sheet(client, "/colours"), scale)
-        self._stages = {problem: view.stage(Sheet(client, f"/{problem}"), scale) for problem, view in VIEWS.items()}
+        self._colour_bar = ColourBar(self.sheet("/colours"), scale)
+        self._stages = {problem: view.stage(self.sheet(f"/{problem}"), scale) for problem, view in VIEWS.items()}
         self._show_stage(problem)
-        self.camera = FlatCamera(client, RECTANGLE)
-        self.probe = Probe(client, self.camera)
-        self._rings = TraceRings(client, trace)
+        self.camera = FlatCamera(client, self._stages[problem].rectangle)
+        self.probe = Probe(client, self.sheet("/probe"), self.camera)
+        self._rings = TraceRings(client, self.sheet("/trace"), trace)
 
     def draw(self, sight: Sight, choice: Choice) -> None:
         """Show what there is to be seen."""
@@ -57,15 +55,16 @@ class Canvas:
             else:
                 self._rings.look(stage, arrays)
             self._colour_bar.draw(view.measures, unit)
+            self.lettering.look(stage.rectangle)
+            self.lettering.send()
             self._client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
-        self.camera.show(RECTANGLE if sight.hidden else stage.rectangle)
+        self.camera.show(stage.rectangle)
         self.probe.look(stage, arrays, view.estimated, view.true, unit)
         self.picture = picture
 
-    def settle(self, largest: float) -> None:
-        """Call now and then: fits the camera, and the letters to the room, to so many times their usual size."""
-        self.camera.settle()
-        enlarge(self._client.scene, max(LEAST_TEXT, min(largest, self.camera.scale / ROOMY)))
+    def sheet(self, at: str) -> Sheet:
+        """One more to draw on, under a name of its own."""
+        return Sheet(self._client, self.lettering, at)
 
     def _colour(self, sight: Sight) -> None:
         """Move the scale of colours; looking back keeps it, to compare frames by."""

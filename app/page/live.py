@@ -3,10 +3,12 @@
 from collections.abc import Callable
 
 from app.frame.scale import LEAST_TOP
+from app.frame.sentence import Said
 from app.frame.silences import why_no_index
 from app.frame.view import View, look
 from app.page.measurements import Numbers
-from app.page.panels.readout import extra_lines, pinned_lines, readout
+from app.page.panels.readout import readout
+from app.page.panels.timeline import Now
 from app.page.source import Choice, Picture, Sight
 from app.page.stage.worst import WorstRegions
 from app.page.summary import compared, summary
@@ -19,6 +21,7 @@ from app.words import differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
+from solvers.solver.soundness import UNSTABLE
 
 
 class LiveRun:
@@ -60,16 +63,18 @@ class LiveRun:
         report = shown[0]
         scene, valid = report.scene, report.valid_estimators
         text = readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.ago)
-        lines = extra_lines(report, history.series, quantity) + (pinned_lines(pinned, report) if pinned else 0)
-        return Numbers(text, lines, history, scene.active_estimators, valid, choice.estimator, report.time,
+        moves = session.playing and not session.ended and not recent.back
+        now = Now(report.time, recent.span, moves, report.since, report.status == UNSTABLE)
+        return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
-    def sentence(self, choice: Choice, picture: Picture) -> str:
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
         """What is seen, and how a pinned run compares."""
         history, pinned, report = self._session.history, self._session.pinned, picture.report
         if picture.foreign or not history.scene == report.scene == self._worst.scene:
-            return ""  # another run has begun just now
-        beside = compared(history.latest, pinned.history.latest, choice.quantity) if pinned else ""
+            return Said()  # another run has begun just now
+        beside = "" if pinned is None else compared(history.series, pinned.history.series, choice.quantity,
+                                                    (report.scene, pinned.scene))
         return summary(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
                        choice.estimator, self._recent.ago, beside)
 

@@ -19,15 +19,17 @@ from app.page.features.slow.panel import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import ENLARGED, Presenter, add_head, set_up
+from app.page.panels.head import Presenter, add_head, set_up
 from app.page.panels.looking import Looking
 from app.page.panels.texts import add_about
+from app.page.panels.window import Size, Window
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
 from app.page.summary import Speaker
 from app.page.visit.recent import Recent
 from app.page.visit.session import FIRST_SCENE, PageLinks, Session
 from app.page.visit.trace import Trace
+from app.viewer.widgets import number
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 
@@ -58,14 +60,17 @@ class Page:
         self._canvas = Canvas(client, self._scale, self._trace, FIRST_SCENE.problem)
         self._measurements = Measurements(client)
         self._session = Session(pool, FIRST_SCENE, self._on_frame)
-        self._slow = SlowMotion(client, self._session, self._redraw)
-        self._own = OwnCode(client, self._session, self._redraw, self._slow.end)
+        self._slow = SlowMotion(client, self._canvas, self._session, self._redraw)
+        self._own = OwnCode(client, self._session, self._redraw, self._slow.end,
+                            lambda scene: self._controls.load(scene))
         self._tabs(client)
         run = LiveRun(self._session, self._recent, self._trace, self._cost.notice)
         self._sources = OwnFile(self._own), SlowStep(self._slow, run), run  # the first that is on is seen
         self._controls.begin()
         if classroom.lesson:
             self._player.open(classroom.lesson)
+        self._window = Window(self._store, self._fit)
+        self._store.heard["seek"] = self._seek
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
@@ -89,13 +94,14 @@ class Page:
         self._cost.jobs.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
-        looking = Looking(self._session, self._recent, self._trace, self._redraw)
+        self._looking = looking = Looking(self._session, self._recent, self._trace, self._redraw)
         self._controls = Controls(client.gui, self._session, self._scale, self._redraw, looking, self._slow)
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
             self._controls.build(explore)
             Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
+            self._measurements.build(client.gui)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
             self._player = Player(client, lessons, self._classroom, self._controls.show, self._controls.offer,
                                   self._keep)
@@ -149,6 +155,18 @@ class Page:
             if (sight := self._source.sight(choice)) is not None:
                 self._canvas.draw(sight, choice)
 
+    def _fit(self, size: Size) -> None:
+        """The window is another one."""
+        self._measurements.timeline.height = max(20, round(size.plot_height))
+        if self._canvas.lettering.fit(size.width, size.height, size.left):
+            self._redraw()
+
+    def _seek(self, said: object) -> None:
+        """The visitor has pointed at a place of the plot over time, a part of its axis."""
+        if number(said, 0, 1) and self._source.at_once is False:
+            assert isinstance(said, float | int)
+            self._looking.seek(self._measurements.timeline.time_at(said))
+
     def _refresh_loop(self) -> None:
         """Refresh now and then, and soon when the stage has come to a stand: what is said goes with what is seen."""
         rest = 0.0
@@ -167,15 +185,14 @@ class Page:
     def _refresh(self) -> None:
         source, choice, canvas, presented = self._source, self._controls.choice, self._canvas, self._presenter.on
         if numbers := source.numbers(choice, canvas.picture, canvas.probe.text):
-            self._measurements.show(numbers, choice.quantity, choice.latest, presented)
+            self._measurements.show(numbers, choice.quantity, choice.latest)
         if self._session.playing and not presented and self._session.untouched > UNTOUCHED:
             self._session.rest()
         notice = self._own.notice() or source.notice()
         self._notice.content = "" if notice is None else notice.html
-        canvas.camera.leave(0.0 if notice is None or notice.kind == "wait" else notice.height(canvas.camera.width))
         if canvas.picture is not None:
             self._speaker.say(source.sentence(choice, canvas.picture), source.at_once)
         self._controls.refresh()
         self._keep()
         self._cost.refresh()
-        canvas.settle(ENLARGED if presented else 1.0)
+        canvas.camera.settle()

@@ -17,6 +17,7 @@ from urllib.parse import quote
 
 from app.doors.address import Addresses
 from app.doors.code import ClassCode, made_up
+from app.identity import ICON
 from app.lessons import shelf
 from app.page.features.lesson.marking import Classroom
 from app.page.prewarm import usual_scenes
@@ -183,7 +184,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
                   classroom: Classroom) -> Any:
     from app.page.page import Page
-    from app.page.panels.head import GROUND, MARK, set_up
+    from app.page.panels.head import GROUND, set_up
     from app.viewer.index import Index
     from app.viewer.server import Doors, Lab
     from app.viewer.wire import mend
@@ -193,7 +194,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     doors = Doors(addresses, ClassCode(code, port) if code else None)
     # The viewer would announce itself in a box of its own.
-    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(GROUND, MARK)):
+    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(GROUND, ICON)):
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
     visitors = Visitors(pool, max_sessions, partial(Page, classroom=classroom), _show)

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from app.frame.sentence import Said
 from app.frame.view import View
 from app.page.measurements import Numbers
 from app.page.visit.notice import Notice
@@ -80,8 +81,8 @@ class Source(Protocol):
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         """What to read beside the ``picture`` that is drawn, and what was ``probed`` in it; None for no change."""
 
-    def sentence(self, choice: Choice, picture: Picture) -> str:
-        """What is seen in the picture; "" where that is of something else, and soon replaced."""
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
+        """What is seen in the picture; nothing where that is of something else, and soon replaced."""
 
     def notice(self) -> Notice | None:
         """What is to be read now of it, if anything."""

@@ -1,5 +1,6 @@
-"""What is seen now, in one sentence made from the numbers: for the eye, and what a screen reader gets."""
+"""What is seen now, in a headline and a few facts made from the numbers: for the eye, and what a screen reader gets."""
 
+import json
 import math
 from collections.abc import Callable
 from html import escape
@@ -8,75 +9,112 @@ from time import monotonic
 import numpy as np
 import viser
 
-from app.frame.sentence import LOST, PAUSED, UNSTABLE, error_words, errors, fill, joined
+from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
 from app.frame.view import View
 from app.page.stage.worst import WorstRegions
 from app.page.visit.downsampled import until
 from app.page.visit.history import CROSSING_WINDOW
-from app.words import QUANTITIES, number, times
+from app.words import QUANTITIES, differing, number, ratio
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
+from solvers.scene.scene import Scene
 from solvers.solver import soundness
 
-WAITING = "Waiting for the first frame."
-SAY_SECONDS = 2.0  # between two sentences: a screen reader reads each of them
+WAITING = Said.of("Waiting for the first frame")
+SAY_SECONDS = 2.0  # between two sentences, which would else be replaced before they are read
+MOST_DIFFERING = 40  # characters, of what a pinned run is where the other is not
 
 
 class Speaker:
-    """Says sentences calmly: a new one only, and not soon after the last. That there is one lifts the page's ground
-    (``ground.html``)."""
+    """Says sentences calmly: a new one only, and not soon after the last. ``verdict.js`` shows them, and reads aloud
+    those of another moment. That there is one lifts the page's ground (``ground.html``)."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
         self._html, self._clock = gui.add_html(""), clock
-        self._last, self._next = "", 0.0
+        self._last, self._next, self._aloud = Said(), 0.0, 0
 
-    def say(self, sentence: str, at_once: bool = False) -> None:
-        """Say a sentence, if there is one and it is time; ``at_once`` for the answer to a click."""
-        now = self._clock()
-        if sentence in ("", self._last) or (now < self._next and not at_once):
+    def say(self, said: Said, at_once: bool = False) -> None:
+        """Say something, if there is anything and it is time; ``at_once`` for the answer to a click."""
+        now, other = self._clock(), said.moment != self._last.moment
+        if not said or str(said) == str(self._last) or (now < self._next and not at_once and not other):
             return
-        self._last, self._next = sentence, now + SAY_SECONDS
-        said = escape(sentence).replace("–", "–&NoBreak;")  # no line ends between "0.25–" and "0.30"
-        self._html.content = f"<i class='lab-says' data-sentence=\"{said}\"></i>"
+        self._next, self._aloud = now + SAY_SECONDS, self._aloud + (at_once or other)
+        self._last = said
+        spans = escape(json.dumps([said.shown, said.sentences], ensure_ascii=False))
+        self._html.content = f"<i class='lab-says' data-sentence=\"{escape(str(said))}\" data-spans=\"{spans}\" " \
+                             f"data-aloud='{self._aloud}'></i>"
 
 
 def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
             series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
-            beside: str = "") -> str:
-    """The sentence for a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
+            beside: str = "") -> Said:
+    """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
-    ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame was,
-    ``beside`` what is to be said of a pinned run (:func:`compared`).
+    A run that plays is told as it has been so far, one that stands as it is now: of each, its error and its estimate
+    alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame
+    was, ``beside`` what is to be said of a pinned run (:func:`compared`).
     """
     if report is None or arrays is None or view is None:
         return WAITING
     series, when = until(series, report.time), number(report.time)
+    moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:
-        return joined([fill(UNSTABLE, time=when)])
-    true, estimate, index = (_last(series, name) for name in (
-        f"error_{quantity}", f"{drawn}/estimate_{quantity}", f"{drawn}/index_{quantity}"))
+        return Said((("bad", fill(UNSTABLE, time=when)),), (LAST,), moment)
+    of_now = not report.playing
+    true, estimate = (_norm(series, name, of_now) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
     words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
                         view.right.silence if view.true is None else "")
+    before = fill(BACK, ago=f"{ago:.2f}") if ago else fill(PAUSED, time=when) if of_now else SO_FAR
+    index = estimate / true if true else math.nan
+    said = errors(words, QUANTITIES[quantity].unit, true, estimate,
+                  index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
-    parts = [errors(words, QUANTITIES[quantity].unit, true, estimate, index),
-             *([f"worst at {region.name}"] if region else []), *_crossings(report, arrays), *filter(None, [beside])]
+    facts = *said.facts, beside, f"worst at {region.name}" if region else "", *_crossings(report, arrays)
+    headline = said.headline
     if report.status == soundness.LOST:
-        parts.insert(0, fill(LOST, since=number(report.since or 0.0)))
-    before = f"{ago:.2f} periods back: " if ago else fill(PAUSED, time=when)
-    return joined(parts, "" if report.playing else before)
+        headline = ("bad", fill(LOST, since=number(report.since or 0.0))), ("", ": "), *headline
+    return Said(headline, tuple(filter(None, facts)), moment)
 
 
-def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str) -> str:
-    """How large a pinned run's true error is beside the live run's, both averaged over their last periods; nothing
-    where either is not known."""
-    sizes = [series.get(f"error_{quantity}", np.zeros(0)) for series in (live, pinned)]
-    if not all(map(len, sizes)):
+def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str, scenes: tuple[Scene, Scene],
+             ) -> str:
+    """Which of the live and the pinned run errs more, and how many times, each as a mean over the periods that both
+    have; nothing where either is not known. ``scenes`` are the two runs'."""
+    larger = in_common(live, pinned, f"error_{quantity}", scenes)
+    if not math.isfinite(larger) or larger <= 0:
         return ""
-    with np.errstate(all="ignore"):
-        larger = float(np.mean(sizes[1]) / np.mean(sizes[0]))
-    if not np.isfinite(larger) or larger <= 0:
-        return ""
-    return f"the pinned run's error is {times(larger)} this one's"
+    said = differing(scenes[1], scenes[0])
+    name = f" ({said})" if 0 < len(said) <= MOST_DIFFERING else ""
+    if larger >= 1:
+        return f"this run errs {ratio(larger)} times as much as the pinned one{name}"
+    return f"the pinned run{name} errs {ratio(1 / larger)} times as much"
+
+
+def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
+              scenes: tuple[Scene, Scene]) -> float:
+    """A live run's series over a pinned run's, both as means over the periods that both have; NaN where either is not
+    known."""
+    periods = min(periods_of(series, scene) for series, scene in zip((live, pinned), scenes, strict=True))
+    mine, other = (_mean(until(series, periods * scene.period * (1 + 1e-9)), name)
+                   for series, scene in zip((live, pinned), scenes, strict=True))
+    return mine / other if other else math.nan
+
+
+def periods_of(series: dict[str, np.ndarray], scene: Scene) -> float:
+    """How long series are, in periods of their scene."""
+    times = series.get("time", np.zeros(0))
+    return float(times[-1]) / scene.period if len(times) else 0.0
+
+
+def _norm(series: dict[str, np.ndarray], name: str, of_now: bool) -> float:
+    """A norm now, or its mean so far."""
+    return _last(series, name) if of_now else _mean(series, name)
+
+
+def _mean(series: dict[str, np.ndarray], name: str) -> float:
+    values = series.get(name, np.zeros(0))
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        return float(np.mean(values)) if len(values) else math.nan
 
 
 def _last(series: dict[str, np.ndarray], name: str) -> float:

@@ -7,7 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from app.colours import COLOUR_MAP, ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
+from app.colours import COLOUR_MAP, ESTIMATE, INK, METHOD_COLOURS, METHOD_MARKS, TRUTH
+from app.renderers import picture
+from app.renderers.look import in_sizes
 from app.renderers.picture import positive, say, thinned
 from app.words import QUANTITIES, method_name
 from solvers.judging.measure import QUANTITIES as JUDGED
@@ -15,7 +17,7 @@ from solvers.judging.measure import series, sizes
 from solvers.judging.verdict import GridJudgement, Judgement
 from solvers.solver.norms import largest
 
-THEIRS = "#222222"
+THEIRS = INK
 MARKS = "os^Dv"
 
 
@@ -25,18 +27,18 @@ def norms_figure(judged: Judgement) -> Figure:
     for axes, q in zip(figure.subplots(len(JUDGED), 1, sharex=True), JUDGED, strict=True):
         for k, g in enumerate(judged.grids):
             _draw_norms(axes, g, q, k, len(judged.grids))
-        axes.set_ylabel(f"{QUANTITIES[q]} ({QUANTITIES[q].unit})")
+        axes.set_title(f"Error of {QUANTITIES[q]}" + ", RMS over particles" * (q == JUDGED[0]))
         if not axes.lines:
             axes.set_yticks([])
             say(axes, "not in the files, or zero")
             continue
         axes.set_yscale("log")
-        axes.grid(alpha=0.3)
+        in_sizes(axes.yaxis, QUANTITIES[q].unit)
     first = figure.axes[0]
     if first.get_legend_handles_labels()[0]:
-        first.legend(loc="lower right", fontsize=8, ncols=2)
-    first.set_title("error norms (RMS over particles)", fontsize=10)
-    figure.axes[-1].set_xlabel("time t (s)")
+        figure.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.axes[-1].set_xlabel("time t")
+    in_sizes(figure.axes[-1].xaxis, "s", few=False)
     return figure
 
 
@@ -66,22 +68,25 @@ def space_figure(judged: Judgement) -> Figure | None:
     alone = np.isin(few, g.apart.which) if g.apart and g.apart.frame.time == frame.time else np.zeros(len(few), bool)
     figure = Figure(figsize=(10, 4) if X.shape[1] == 1 else (10, 8.5), layout="constrained")
     axes = figure.subplots()
-    axes.set_title(f"error of x at t = {frame.time:.4g} s, {g.grid.cells} cells", fontsize=10)
+    axes.set_title(f"Error of x at t = {frame.time:.4g} s, {g.grid.cells} cells")
     if X.shape[1] == 1:
         axes.scatter(X[:, 0], shown, s=10, color=THEIRS, linewidths=0)
-        axes.set(xlabel="material position X (m)", ylabel="|error of x| (m)", ylim=(0, 1.1 * float(shown.max()) or 1))
-        axes.grid(alpha=0.3)
+        axes.set(xlabel="material position X", ylim=(0, 1.1 * float(shown.max()) or 1))
+        in_sizes(axes.yaxis, "m")
         ring = axes.scatter(X[alone, 0], shown[alone], s=60, facecolors="none", edgecolors=ESTIMATE)
     else:
         top = Normalize(0.0, float(shown.max()) or 1.0)
         points = axes.scatter(x[:, 0], x[:, 1], c=shown, cmap=COLOUR_MAP, norm=top, linewidths=0,
                               s=float(np.clip(40_000 / len(few), 2, 40)))
-        axes.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
-        figure.colorbar(points, ax=axes, label="|error of x| (m)", shrink=0.8)
+        axes.set(xlabel="x", ylabel="y", aspect="equal")
+        axes.grid(axis="both")
+        in_sizes(axes.yaxis, "m", few=False)
+        picture.colour_bar(figure, points, axes, "error of x", "m", aspect=60)
         ring = axes.scatter(x[alone, 0], x[alone, 1], s=60, facecolors="none", edgecolors=ESTIMATE)
+    in_sizes(axes.xaxis, "m", few=False)
     if alone.any():
         ring.set_label("not where the neighbours are")
-        axes.legend(loc="upper right", fontsize=8)
+        axes.legend(loc="upper right")
     return figure
 
 
@@ -105,12 +110,13 @@ def order_figure(judged: Judgement) -> Figure | None:
             axes.plot(*zip(*at, strict=True), marker=METHOD_MARKS[method], color=METHOD_COLOURS[method], linewidth=1,
                       markersize=5, linestyle="--" if lp else "-", alpha=0.8,
                       label=f"our {method_name(method)}{', linearity preserving' * lp}")
-        axes.set(xscale="log", yscale="log", xlabel="cell size h (m)", title=f"largest error of {QUANTITIES[q].symbol}")
-        axes.set_ylabel(f"({QUANTITIES[q].unit})")
-        axes.grid(alpha=0.3, which="both")
+        axes.set(xscale="log", yscale="log", xlabel="cell size h", title=f"Largest error of {QUANTITIES[q].symbol}")
+        axes.grid(axis="both")
         if len(set(h)) == 1:
             axes.set_xlim(h[0] / 1.5, h[0] * 1.5)
-    figure.axes[0].legend(fontsize=8)
+        in_sizes(axes.xaxis, "m")
+        in_sizes(axes.yaxis, QUANTITIES[q].unit)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 

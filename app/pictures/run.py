@@ -12,15 +12,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from app.colours import ESTIMATE, TRUTH
+from app.colours import ESTIMATE_INK, INK3, TRUTH
 from app.frame.silences import NOTHING_TO_SHOW
 from app.problems.views import VIEWS
+from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet
 from app.renderers.picture import positive, say, styled
 from app.words import QUANTITIES, method_name, moving, per_cell, unit_of
 from solvers.solver.norms import RunningIndex
 from solvers.solver.result import Result
 
 DOTS_PER_INCH = 110
+WIDTH, MIN_SHARE = 12.5, 0.3  # inches, and what bodies beside each other need of the height of one at least
 DRAWN = ("x", "v", "sigma")
 INDEX_STYLES = {"x": "-", "v": "--", "sigma": ":"}
 INDEX_COLOUR = "#333333"  # of one estimator; several have their shades, for the line styles tell quantities apart
@@ -32,16 +34,18 @@ MOST_DECADES = 8  # nor its errors everything that came before
 def run_figure(result: Result) -> Figure:
     view = VIEWS[result.scene.problem]
     height, lower = view.picture
-    figure = Figure(figsize=(12.5, height), layout="constrained")
-    figure.suptitle(_title(result), fontsize=12)
+    if result.scene.DIMENSIONS > 1:  # each estimator has a picture of the body beside the others', the smaller the more
+        several = max(1, len(result.scene.active_estimators))
+        upper, lower = height / (1 + lower), lower * (MIN_SHARE + (1 - MIN_SHARE) / several)
+        height = upper * (1 + lower)
+    figure = sheet(WIDTH, height, _title(result))
     places = figure.add_gridspec(2, 2, height_ratios=(1, lower))
     norms = places[0, 0].subgridspec(len(DRAWN), 1).subplots(squeeze=False)[:, 0]
     index, space = places[0, 1].subgridspec(2, 1).subplots(squeeze=False)[:, 0]
     for axes, quantity in zip(norms, DRAWN, strict=True):
         _draw_norm(axes, result, quantity)
         axes.tick_params(labelbottom=axes is norms[-1])
-    norms[0].set_title("error norms (RMS over particles)", fontsize=10)
-    norms[-1].set_xlabel("time t (s)")
+    norms[-1].set_xlabel("time t")
     _draw_index(index, result)
     view.draw(figure, space, places[1, :], result)
     return figure
@@ -72,18 +76,19 @@ def _title(result: Result) -> str:
 
 def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     """The truth and each estimate of one quantity's error norm over time."""
-    lines = [("truth", f"error_{quantity}", TRUTH, "-")]
-    lines += [(f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
+    lines = [("true", "truth", f"error_{quantity}", TRUTH, "-")]
+    lines += [(name, f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
               for name, colour, style in styled(result)]
-    drawn = []
-    for label, key, colour, style in lines:
+    drawn: list[tuple[str, np.ndarray, str]] = []
+    for name, label, key, colour, style in lines:
         values = positive(result.series[key])
         if np.isfinite(values).any():
-            axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=1.3, label=label,
+            width = ESTIMATE_WIDTH if drawn or name != "true" else TRUTH_WIDTH
+            axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=width, label=label,
                       marker=_marker(values), markersize=4)
-            drawn.append(values)
+            drawn.append((name, values, colour))
     _time_axis(axes, result)
-    axes.set_ylabel(f"{QUANTITIES[quantity]} ({QUANTITIES[quantity].unit})")
+    axes.set_title(f"Error of {QUANTITIES[quantity]}" + ", RMS over particles" * (quantity == "x"))
     silent = _not_estimated(result, quantity)
     if not drawn:
         axes.set_yticks([])
@@ -91,22 +96,23 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
             else NOTHING_TO_SHOW)
         return
     if silent:
-        axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
-                  color=ESTIMATE, ha="right")
-    values = np.concatenate(drawn)
+        axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=9.5,
+                  color=ESTIMATE_INK, ha="right")
+    values = np.concatenate([values for _, values, _ in drawn])
     low = float(np.nanpercentile(values, 2)) / 2  # the first steps, where errors begin at nothing, may leave it below
     axes.set(yscale="log", ylim=(low, min(2 * float(np.nanmax(values)), low * 10.0**MOST_DECADES)))
-    axes.grid(alpha=0.3)
-    if quantity == "x":
-        axes.legend(loc="lower right", fontsize=8, framealpha=0.9)
+    in_sizes(axes.yaxis, QUANTITIES[quantity].unit)
+    name_ends(axes, drawn, apart=0.17)
 
 
 def _draw_index(axes: Axes, result: Result) -> None:
     """The error index of the run so far (eq 35): summed estimate over summed truth."""
-    axes.set_title("error index so far: sum of estimates / sum of true errors", fontsize=10)
-    axes.set_xlabel("time t (s)")
+    axes.set_title("Error index so far: sum of estimates / sum of true errors; 1 is perfect")
+    axes.set_xlabel("time t")
     axes.axhline(1.0, color=TRUTH, linewidth=1.2)
-    highest, silent = 1.0, []
+    highest = 1.0
+    silent: list[str] = []
+    drawn: list[tuple[str, np.ndarray, str]] = []
     several = len(result.scene.active_estimators) > 1
     for name, colour, _ in styled(result):
         for quantity, style in INDEX_STYLES.items():
@@ -121,19 +127,18 @@ def _draw_index(axes: Axes, result: Result) -> None:
             axes.plot(result.series["time"], ratio, color=colour if several else INDEX_COLOUR,
                       linestyle=style, linewidth=1.4, label=f"{symbol} ({name})" if several else symbol,
                       marker=_marker(ratio), markersize=4)
+            drawn.append((f"{symbol} {name}" if several else symbol, ratio, colour if several else INK3))
     _time_axis(axes, result)
     if not axes.get_legend_handles_labels()[0]:
         axes.set_yticks([])
         say(axes, "nothing to show: the index needs an estimate and a true error")
         return
     axes.set_ylim(0, 1.35 * min(highest, HIGHEST_INDEX))
-    axes.grid(alpha=0.3)
-    axes.text(0.99, 1.0, "perfect ", transform=axes.get_yaxis_transform(), color=TRUTH, fontsize=8, ha="right",
-              va="bottom")
+    in_sizes(axes.yaxis, "")
     if silent:
-        axes.text(0.01, 0.97, f"not estimated: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
-                  color=ESTIMATE, va="top")
-    axes.legend(loc="upper right", fontsize=8, ncols=3, framealpha=0.9)
+        axes.text(0.99, 0.97, f"not estimated: {', '.join(silent)}", transform=axes.transAxes, fontsize=9.5,
+                  color=ESTIMATE_INK, va="top", ha="right")
+    name_ends(axes, drawn, apart=0.11)
 
 
 def _not_estimated(result: Result, quantity: str) -> list[str]:
@@ -150,3 +155,4 @@ def _time_axis(axes: Axes, result: Result) -> None:
     """The run's whole time, with room for the marks of the first and the last sample."""
     end = float(result.series["time"][-1]) or result.scene.time_step
     axes.set_xlim(-0.02 * end, 1.02 * end)
+    in_sizes(axes.xaxis, "s", few=False)

@@ -12,9 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from app.colours import ESTIMATE, METHOD_COLOURS, METHOD_MARKS, TRUTH
+from app.colours import ESTIMATE_INK, INK, INK2, INK3, LINE2, METHOD_COLOURS, METHOD_MARKS, TRUTH, TRUTH_INK
 from app.pictures import study_parts as parts
 from app.pictures.run import DRAWN
+from app.renderers.look import Sizes, in_sizes
 from app.renderers.picture import Look, say
 from app.words import METHODS, QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
@@ -27,12 +28,12 @@ WIDTH = 13.5
 MOST_NAMED = 8
 MOST_ORDERS = 8
 MOST_OFF = 100.0  # times the true errors: farther estimates set no scale
-FRONT: Look = {"color": "0.75", "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
+FRONT: Look = {"color": LINE2, "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
 MOST_MISFIT = 0.15  # relative; beyond, the two parts do not describe the points
 SPACE = "space error rules: shorter steps gain little"
 TIME = "time error rules: shorter steps pay"
 NEITHER = "not a sum of space and time error"
-BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": "black", "linestyle": "none"}
+BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": INK, "linestyle": "none"}
 
 
 def error_time_figure(rows: Sequence[dict]) -> Figure:
@@ -49,7 +50,7 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
     for panel, quantity in zip(axes[0], shown, strict=True):
         _front(panel, rows, quantity)
         parts.draw_errors(panel, lines, quantity, lambda row: row["seconds"]["min"])
-        panel.set_xlabel("time of the bare run (s), shortest of the repeats")
+        panel.set_xlabel("time of the bare run, shortest of the repeats")
         parts.logarithmic(panel)
     front = Line2D([], [], **FRONT, label="Pareto front: no row has less error in less time")
     parts.legend_below(figure, lines, [front])
@@ -72,10 +73,10 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
             _triangles(panel, [(row["h"], error_of(row, quantity)) for row in measured(rows)])
             panel.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.25)
         else:
-            panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, fontsize=9, color="0.3")
-        panel.set_xlabel("cell size h (m)")
-        parts.logarithmic(panel)
-        parts.ticks_at(panel, spacings)
+            panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, color=INK3)
+        panel.set_xlabel("cell size h")
+        parts.logarithmic(panel, "m")
+        parts.ticks_at(panel, spacings, "m")
     parts.legend_below(figure, lines)
     return figure
 
@@ -96,8 +97,8 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     handles = [*parts.method_handles(rows), Line2D([], [], color=TRUTH, label="perfect"),
                Line2D([], [], color=TRUTH, linestyle=":", label="off by a factor of 2")]
     if any(row["status"] in BROKEN for row in rows):
-        handles.append(Line2D([], [], color="0.3", label="unstable or lost", **parts.UNSTABLE_LOOK))
-    figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=len(handles))
+        handles.append(Line2D([], [], color=INK3, label="unstable or lost", **parts.UNSTABLE_LOOK))
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
 
 
@@ -111,9 +112,9 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
     figure, axes = parts.frame(title, 1, 2, (WIDTH, max(4.6, 1.8 + 0.55 * len(prices))))
     _steps(axes[0, 0], rows)
     _extras(axes[0, 1], prices)
-    handles = [*parts.method_handles(rows), Line2D([], [], color="0.3", marker="|", markersize=16, markeredgewidth=2.5,
+    handles = [*parts.method_handles(rows), Line2D([], [], color=INK3, marker="|", markersize=16, markeredgewidth=2.5,
                                              linestyle="none", label="median")]
-    figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=len(handles))
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
 
 
@@ -130,8 +131,8 @@ def error_step_figure(rows: Sequence[dict]) -> Figure:
     for panel, quantity in zip(axes[0], shown, strict=True):
         _balances(panel, lines, quantity)
     balanced = "time error = space error: shorter steps gain at most half"
-    star = Line2D([], [], color="0.7", label=balanced, **BALANCE_LOOK)
-    fit = Line2D([], [], color="0.4", linewidth=1, linestyle="-", label="fit: space + c dt^p")
+    star = Line2D([], [], color=LINE2, label=balanced, **BALANCE_LOOK)
+    fit = Line2D([], [], color=INK3, linewidth=1, linestyle="-", label="fit: space + c dt^p")
     parts.legend_below(figure, lines, [fit, star])
     return figure
 
@@ -156,7 +157,7 @@ def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> No
     if handles and len(handles) <= MOST_ORDERS:
         bottom, top = axes.get_ylim()
         axes.set_ylim(bottom / (top / bottom) ** (0.055 * len(handles)), top)
-        axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
+        axes.legend(handles=handles, loc="lower right", fontsize=9)
 
 
 def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
@@ -170,8 +171,8 @@ def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None
     axes.set_ylim(bottom, top * (top / bottom) ** 0.06)
     start = top / ratio**2
     for power in (1, 2):
-        axes.plot([left, right, right, left], [start, start * ratio**power, start, start], color="0.45", linewidth=0.9)
-        axes.text(right * 1.04, start * ratio ** (power - 0.5), str(power), color="0.3", fontsize=9, va="center")
+        axes.plot([left, right, right, left], [start, start * ratio**power, start, start], color=INK3, linewidth=0.9)
+        axes.text(right * 1.04, start * ratio ** (power - 0.5), str(power), color=INK3, fontsize=9.5, va="center")
 
 
 def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -> None:
@@ -194,16 +195,17 @@ def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -
             notes.append(SPACE if found.space_rules else TIME)
     said = "".join(f"\n{note}" + ("" if number == len(lines) else f" ({number} of {len(lines)} series)")
                    for note in (SPACE, TIME, NEITHER) if (number := notes.count(note)))
-    axes.set_title(axes.get_title() + said, fontsize=10)
-    axes.set_xlabel("time step dt (s)")
+    axes.set_title(axes.get_title("left") + said)
+    axes.set_xlabel("time step dt")
     parts.logarithmic(axes)
 
 
 def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
     name = QUANTITIES[quantity]
-    axes.set_title(f"{estimator}: {name}", fontsize=10)
-    axes.set_xlabel(f"true error ({name.unit})", color=TRUTH)
-    axes.set_ylabel(f"estimated error ({name.unit})", color=ESTIMATE)
+    axes.set_title(f"{str(name).capitalize()} by {estimator}")
+    axes.set_xlabel("true error", color=TRUTH_INK)
+    axes.set_ylabel("estimated error", color=ESTIMATE_INK)
+    axes.yaxis.set_major_formatter(Sizes(name.unit))
     axes.set_box_aspect(1)
     points = []
     for row in rows:
@@ -223,13 +225,13 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         axes.plot([x], [y], color=METHOD_COLOURS[method], zorder=3, alpha=0.9,
                   **(parts.UNSTABLE_LOOK if unstable else look))
     if far:
-        axes.set_title(f"{estimator}: {name}\n{far} beyond the scale, drawn at its edge", fontsize=9)
+        axes.set_title(f"{str(name).capitalize()} by {estimator}\n{far} beyond the scale, drawn at its edge")
     ends = np.array([low, high])
     axes.plot(ends, ends, color=TRUTH, linewidth=1.4, zorder=2)
     for factor in (0.5, 2):
         axes.plot(ends, factor * ends, color=TRUTH, linewidth=0.9, linestyle=":", zorder=2)
     axes.set(xlim=(low, high), ylim=(low, high))
-    parts.logarithmic(axes)
+    parts.logarithmic(axes, name.unit)
 
 
 def _common_range(points: Sequence[tuple[float, float, str, bool]]) -> tuple[float, float]:
@@ -258,19 +260,20 @@ def _extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
 
 def _steps(axes: Axes, rows: Sequence[dict]) -> None:
     for method in METHODS:
-        points = [(row["particles"], 1e3 / row["rate"]) for row in rows if row["scene"]["method"] == method]
+        points = [(row["particles"], 1e-6 / row["rate"]) for row in rows if row["scene"]["method"] == method]
         if points:
             axes.plot(*zip(*points, strict=True), color=METHOD_COLOURS[method], marker=METHOD_MARKS[method],
                       linestyle="none", markersize=6, alpha=0.9)
-    axes.set_title("a step of the bare method", fontsize=10)
-    axes.set(xlabel="particles", ylabel="time of one step of one particle (ns)")
-    parts.logarithmic(axes)
-    axes.set(yscale="linear", ylim=(0, 1.15 * max(1e3 / row["rate"] for row in rows)))
+    axes.set_title("A step of the bare method, time for one particle")
+    axes.set_xlabel("particles")
+    parts.logarithmic(axes, "")
+    axes.set(yscale="linear", ylim=(0, 1.15 * max(1e-6 / row["rate"] for row in rows)))
+    in_sizes(axes.yaxis, "s")
     parts.ticks_at(axes, sorted({row["particles"] for row in rows}))
 
 
 def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
-    axes.set_title("on top of it, as a part of the bare run's time", fontsize=10)
+    axes.set_title("On top of it, as a part of the bare run's time")
     low, high = _price_span([100 * part for points in prices.values() for _, part in points])
     for height, points in enumerate(prices.values()):
         for method, part in points:
@@ -279,13 +282,14 @@ def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
             axes.plot([min(max(100 * part, low), high)], [place], color=METHOD_COLOURS[method], linestyle="none",
                       marker=outside or METHOD_MARKS[method], markersize=5, alpha=0.8, zorder=3, clip_on=False)
         middle = 100 * statistics.median(part for _, part in points)
-        axes.plot([middle], [height], color="0.3", marker="|", markersize=30, markeredgewidth=2.5, zorder=2)
-        axes.text(middle, height + 0.36, f"{middle:.0f} %", ha="center", va="bottom", fontsize=9, color="0.2")
-    axes.axvline(0, color="0.5", linewidth=1)
+        axes.plot([middle], [height], color=INK3, marker="|", markersize=30, markeredgewidth=2.5, zorder=2)
+        axes.text(middle, height + 0.36, f"{middle:.0f} %", ha="center", va="bottom", color=INK)
+    axes.axvline(0, color=LINE2, linewidth=1)
     axes.set_yticks(range(len(prices)), list(prices))
     for tick, name in zip(axes.get_yticklabels(), prices, strict=True):
-        tick.set_color(ESTIMATE if name.startswith("estimator") else "0.2")
-    axes.grid(alpha=0.3, axis="x")
+        tick.set_color(ESTIMATE_INK if name.startswith("estimator") else INK2)
+    axes.grid(visible=False, axis="y")
+    axes.grid(axis="x")
     axes.set(xlabel="added time (% of the bare run)", xlim=(low, high), ylim=(-0.6, len(prices) - 0.4))
 
 

@@ -7,11 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
-from app.colours import METHOD_COLOURS, METHOD_MARKS
+from app.colours import INK3, LINE, METHOD_COLOURS, METHOD_MARKS
+from app.renderers.look import Sizes, sheet
 from app.renderers.picture import Look, say
-from app.words import METHODS, QUANTITIES
+from app.words import METHODS, QUANTITIES, with_unit
 from solvers.solver.soundness import BROKEN
 from solvers.study.series import Series, error_of, measured, series
 
@@ -19,15 +20,13 @@ LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12
 LEGEND_WIDTH = 190  # letters
 MOST_TICKS = 8
-NARROW = 100.0  # an axis that spans less gets labels between the powers of ten
 UNSTABLE_ROOM = 30.0  # times the largest error of a stable run: up to there an unstable one is drawn where it is
 TOP = 0.97  # of the axes: where an unstable run goes whose error is beyond that, or not a number
 UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
 
 
 def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
-    figure = Figure(figsize=size, layout="constrained")
-    figure.suptitle(title, fontsize=12)
+    figure = sheet(*size, title)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
@@ -74,8 +73,8 @@ def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str,
         if error is not None and np.isfinite(error) and 0 < error <= limit:
             height, place = error, {}
         axes.plot([x], [height], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
-    axes.set_title(str(QUANTITIES[quantity]), fontsize=10)
-    axes.set_ylabel(f"largest RMS error ({QUANTITIES[quantity].unit})")
+    axes.set_title(f"Error of {QUANTITIES[quantity]}, largest RMS")
+    axes.yaxis.set_major_formatter(Sizes(QUANTITIES[quantity].unit))
 
 
 def method_handles(rows: Iterable[dict]) -> list[Line2D]:
@@ -92,33 +91,29 @@ def legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: 
     if len(entries) > len(shown):
         handles.append(Line2D([], [], linestyle="none", label=f"and {len(entries) - len(shown)} more"))
     if any(row["status"] in BROKEN for line, _ in entries for row in line.rows):
-        handles.append(Line2D([], [], color="0.3", label="unstable or lost (at the top edge: error beyond the scale)",
+        handles.append(Line2D([], [], color=INK3, label="unstable or lost (at the top edge: error beyond the scale)",
                               **UNSTABLE_LOOK))
     lengths = [len(str(handle.get_label())) + 7 for handle in handles]
     columns = len(handles) if sum(lengths) < LEGEND_WIDTH else max(1, LEGEND_WIDTH // max(lengths))
-    figure.legend(handles=handles, loc="outside lower center", fontsize=9, frameon=False, ncols=columns)
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
-def logarithmic(axes: Axes) -> None:
-    """Both axes logarithmic, with a grid, and readable when they span less than a decade."""
+def logarithmic(axes: Axes, unit: str = "s") -> None:
+    """Both axes logarithmic, with lines at the powers of ten, and at 2 and 5 times those where an axis has one at
+    most; sizes along the horizontal one are in ``unit``."""
+    across = axes.yaxis.get_major_formatter()
     axes.set(xscale="log", yscale="log")
-    axes.grid(alpha=0.3, which="major")
-    axes.grid(alpha=0.12, which="minor")
-    for axis in (axes.xaxis, axes.yaxis):
+    axes.grid(axis="both", color=LINE)
+    for axis, sizes in ((axes.xaxis, Sizes(unit)), (axes.yaxis, across)):
         low, high = axis.get_view_interval()
-        few = low > 0 and high / low < NARROW
-        axis.set_minor_formatter(FuncFormatter(_two_or_five) if few else NullFormatter())
-        axis.set_tick_params(which="both", labelsize=8.5)
+        few = low > 0 and np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
+        axis.set_major_formatter(sizes if isinstance(sizes, Sizes) else LogFormatterSciNotation())
+        axis.set_minor_formatter(NullFormatter())
 
 
-def ticks_at(axes: Axes, values: Sequence[float]) -> None:
+def ticks_at(axes: Axes, values: Sequence[float], unit: str = "") -> None:
     """The abscissae that there are as the only ticks, if they are few."""
     if len(values) <= MOST_TICKS:
-        axes.set_xticks(values, [f"{value:.3g}" if value < 1 else f"{value:,.6g}" for value in values])
+        axes.set_xticks(values, [with_unit(value, unit) if unit else f"{value:,.6g}" for value in values])
         axes.xaxis.set_minor_formatter(NullFormatter())
-
-
-def _two_or_five(value: float, position: int) -> str:
-    """Labels between powers of ten where there are few of those: 2 and 5 times one."""
-    power = int(np.floor(np.log10(value) + 1e-9)) if value > 0 else 0
-    return f"${round(value / 10.0**power)}\\times10^{{{power}}}$" if round(value / 10.0**power) in (2, 5) else ""

@@ -8,14 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter, NullLocator
 
-from app.colours import ESTIMATE, TRUTH
+from app.colours import ESTIMATE_INK, INK, INK3, TRUTH
+from app.renderers.look import in_sizes, sheet
 from app.renderers.picture import Look, line_style, say
-from app.words import EXTRA_NORMS, QUANTITIES, method_name
+from app.words import EXTRA_NORMS, QUANTITIES, method_name, with_unit
 from solvers.scene.registry import ESTIMATORS
 from solvers.study.tables.document import parts
 from solvers.study.tables.paper import short
 
-PAPER: Look = dict(color="black", marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
+PAPER: Look = dict(color=INK, marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")
 #: How the runs of a set-up are drawn, first and second.
 OURS: tuple[Look, ...] = (dict(color=TRUTH, linestyle="-", marker="o", markersize=5),
@@ -26,8 +27,7 @@ LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 
 def figure(table: dict) -> Figure:
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
-    whole = Figure(figsize=(width, height), layout="constrained")
-    whole.suptitle(f"{table['title']}\n{table['caption']}", fontsize=13)
+    whole = sheet(width, height, f"{table['title']}\n{table['caption']}")
     draw = {"1": (_bar_errors, _indices), "2": (_ring_errors,), "3": (_indices,)}[table["table"]]
     places = whole.add_gridspec(len(draw), 1, height_ratios=(1, 1.75)[:len(draw)], hspace=0.03)
     for k, part in enumerate(draw):
@@ -44,7 +44,7 @@ def _bar_errors(figure: SubFigure, table: dict) -> None:
         series = {"ours, force at nodes": forces["node"], "ours, force at material points": forces["material"]}
         for panel, key in zip(across, ("x", "v", "sigma_log"), strict=True):
             _draw_errors(panel, series, key)
-        across[1].set_title(f"E = {modulus:g} Pa, A = {short(amplitude)} m: largest RMS error over time", fontsize=11)
+        across[1].set_title(f"E = {modulus:g} Pa, A = {short(amplitude)} m: largest RMS error over time", loc="center")
     _legend(figure, axes[0, 0])
 
 
@@ -56,7 +56,7 @@ def _ring_errors(figure: SubFigure, table: dict) -> None:
         series = {part: _by("method", rows)[method] for part, rows in parts(table).items()}
         for panel, key in zip(panels, ("x", "v", "a_nodes"), strict=True):
             _draw_errors(panel, series, key)
-        panels[0].set_title(method_name(method), fontsize=12)
+        panels[0].set_title(method_name(method))
     for panel in axes[:, 1:].flat:
         panel.set_ylabel("")
     _legend(figure, axes[0, 0], columns=1)
@@ -77,7 +77,7 @@ def _indices(figure: SubFigure, table: dict) -> None:
     axes = figure.subplots(len(known), len(columns), squeeze=False, sharey="row")
     for panels, (title, rows) in zip(axes.T, columns.items(), strict=True):
         _draw_indices(panels, rows, known)
-        panels[0].set_title(title, fontsize=10)
+        panels[0].set_title(title)
     for across, name in zip(axes, (QUANTITIES[quantity] for quantity in known), strict=True):
         values = [value for panel in across for line in panel.get_lines() for value in line.get_ydata()]
         low = max(MOST_SPAN[0], min(LEAST_SPAN[0], min(values) / 1.4))
@@ -113,13 +113,12 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     rows = next(iter(series.values()))
     axes.plot(*_points((row["h"], row["paper"][key]) for row in rows), **PAPER)
     spacings = sorted({row["h"] for row in rows})
-    _ticks(axes, {h: f"{h:.4g}" for h in spacings})
+    _ticks(axes, {h: with_unit(h, "m") for h in spacings})
     quantity = (QUANTITIES | EXTRA_NORMS)[key]
-    axes.set(xlim=(spacings[0] / 1.25, spacings[-1] * 1.45), xlabel="cell size h (m)",
-             ylabel=f"error of {quantity.symbol} ({quantity.unit})")
+    axes.set(xlim=(spacings[0] / 1.25, spacings[-1] * 1.45), xlabel="cell size h",
+             ylabel=f"error of {quantity.symbol}")
     _draw_slopes(axes, spacings[-1])
-    _number(axes)
-    axes.grid(alpha=0.3)
+    in_sizes(axes.yaxis, quantity.unit)
 
 
 def _draw_slopes(axes: Axes, largest: float) -> None:
@@ -131,8 +130,8 @@ def _draw_slopes(axes: Axes, largest: float) -> None:
     left, low = largest / 2, float(heights.min()) / 8
     for order in (1, 2):
         high = low * 2**order
-        axes.plot([left, largest, largest, left], [low, low, high, low], color="0.5", linewidth=0.9)
-        axes.annotate(f" {order}", (largest, high), fontsize=8, color="0.4", va="center")
+        axes.plot([left, largest, largest, left], [low, low, high, low], color=INK3, linewidth=0.9)
+        axes.annotate(f" {order}", (largest, high), fontsize=9.5, color=INK3, va="center")
 
 
 def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -> None:
@@ -155,10 +154,9 @@ def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -
                       markerfacecolor="white" if k % 2 else look.colour, linewidth=1.3, label=look.title)
         axes.plot(*_points((row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows), **PAPER)
         _ticks(axes, {n: str(n) for n in cells})
-        axes.grid(alpha=0.3)
         if silent:
-            axes.text(0.03, 0.04, f"no index: {', '.join(silent)}", transform=axes.transAxes, fontsize=8,
-                      color=ESTIMATE)
+            axes.text(0.03, 0.04, f"no index: {', '.join(silent)}", transform=axes.transAxes, fontsize=9.5,
+                      color=ESTIMATE_INK)
 
 
 def _number(axes: Axes) -> None:
@@ -177,8 +175,7 @@ def _ticks(axes: Axes, labels: Mapping[float, str]) -> None:
 
 
 def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns, fontsize=9,
-                  frameon=False)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
 
 
 def _points(points: Iterable[tuple[float, float | None]]) -> tuple[list[float], list[float]]:

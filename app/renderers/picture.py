@@ -9,9 +9,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from app.colours import INK3
 from app.frame.marks import Label
 from app.frame.scale import largest
 from app.frame.stage import Seat, Stage, Words
+from app.renderers.look import in_sizes
 from solvers.scene.registry import ESTIMATORS
 from solvers.solver.result import Result
 
@@ -56,12 +58,14 @@ def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Norma
     return Normalize(0.0, min(top, MOST) or NO_ERROR)
 
 
-def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, aspect: float,
+def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, unit: str, aspect: float,
                shrink: float = 1.0) -> None:
     bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02, label=label)
-    bar.ax.ticklabel_format(axis="x", scilimits=(-2, 3))
+    bar.outline.set_visible(False)
     if drawn.norm.vmax == NO_ERROR:
         bar.set_ticks([0.0])
+    else:
+        in_sizes(bar.ax.xaxis, unit, few=False)
 
 
 def positive(values: np.ndarray) -> np.ndarray:
@@ -81,8 +85,7 @@ def drawable(values: np.ndarray) -> np.ndarray:
 
 
 def say(axes: Axes, sentence: str) -> None:
-    axes.text(0.5, 0.5, sentence, transform=axes.transAxes, ha="center", va="center", fontsize=9, color="0.3",
-              wrap=True)
+    axes.text(0.5, 0.5, sentence, transform=axes.transAxes, ha="center", va="center", color=INK3, wrap=True)
 
 
 def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tuple[float, float]]) -> None:

@@ -9,16 +9,16 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
-from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
+from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
 from app.frame.planar import PLACES, RADIUS, PlanarStage
 from app.frame.silences import EMPTY_HALVES, NOTHING_TO_SHOW
 from app.frame.stage import Seat
 from app.renderers import picture
+from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends
 from solvers.scene.scene import Scene
 from solvers.solver.result import Result
 
 UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
-LEGEND_ROOM = 0.3  # above the data, as a part of their decades
 MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
 
 
@@ -26,30 +26,31 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage]) -> None:
     """Where between the inner and the outer radius the error is: each particle, and the RMS over a thin shell."""
     at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
     radius = np.linalg.norm(at.material_position, axis=1)
-    lines = [] if at.error is None else [("truth", at.error[:, 0], TRUTH, "-")]
-    lines += [(f"estimate ({name})", at.estimate[name][:, 0], *look) for name, *look in picture.styled(result)]
-    few, drawn = picture.thinned(len(radius)), []
-    for label, sizes, colour, style in lines:
+    lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
+    lines += [(name, at.estimate[name][:, 0], *look) for name, *look in picture.styled(result)]
+    few, drawn, ends = picture.thinned(len(radius)), [], []
+    for name, sizes, colour, style in lines:
         shown = picture.positive(sizes)
         if not np.isfinite(shown).any():
             continue
         size = float(np.clip(2000 / len(few), 1.0, 8.0))
         axes.scatter(radius[few], shown[few], s=size, color=colour, alpha=0.25, linewidths=0)
-        axes.plot(*_shells(result, radius, shown, inner, outer), color=colour, linestyle=style, linewidth=1.6,
-                  label=label, zorder=3)
+        at_radius, in_shell = _shells(result, radius, shown, inner, outer)
+        axes.plot(at_radius, in_shell, color=colour, linestyle=style, zorder=3,
+                  linewidth=TRUTH_WIDTH if name == "true" else ESTIMATE_WIDTH)
         drawn.append(shown)
-    axes.set_title(f"error of x {picture.when_text(result)}, over the thickness", fontsize=10)
-    axes.set(xlabel=f"material radius R (m), from the inner surface {inner} to the outer {outer}",
-             ylabel="|error of x| (m)", xlim=(inner, outer))
+        ends.append((name, in_shell, colour))
+    axes.set_title(f"Error of x over the thickness {picture.when_text(result)}: particles, and RMS at R")
+    axes.set(xlabel="material radius R, from the inner surface to the outer", xlim=(inner, outer))
+    in_sizes(axes.xaxis, "m", few=False)
     if not drawn:
         axes.set_yticks([])
         picture.say(axes, NOTHING_TO_SHOW)
         return
     low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
-    axes.set(yscale="log", ylim=(low, high * (high / low) ** LEGEND_ROOM))
-    axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize=8, ncols=2, framealpha=0.9, title="dots: particles, lines: RMS at R",
-                title_fontsize=8)
+    axes.set(yscale="log", ylim=(low, high))
+    in_sizes(axes.yaxis, "m")
+    name_ends(axes, ends, apart=0.1)
 
 
 def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
@@ -88,24 +89,23 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
     for axes, name in zip(panels, names, strict=True):
         _frame(axes, result.scene, stage, reach, lines, told)
         for side, sizes, title, colour, silence in (
-                (-1, estimates.get(name), f"estimate ({name})", ESTIMATE, EMPTY_HALVES[0]),
-                (1, truth, "truth", TRUTH, EMPTY_HALVES[1])):
+                (-1, estimates.get(name), f"estimate ({name})", ESTIMATE_INK, EMPTY_HALVES[0]),
+                (1, truth, "truth", TRUTH_INK, EMPTY_HALVES[1])):
             own = slice(None) if mirrored else (x < 0) == (side < 0)
             look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes[own], "cmap": COLOUR_MAP, "norm": scale}
-            axes.scatter(side * x[own] if mirrored else x[own], y[own], s=_dot_area(result, len(few), per_metre),
-                         linewidths=0, zorder=2, **look)
+            axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, **look,
+                         s=_dot_area(result, len(few), per_metre / len(names) ** 0.5))
             axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
-                      transform=axes.transAxes, color="0.3" if sizes is None else colour, fontsize=11,
+                      transform=axes.transAxes, color=INK3 if sizes is None else colour, fontsize=11,
                       fontweight="bold", va="top", ha="right" if side > 0 else "left",
                       bbox=picture.GROUND)
         if not len(few):
             picture.say(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
-        axes.set_title(f"particles {picture.when_text(result)}{coloured}", fontsize=10)
-    panels[0].set_ylabel("y (m)")
+        axes.set_title(f"Particles {picture.when_text(result)}{coloured}" if axes is panels[0] else "")
     if len(few) and (estimates or truth is not None):
         picture.colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
-                           "|error of x| (m), one scale for both halves", aspect=60, shrink=0.75)
+                           "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
 
 
 def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lines: Iterable[np.ndarray],
@@ -114,10 +114,13 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
     least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-reach, "")
     cells = _draw_cells(axes, scene, reach, least, stage.first_line(scene))
     for line in lines:
-        axes.plot(*line.T, color="0.25", linewidth=0.9, zorder=3)
-    axes.axvline(0, color="0.25", linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
+        axes.plot(*line.T, color=INK, linewidth=0.9, zorder=3)
+    axes.axvline(0, color=INK, linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
     axes.set(xlim=(-reach, reach), ylim=(least, reach), aspect="equal",
-             xlabel=f"x (m){mirrored}{cells}; dark lines: {told}")
+             xlabel=f"x{mirrored}{cells}; dark lines: {told}")
+    axes.grid(visible=False)
+    in_sizes(axes.xaxis, "m", few=False)
+    in_sizes(axes.yaxis, "m")
     (x, y), _ = PLACES[Seat.ALONE]
     metres = stage.outermost(scene) / RADIUS
     picture.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
@@ -131,8 +134,8 @@ def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: flo
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
     lines = lines[np.abs(lines) <= reach]
     width = min(0.7, 20 / scene.cells)
-    axes.vlines(lines, least, reach, color="0.8", linewidth=width, zorder=0)
-    axes.hlines(lines[lines >= least], -reach, reach, color="0.8", linewidth=width, zorder=0)
+    axes.vlines(lines, least, reach, color=LINE, linewidth=width, zorder=0)
+    axes.hlines(lines[lines >= least], -reach, reach, color=LINE, linewidth=width, zorder=0)
     return "; grey lines: cells"
 
 

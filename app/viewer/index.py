@@ -6,7 +6,6 @@ All else of the page comes over the wire later; until then the viewer would show
 import gzip
 import re
 from pathlib import Path
-from urllib.parse import quote
 
 import viser
 from websockets.datastructures import Headers
@@ -17,13 +16,12 @@ PATHS = ("/", "/index.html")
 
 
 class Index:
-    """The viewer's html with ``own`` in it, for the viewer has no setting for any; ``icon`` is svg."""
+    """The viewer's html with ``own`` in it, for the viewer has no setting for any; ``icon`` is an address."""
 
     def __init__(self, own: str, icon: str):
         html = _VIEWERS.read_text(encoding="utf-8")
         html = re.sub(r"<title>.*?</title>", "<title>mpm-lab</title>", html, count=1)
-        address = f"data:image/svg+xml,{quote(icon)}"
-        html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{address}"', html, count=1)
+        html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{icon}"', html, count=1)
         self._body = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1).encode()
         self._packed = gzip.compress(self._body)
 

@@ -1,6 +1,8 @@
 """Particles as they were at an instant, whoever computed them, and the grids that they belong to."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,16 +15,36 @@ class FileError(ValueError):
         super().__init__(f"{file}: {sentence}")
 
 
+class Misfit(FileError):
+    """Particles that are not those of the problem: for a ``reason``, with what is ``allowed``; ``problems`` are those
+    that they could be of."""
+
+    def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
+        self.reason, self.allowed, self.problems = reason, allowed, problems
+        fits = f"it fits {' or '.join(f'`mpm-lab judge {problem}`' for problem in problems)}" if problems else allowed
+        super().__init__(file, f"{reason}; {fits}")
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a file says of its scene: the problem, and the inputs of it that matter to a judge, by their fields."""
+
+    problem: str
+    inputs: Mapping[str, Any]
+
+
 @dataclass(frozen=True)
 class Raw:
     """A file as it was read: one table of n rows. ``columns`` maps the keys of ``columns`` to (n, ...), vectors (n, d)
-    and tensors (n, d, d) of as many dimensions as the file has; ``cells`` is what it says of its grid."""
+    and tensors (n, d, d) of as many dimensions as the file has; ``cells`` is what it says of its grid, ``said`` of its
+    whole scene."""
 
     file: str
     columns: dict[str, np.ndarray]
     names: tuple[str, ...]  # of everything in the file, for messages
     time: float | None = None
     cells: int | None = None
+    said: Said | None = None
 
 
 @dataclass(frozen=True)

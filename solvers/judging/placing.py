@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,13 +11,16 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.columns import spelled
-from solvers.judging.frames import FileError, Frame, Grid, Raw
+from solvers.judging.frames import FileError, Frame, Grid, Misfit, Raw
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 
 SAME = 1e-9  # of a period: two times that are nearer are one
+FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
+SURE = 0.5  # of a cell: at the time 0 particles that are farther from where they begin are others
+MOST_TRIED = 400  # cells of a grid that is looked for
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 
 
@@ -30,7 +34,7 @@ def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
     frames: dict[int, list[Frame]] = {}
     notes: dict[int, list[str]] = {}
     for k, raw in enumerate(files):
-        count = raw.cells if raw.cells is not None else cells[k if len(cells) > 1 else 0]
+        count = raw.cells if raw.cells is not None else (cells or [scene.cells])[k if len(cells) > 1 else 0]
         own = _scene_of(raw.file, scene, count)
         found, said = _frames(raw, own, reference, times[k] if times else None)
         frames.setdefault(count, []).extend(found)
@@ -57,12 +61,11 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
                                   f"or the material position ({spelled('X', D)})")
     times = _times(raw, given)
-    whole = {key: _in_plane(raw, key, D) for key in ("x", "X", "v", "F", "sigma") if key in columns}
+    whole = {key: _in_plane(raw, key, scene, D) for key in ("x", "X", "v", "F", "sigma") if key in columns}
     for key, values in whole.items():
         _check_finite(raw, key, values, times)
-    notes, beyond, x = [], columns["x"][:, D:], whole["x"]
-    if beyond.size and np.isfinite(beyond).all() and np.ptp(beyond, axis=0).max() > 0:
-        notes.append(f"positions of {raw.file} in further directions were left out of account")
+    _check_directions(raw, scene, D)
+    notes, x = list[str](), whole["x"]
     X, number = _material(raw, scene, reference, whole.get("X"))
     moved = reference.unwrapped(scene, X, x, times)
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
@@ -74,6 +77,8 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         who = number[at] if "id" in columns else np.arange(int(at.sum()))
         frame = Frame(raw.file, float(t), who, X[at], moved[at], part.get("v"), part.get("F"), part.get("sigma"))
         _check_once(frame)
+        if "X" not in columns:
+            _check_beginning(frame, scene)
         found.append(frame)
     count = len(reference.start(scene).volume)
     if "id" in columns and (short := count - min(len(frame.number) for frame in found)) > 0:
@@ -102,13 +107,38 @@ def _times(raw: Raw, given: float | None) -> np.ndarray:
     return first
 
 
-def _in_plane(raw: Raw, key: str, D: int) -> np.ndarray:
+def _in_plane(raw: Raw, key: str, scene: Scene, D: int) -> np.ndarray:
     """A quantity (n, D) or (n, D, D) in the directions of the problem. What a file has beyond them is left out."""
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
-        raise FileError(raw.file, f"has {key} in {size} direction, and the problem has {D}; give {spelled(key, D)}")
+        raise Misfit(raw.file, f"has {key} in {_directions(size)}, and the {scene.problem} has {_count(D)}",
+                     f"give {spelled(key, D)}")
     return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
+
+
+def _check_directions(raw: Raw, scene: Scene, D: int) -> None:
+    """Refuse positions that reach in more directions than the problem has, or in fewer."""
+    found = directions(raw)
+    if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
+        more = f"{_directions(found)}, and the {scene.problem} has {_count(D)}"
+        raise Misfit(raw.file, f"has positions in {more}", f"give {spelled('x', D)} and nothing beyond"
+                     if found > D else f"give {spelled('x', D)} of particles that are not all on one line")
+
+
+def directions(raw: Raw) -> int | None:
+    """In how many directions the positions of a file reach; None where nothing tells."""
+    x = raw.columns.get("x", np.empty((0, 1)))
+    reach = np.ptp(x, axis=0) if len(x) > 1 else np.zeros(1)
+    return 1 + int(np.flatnonzero(reach > FLAT * reach.max())[-1]) if 0 < reach.max() < np.inf else None
+
+
+def _directions(count: int) -> str:
+    return f"{_count(count)} direction{'s' * (count != 1)}"
+
+
+def _count(number: int) -> str:
+    return ("no", "one", "two", "three")[number]
 
 
 def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> None:
@@ -131,18 +161,34 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
         if (wrong := reference.misplaced(scene, X)).any():
             low, high = X.min(axis=0), X.max(axis=0)
             reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
-            raise FileError(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the "
-                                      f"{scene.problem} (they "
-                                      f"reach from {reach}): its origin may be shifted; {_where(scene, reference)}")
+            raise Misfit(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the {scene.problem} "
+                                   f"(they reach from {reach}): its origin may be shifted", _where(scene, reference))
         return X, np.arange(n) if ids is None else ids.astype(int)
     assert ids is not None
     start, number = reference.start(scene), ids.astype(int)
     count = len(start.volume)
-    if number.min() < 0 or number.max() >= count:
-        raise FileError(raw.file, f"has ids from {number.min()} to {number.max()}, and {scene.cells} cells with "
-                                  f"{scene.ppc} particles each way have 0 to {count - 1}; give those of `mpm-lab "
-                                  "problem`, the right --cells and --ppc, or material positions")
+    fitting = _fitting_cells(scene, number)
+    if fitting or number.min() < 0 or number.max() >= count:
+        reason = f"has ids from {number.min()} to {number.max()}, and {scene.cells} cells with {scene.ppc:g} " \
+                 f"particles each way have 0 to {count - 1}"
+        if fitting:
+            raise FileError(raw.file, f"{reason}; give the right --cells and --ppc (so many are those of {fitting} "
+                                      "cells), or material positions")
+        raise Misfit(raw.file, reason, "give those of `mpm-lab problem`, the right --cells and --ppc, or material "
+                                       "positions")
     return start.material_position[number], number
+
+
+def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
+    """Which other number of cells has exactly these particles; 0 where none has."""
+    count = int(number.max()) + 1
+    if count == scene.particles or len(np.unique(number)) != count:
+        return 0
+    for cells in range(scene.FEWEST_CELLS, MOST_TRIED + 1):
+        with contextlib.suppress(SceneError):
+            if (other := replace(scene, cells=cells)).particles == count:
+                return other.cells
+    return 0
 
 
 def _where(scene: Scene, reference: ProblemReference) -> str:
@@ -162,6 +208,15 @@ def _check_once(frame: Frame) -> None:
         place = ", ".join(f"{c:.6g}" for c in frame.material_position[first[np.argmax(counts)]])
         raise FileError(frame.file, f"has {counts.max()} particles with the material position {place} at t = "
                                     f"{frame.time:g} s; give each its own")
+
+
+def _check_beginning(frame: Frame, scene: Scene) -> None:
+    """Refuse particles that are not where the problem's begin."""
+    off = frame.position - frame.material_position
+    if frame.time == 0 and (far := float(np.sqrt(np.mean(np.sum(off**2, axis=1))))) > SURE * scene.spacing:
+        raise Misfit(frame.file, f"has particles at t = 0 that are not where those of the {scene.problem} begin, by "
+                                 f"{far:.3g} m", "give ids in the order of `mpm-lab problem`, the right --cells and "
+                                 "--ppc, or material positions")
 
 
 def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:

@@ -5,12 +5,14 @@ import re
 import zipfile
 import zlib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from solvers.judging.columns import gathered, meaning
 from solvers.judging.frames import FileError, Raw
+from solvers.judging.said import read_line
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 MOST_BYTES = 2_000_000_000  # of a file, unpacked
@@ -56,7 +58,7 @@ def read(path: str, most: int = MOST_BYTES) -> Raw:
 
 def read_csv(path: str) -> Raw:
     """Names in the first line, a particle a line, commas, semicolons, tabs or spaces between; lines such as
-    ``# t = 0.1`` or ``# cells = 40`` say what holds for all."""
+    ``# t = 0.1`` or ``# cells = 40`` say what holds for all, ``# scene = ...`` the scene (``solvers.judging.said``)."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
@@ -83,11 +85,13 @@ def read_csv(path: str) -> Raw:
     if values.shape[1] != len(names):
         raise FileError(path, f"has {len(names)} names and {values.shape[1]} numbers in a line; give as many of both")
     columns = {name: values[:, k] for k, name in enumerate(names)}
-    return gathered(path, columns, _number(path, said, "t", "time"), _whole(path, _number(path, said, "cells")))
+    raw = gathered(path, columns, _number(path, said, "t", "time"), _whole(path, _number(path, said, "cells")))
+    return _with_scene(raw, said.get("scene"))
 
 
 def read_npz(path: str, most: int = MOST_BYTES) -> Raw:
-    """Arrays of (P, ...) at one time, or of (T, P, ...) at the T times in ``t``; ``cells`` may say the grid."""
+    """Arrays of (P, ...) at one time, or of (T, P, ...) at the T times in ``t``; ``cells`` may say the grid, ``scene``
+    the scene (``solvers.judging.said``)."""
     try:
         with zipfile.ZipFile(path) as packed:
             size = sum(member.file_size for member in packed.infolist())
@@ -115,10 +119,17 @@ def from_arrays(path: str, arrays: Mapping[str, np.ndarray]) -> Raw:
     place = next((array for name, array in many.items() if _key(name) == "x"), None)
     # Positions of T times are (T, P) or (T, P, D), those of one table (n,) or (n, D).
     stacked = place is not None and (place.ndim == 3 or (place.ndim == 2 and place.shape[1] > 3))
+    line = arrays["scene"].item() if "scene" in arrays and arrays["scene"].size == 1 else None
     if times is None or times.ndim == 0 or not stacked:
         time = None if times is None or times.ndim else float(times)
-        return gathered(path, many, time, _whole(path, cells))
-    return gathered(path, _unstacked(path, many, times), None, _whole(path, cells))
+        return _with_scene(gathered(path, many, time, _whole(path, cells)), line)
+    return _with_scene(gathered(path, _unstacked(path, many, times), None, _whole(path, cells)), line)
+
+
+def _with_scene(raw: Raw, line: object) -> Raw:
+    """The file with what it says of its scene."""
+    said = read_line(raw.file, line, raw.cells)
+    return raw if said is None else replace(raw, said=said, cells=said.inputs.get("cells", raw.cells))
 
 
 def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray) -> dict[str, np.ndarray]:

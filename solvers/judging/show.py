@@ -6,6 +6,7 @@ The process says, one after the other::
     {"estimate": {...}}   the companion's estimate is in the table too: its norms over time
     {"verdict": {...}}    the grid's part of the judge's report
     {"refused": sentence} it cannot be judged, and nothing more comes
+    {"asks": {...}}       its particles are of another problem: the ``reason``, and the ``problems`` that they fit
 
 The table lies in a file, so that it takes nobody's memory but while a frame is looked at.
 """
@@ -19,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.frames import FileError, Frame, Grid, Raw
+from solvers.judging.fitting import own_scene, placed
+from solvers.judging.frames import FileError, Frame, Grid, Misfit, Raw
 from solvers.judging.measure import Companions, Errors, crossed, differences, listed, series, sizes, stress
-from solvers.judging.placing import grids
 from solvers.judging.reading import read
 from solvers.judging.verdict import GridJudgement
 from solvers.problems import PROBLEMS
@@ -39,13 +40,15 @@ TOO_LARGE = "needs more memory than a page gives it; give fewer times, or judge 
 @dataclass(frozen=True)
 class ShowRequest:
     """A ``file`` that its owner calls ``name``, the task of the scene that it is judged with, where its ``table`` goes,
-    and the particles of one time that can be looked at."""
+    and the particles of one time that can be looked at. A scene that its owner has ``chosen`` holds whatever the file
+    says; else what the file says holds."""
 
     file: str
     name: str
     task: dict
     table: str
     most: int
+    chosen: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,11 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     try:
         _show(asked, tell)
+    except Misfit as misfit:
+        if misfit.problems:
+            tell({"asks": {"reason": misfit.reason, "problems": list(misfit.problems)}})
+        else:
+            tell({"refused": f"The file {asked.name} {misfit.sentence}"})
     except FileError as error:
         tell({"refused": f"The file {asked.name} {error.sentence}"})
     except SceneError as error:
@@ -90,8 +98,8 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
 def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     raw = replace(read(asked.file, LARGEST_UNPACKED), file=asked.name)
     _check_amount(raw)
-    scene = Task(**asked.task).scene()
-    [grid] = grids([raw], scene, [scene.cells], [])
+    raw = replace(raw, said=None) if asked.chosen else raw
+    scene, [grid] = placed([raw], own_scene(raw, Task(**asked.task).scene()), [], [])
     del raw
     own = replace(scene, cells=grid.cells)
     _check_watched(own, grid, asked)

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solvers.judging import measure
+from solvers.judging.fitting import placed
 from solvers.judging.frames import FileError, Grid, Raw
 from solvers.judging.measure import QUANTITIES, Apart, Companions, Errors, WorstParticle
-from solvers.judging.placing import SAME, check_origin, grids
+from solvers.judging.placing import SAME, check_origin
 from solvers.judging.reading import from_arrays, read
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -147,7 +148,8 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     Parameters
     ----------
     scene
-        What was run: the problem and its numbers. Methods, estimators, effects and remedies do not matter here.
+        What was run: the problem and its numbers. Methods, estimators, effects and remedies do not matter here. Files
+        of ours say their scene themselves, which holds for whatever stands at its default here.
     files
         A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one grid or more.
         Arrays are (P,), (P, D) or (P, D, D) of one time ``t``, or (T, P, ...) of T times (T,), in SI units: ``x`` and
@@ -169,7 +171,8 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     Raises
     ------
     FileError
-        For files, or arrays, that cannot be judged.
+        For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.Misfit` for those of another
+        problem.
     SceneError
         Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
@@ -180,7 +183,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         if given and len(given) not in counts:
             raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
                              "one for each")
-    found = grids([_raw(source, k) for k, source in enumerate(sources)], scene, cells or [scene.cells], times)
+    scene, found = placed([_raw(source, k) for k, source in enumerate(sources)], scene, cells or [scene.cells], times)
     every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
     companions = Companions(scene, every)
     judged: list[GridJudgement] = []

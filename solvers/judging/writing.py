@@ -10,6 +10,7 @@ import numpy as np
 
 from solvers.judging.columns import column_names
 from solvers.judging.frames import Frame
+from solvers.judging.said import line
 from solvers.scene.scene import Scene
 
 FILE = {"X": "material_position", "x": "position", "v": "velocity", "F": "deformation_gradient", "sigma": "stress"}
@@ -39,9 +40,9 @@ def csv(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = N
 
 
 def npz(frames: Sequence[Frame], scene: Scene) -> bytes:
-    """Frames of the same particles as arrays (T, P, ...)."""
+    """Frames of the same particles as arrays (T, P, ...), with the scene that they are of."""
     arrays: dict[str, Any] = {"t": np.array([f.time for f in frames]), "cells": np.array(scene.cells),
-                              "id": frames[0].number, "X": frames[0].material_position}
+                              "scene": np.array(line(scene)), "id": frames[0].number, "X": frames[0].material_position}
     for key in ("x", "v", "F"):
         arrays[key] = np.stack([getattr(f, FILE[key]) for f in frames])
     out = io.BytesIO()

@@ -121,13 +121,13 @@ def load_extensions() -> None:
 
 for _estimator in (
     Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
-              colour="#D55E00", symbol="o", judges=False),  # its size is often off by several times
+              colour="#cf5a00", symbol="o", judges=False),  # its size is often off by several times
     Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
-              colour="#6B2A00", dashes=(7, 3), symbol="s"),
+              colour="#6b2a00", dashes=(7, 3), symbol="s"),
     Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
-              "against", colour="#BF7600", dashes=(3, 3), symbol="^", beside_gpu=True),
+              "against", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True),
     Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
-              colour="#B0156B", dashes=(9, 3, 2, 3), symbol="D",
+              colour="#b0156b", dashes=(9, 3, 2, 3), symbol="D",
               refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
                         "radius, two-grid runs a second ring"}),
 ):

@@ -43,10 +43,11 @@ class ParticleWriter:
 
     def write(self) -> None:
         from solvers.judging import writing
+        from solvers.judging.said import line
         if self._target.path.lower().endswith(".npz"):
             content = writing.npz(self._frames, self._scene)
         else:
-            said = {"problem": self._scene.problem, "cells": self._scene.cells}
+            said = {"problem": self._scene.problem, "cells": self._scene.cells, "scene": line(self._scene)}
             content = writing.csv(writing.table(self._frames), said)
         self._target.write(content)
 

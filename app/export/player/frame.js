@@ -41,7 +41,7 @@ function writeLabels(pen, place, labels, texts, colours = {}) {
 const SHARES = {top: 0, left: 0, center: 0.5, right: 1, bottom: 1};
 
 // A text at a place.
-function words(pen, text, x, y, align = "left", baseline = "alphabetic", colour = "#222831") {
+function words(pen, text, x, y, align = "left", baseline = "alphabetic", colour = "#15171c") {
   Object.assign(pen, {fillStyle: colour, textAlign: align, textBaseline: baseline});
   pen.fillText(text, x, y);
 }

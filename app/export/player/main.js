@@ -7,3 +7,4 @@ if (typeof DecompressionStream === "undefined") {
 } else {
   putOnStage(0, !window.matchMedia("(prefers-reduced-motion: reduce)").matches);
 }
+document.fonts.ready.then(changed);  // a canvas draws with what type there is

@@ -89,20 +89,25 @@ function put(box, text) {
 
 function summary(run) {
   if (stage.refusal) return capital(stage.refusal) + ".";
-  const {unstable, lost, paused} = DATA.sentences, now = {time: number(stage.time)};
-  if (run.status === "unstable" && stage.time >= endOf(run)) return capital(fill(unstable, now)) + ".";
-  const parts = [...isBroken(run) ? [fill(lost, {since: number(run.since)})] : [], errors(run, stage.view)];
-  return capital((stage.playing ? "" : fill(paused, now)) + parts.join("; ") + ".");
+  const {unstable, last, lost, now, paused} = DATA.sentences, when = {time: number(stage.time)};
+  const sentences = run.status === "unstable" && stage.time >= endOf(run) ? [fill(unstable, when), last]
+    : errors(run, stage.view, stage.playing ? now : fill(paused, when));
+  if (isBroken(run) && sentences[1] !== last) sentences[0] = `${fill(lost, {since: number(run.since)})}: ${sentences[0]}`;
+  return sentences.filter(Boolean).map((said) => `${capital(said)}.`).join(" ");
 }
 
-// How large the estimate is beside the truth, as app/frame/sentence.py says it.
-function errors(run, view) {
+// How wrong it is now and whether the estimate knows it, and further facts, as app/frame/sentence.py says it.
+function errors(run, view, before) {
   const said = saidOf(run, view).errors, at = pictureAt(run, stage.time), {unit} = DATA.quantities[view.quantity];
-  const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), index = of(`index.${view.estimator}`);
-  const size = (value) => Number.isFinite(value) ? withUnit(value, unit, 2) : DATA.sentences.nothing_yet;
-  if (truth <= said.least) return fill(said.still, {true: truth ? size(truth) : "zero"});
-  if (said.told.includes("{index}") && !Number.isFinite(index)) return said.unmeasured;
-  return fill(said.told, {true: size(truth), estimate: size(of(`norm.${view.estimator}`)), index: times(index)});
+  const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), estimate = of(`norm.${view.estimator}`);
+  const {less, more, all} = DATA.sentences, index = truth ? estimate / truth : NaN, norm = Number.isFinite(truth) ? truth : estimate;
+  const size = (value) => withUnit(value, unit, 2);
+  if (truth <= said.least) return [before + said.still, fill(said.trace, {true: truth ? size(truth) : "zero"})];
+  if (!said.told.includes("{wrong}")) return [said.told, said.why];
+  if (!Number.isFinite(norm) || (said.told.includes("{found}") && !Number.isFinite(index))) return [before + said.unmeasured, said.why];
+  const told = before + said.told.replace("{found}", index >= all ? more : less);
+  return [fill(told, {wrong: perCent(norm / said.size), share: perCent(index), factor: ratio(index), ...said.names}),
+    fill(said.of, {true: size(norm)}), said.why];
 }
 
 // Norms over time: the truth broad, estimates with their dashes, and a line where the time is.
@@ -113,24 +118,25 @@ function drawChart(run, view) {
   chart.height = Math.round(box.height * pixels);
   const pen = chart.getContext("2d"), times = run.tracks.time.values, column = COLUMN[view.quantity];
   pen.scale(pixels, pixels);
-  Object.assign(pen, {font: "11px system-ui, sans-serif", lineJoin: "round"});
+  Object.assign(pen, {font: "12px 'Lab Inter', system-ui, sans-serif", lineJoin: "round"});
   const lines = [["norm.true", TRUTH, [], 4, run], ...run.estimators.filter((name) => !(name in run.not_valid))
     .map((name) => [`norm.${name}`, ...lookOf(name), 2, run])];
   if (stage.pinned) lines.unshift(["norm.true", PINNED, [], 2, stage.pinned]);
   const norms = ([track, , , , of]) => Array.from(of.tracks.time.values, (_, k) => of.tracks[track].values[4 * k + column]);
   const truth = largest(norms(lines.find(([track, , , , of]) => track === "norm.true" && of === run)));
   const most = Math.max(...lines.map((line) => largest(norms(line)))), shown = truth > 0 ? Math.min(most, 10 * truth) : most;
-  const top = shown > 0 ? roundUp(shown, AXIS_STEPS)[0] : 1, power = powerOfTen(top), end = times[times.length - 1] || 1;
-  const left = 34, right = box.width - 8, high = 24, low = box.height - 20;
+  const top = shown > 0 ? roundUp(shown, AXIS_STEPS)[0] : 1, end = times[times.length - 1] || 1;
+  const left = 58, right = box.width - 8, high = 24, low = box.height - 20;
   const x = (time) => left + (right - left) * Math.min(time / end, 1), y = (size) => low - (low - high) * Math.min(size / top, 1.02);
-  words(pen, `error norm of ${quantity.symbol} / ${powerText(power)}${quantity.unit}`, box.width / 2, 3, "center", "top");
-  pen.strokeStyle = "#dfe3e8";
+  const [highest, unit] = withUnit(top, quantity.unit).split(" ");
+  words(pen, `error norm of ${quantity.symbol}`, 0, 3, "left", "top");
+  pen.strokeStyle = "#e2e5eb";
   for (const share of [0, 0.5, 1]) {
     stroke(pen, [[left, y(share * top)], [right, y(share * top)]]);
-    words(pen, number(share * top / 10 ** power), left - 5, y(share * top), "right", "middle", "#4a525c");
+    words(pen, number(share * highest) + (share === 1 ? ` ${unit}` : ""), left - 5, y(share * top), "right", "middle", "#454b58");
   }
-  words(pen, "0", left, low + 4, "left", "top", "#4a525c");
-  words(pen, `${number(end)} s`, right, low + 4, "right", "top", "#4a525c");
+  words(pen, "0", left, low + 4, "left", "top", "#454b58");
+  words(pen, `${number(end)} s`, right, low + 4, "right", "top", "#454b58");
   for (const line of lines) {
     const [, colour, dashes, thickness, of] = line, values = norms(line);
     Object.assign(pen, {strokeStyle: colour, lineWidth: thickness});
@@ -138,7 +144,7 @@ function drawChart(run, view) {
     stroke(pen, Array.from(of.tracks.time.values, (time, k) => [x(time), y(values[k])]).filter(([, size]) => Number.isFinite(size)));
   }
   pen.setLineDash([]);
-  Object.assign(pen, {strokeStyle: "#4a525c", lineWidth: 1});
+  Object.assign(pen, {strokeStyle: "#454b58", lineWidth: 1});
   stroke(pen, [[x(stage.time), high - 4], [x(stage.time), low]]);
 }
 

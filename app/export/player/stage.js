@@ -99,7 +99,7 @@ function draw() {
   canvas.height = Math.round(box.height * pixels);
   const pen = canvas.getContext("2d"), {run, view} = stage, at = pictureAt(run, stage.time);
   pen.scale(pixels, pixels);
-  pen.font = "12.5px system-ui, sans-serif";
+  pen.font = "13px 'Lab Inter', system-ui, sans-serif";
   if (stage.refusal) {
     linesOf(pen, capital(stage.refusal), 0.7 * box.width).forEach((line, k) => words(pen, line, box.width / 2, box.height / 2 + LINE * k, "center"));
     return;

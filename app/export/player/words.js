@@ -1,6 +1,6 @@
 // Numbers as they go into a sentence: to the letter the forms of app/words.py, with the limits that it gives.
 
-const {prefixes: PREFIXES, superscripts: SUPERSCRIPTS, ratios: PLAIN_RATIOS, powers: PLAIN_POWERS, nothing: NOTHING} = DATA.formats;
+const {prefixes: PREFIXES, superscripts: SUPERSCRIPTS, ratios: PLAIN_RATIOS, percents: PERCENTS, powers: PLAIN_POWERS, nothing: NOTHING} = DATA.formats;
 
 // What toFixed or toExponential writes, but what lies midway between two goes to the even one, as in Python.
 function rounded(value, form, places) {
@@ -40,8 +40,12 @@ function ratio(value) {
   return power ? `${digits} × ${powerText(+power).trim()}` : digits;
 }
 
-// A ratio as it goes before what it is of.
-const times = (value) => `${ratio(value)} ${value >= 1 ? "times" : "of"}`;
+// A share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %.
+function perCent(share) {
+  const percent = 100 * share, [least, most, whole] = PERCENTS;
+  if (percent >= whole && percent < most) return `${fixed(percent, 0).replace(/\B(?=(\d{3})+$)/g, ",")} %`;
+  return `${percent === 0 || (percent > least && percent < most) ? number(percent, 2) : ratio(percent)} %`;
+}
 
 // A number in one of these forms, where there is one.
 const known = (value, form, ...more) => Number.isFinite(value) ? form(value, ...more) : NOTHING;

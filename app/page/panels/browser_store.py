@@ -20,6 +20,7 @@ class BrowserStore:
         self.here = ""  # the address under which this browser has found the lab
         self._listening = False
         self._kept = ""  # the state that the address has
+        self.heard: dict[str, Callable[[Any], None]] = {}  # what is done with further things that the browser says
         self._early: list[dict[str, Any]] = []  # said before anybody listened
         gui.add_html(MARK)
         self._text = gui.add_text("kept by the browser", "")
@@ -59,5 +60,7 @@ class BrowserStore:
         # A browser that makes its widgets anew says again what it was told to keep: that is what is there.
         if isinstance(link := said.get("link"), str) and link and link != self._kept:
             self._on_link(link)
+        for name in self.heard.keys() & said.keys():
+            self.heard[name](said[name])
         if isinstance(lesson := said.get("lesson"), str) and isinstance(answers := said.get("answers"), str):
             self._on_answers(lesson, answers)

@@ -1,28 +1,22 @@
 """The head of the page: style, theme, presenter's view. The viewer lets style be set by html of one's own only."""
 
 import colorsys
-from base64 import b64encode
 from pathlib import Path
 
 import viser
 
-from app.colours import TRUTH, rgb
+from app.colours import TEXTS, rgb
+from app.identity import faces
 
-CONTROLS_WIDTH, MEASUREMENTS_WIDTH = 352, 316  # pixels of the right and of the left panel
+CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
 
 # Marks for the style, each put before a widget:
 HALF_WIDE = "<i class='lab-half'></i>"  # each of the boxes that stand two in a row
 BESIDE = "<i class='lab-beside'></i>"  # each of two buttons that stand in a row
 BARE = "<i class='lab-bare'></i>"  # a row of buttons that needs all of the width
 WIDE_LABEL = "<i class='lab-wide'></i>"  # a box whose label is longer than the others'
-ENLARGED = 1.35  # of the stage's text
 _BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-presenting'></i>"
 WEB = Path(__file__).parents[1] / "web"
-
-
-FONTS = Path(__file__).parents[2] / "fonts"
-_RANGES = {"latin": "U+0000-00FF,U+0131,U+0152-0153,U+02BB-02DC,U+2000-206F,U+2070-209F,U+20AC,U+2122,U+2190-2193,"
-                    "U+2212,U+2215,U+2248,U+2264-2265,U+FEFF,U+FFFD", "greek": "U+0370-03FF"}
 
 
 def _web(folder: str, ending: str) -> str:
@@ -30,18 +24,8 @@ def _web(folder: str, ending: str) -> str:
     return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
 
 
-def _faces() -> str:
-    """The page's type, as part of the style: nothing is fetched."""
-    return "".join(
-        f"@font-face {{ font-family: 'Lab Inter'; font-weight: 100 900; font-display: block; unicode-range: {ranges}; "
-        f"src: url(data:font/woff2;base64,{b64encode((FONTS / f'inter-{part}.woff2').read_bytes()).decode()}) "
-        "format('woff2'); }\n" for part, ranges in _RANGES.items())
-
-
-#: Two lanes, and a question: the mark of the page, of its tab in the browser and of files.
-MARK = (WEB / "mark.svg").read_text(encoding="utf-8")
 #: What the html that a browser loads first has of ours: all style, the page's own frame, and the scripts.
-GROUND = f"<style>\n{_faces()}{_web('css', 'css')}</style>\n" + (WEB / "ground.html").read_text(encoding="utf-8") \
+GROUND = f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + (WEB / "ground.html").read_text(encoding="utf-8") \
     + f"<script>\n{_web('js', 'js')}</script>"
 # An image's onload is the one moment in a page's life that html alone can hook. The viewer's warning of slow graphics,
 # which would cover the colour bar, does not hold for so light a picture. How far a file has come is said where all
@@ -51,7 +35,8 @@ _HEAD = (WEB / "head.html").read_text(encoding="utf-8")
 
 def set_up(gui: viser.GuiApi) -> None:
     """Theme and panel of a page."""
-    gui.configure_theme(dark_mode=False, show_logo=False, show_share_button=False, brand_color=_brand(TRUTH))
+    gui.configure_theme(dark_mode=False, show_logo=False, show_share_button=False,
+                        brand_color=_brand(TEXTS["accent"].light))
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
     gui.set_panel_label("mpm-lab: how wrong is it?")

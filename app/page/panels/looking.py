@@ -65,6 +65,12 @@ class Looking:
             self._followed = followed
             self._number.value = "" if followed is None else str(followed)  # type: ignore[misc]
 
+    def seek(self, time: float) -> None:
+        """Pause, and show the frame nearest to a time in s."""
+        if not self._recent.seek(time):
+            self._session.play(False)
+        self._on_view()
+
     def _moved(self, event: viser.GuiEvent) -> None:
         if event.client is not None:  # else it is the page that has shown where the run is
             self._at = -round(event.target.value)

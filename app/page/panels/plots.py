@@ -32,7 +32,7 @@ _FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
                                      "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
 _RATIOS: uplot.Scale = {"distr": 3, "range": list(INDEX_RANGE)}
 _RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")}
-_EMPTY = np.array([0.0, 1.0])  # what an empty plot holds
+EMPTY = np.array([0.0, 1.0])  # what an empty plot holds
 #: Units of time, with the shortest time in s that is counted in them: an axis shows three digits after the point.
 _TIMES = (("s", 1.0, 1e-2), ("ms", 1e-3, 1e-5), ("µs", 1e-6, 0.0))
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
@@ -64,7 +64,7 @@ class Past(Protocol):
 class Plots:
     """Call :meth:`show` a few times a second, or :meth:`clear` when there is nothing to show."""
 
-    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle):
+    def __init__(self, client: viser.ClientHandle, tab: viser.GuiFolderHandle):
         self._gui, self._tab = client.gui, tab
         self._sets: dict[tuple[tuple[str, ...], bool], PlotSet] = {}
         self._estimators: tuple[str, ...] = ()
@@ -99,12 +99,12 @@ class Plots:
         self._time_label.content = _time_label(of_time)
         title = f"error norm of {words.symbol} / {unit}" + "<br>grey: pinned" * bool(grey) + _legend(valid, of_time)
         self._headings[0].content = _heading(title, NORM, kind="lab-presented")
-        _put(self._plots[0], _finite(second * time, *errors))
+        put(self._plots[0], finite(second * time, *errors))
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
         self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", INDEX, beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        _put(self._plots[1], _finite(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
+        put(self._plots[1], finite(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
                                      np.ones(len(time)), *indices))
         self._show_crossings(history, series, grey_rate, second)
 
@@ -113,13 +113,13 @@ class Plots:
         series, (heading, plot) = traced.latest if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
         if len(time) < 2:
-            _put(plot, _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
+            put(plot, finite(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
             return
         first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
         crossed = np.where(traced.crossed(time), first, np.nan)
         at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
         heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}", TRACE)
-        _put(plot, (*_finite(_time_unit(time[-1])[1] * time, *errors), crossed, at))
+        put(plot, (*finite(_time_unit(time[-1])[1] * time, *errors), crossed, at))
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
@@ -135,13 +135,13 @@ class Plots:
         """Show nothing: no time has passed."""
         self._time_label.content = _time_label("s")
         for plot in self._plots:
-            _put(plot, _finite(_EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
+            put(plot, finite(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
 
     def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> PlotSet:
-        grey = [_line("pinned, true", PINNED, 2.5), _line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
-        lines = [_line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
-        true, perfect = _line("true", TRUTH, 3.5), _line("perfect", PERFECT, 2.5)
-        crossings = _line("crossings", CROSSINGS, 1.5)
+        grey = [line("pinned, true", PINNED, 2.5), line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
+        lines = [line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
+        true, perfect = line("true", TRUTH, 3.5), line("perfect", PERFECT, 2.5)
+        crossings = line("crossings", CROSSINGS, 1.5)
         marks = _marks("crossed", CROSSINGS, 7), _marks("shown", "black", 5)
         with self._tab:
             return [self._plot("particle", (true, *lines, *marks), height),
@@ -162,14 +162,14 @@ class Plots:
         rates = [np.append(values[:1], values) / 10.0**power for values in (*grey, rate)]
         if len(time) < 3:  # nothing to draw yet, over the time that has passed
             time, rates = series["time"][[0, -1]], [np.full(2, np.nan) for _ in rates]
-        _put(self._plots[2], _finite(second * time, *rates))
+        put(self._plots[2], finite(second * time, *rates))
 
     def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
               y_axis: uplot.Axis | None = None) -> HeadedPlot:
         x: uplot.Axis = {"size": 24, "font": _FONT, "grid": _GRID, "ticks": _TICKS}
         y: uplot.Axis = {"size": 40, "space": LEAST_SPACE, "font": _FONT, "grid": _GRID, "ticks": {"show": False}}
         return self._gui.add_html(_heading(heading)), self._gui.add_uplot(
-            (_EMPTY, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
+            (EMPTY, *(np.full(2, np.nan) for _ in series)), ({"label": "t"}, *series), legend={"show": False},
             axes=(x, {**y, **(y_axis or {})}), scales={"x": {"time": False}, "y": y_scale},
             height=height, padding=(8, 20, 0, 0))
 
@@ -198,7 +198,7 @@ def grey_curves(pinned: PinnedRun | None, history: Past, series: dict[str, np.nd
             [put(history.crossings_per_second(series)[0], *run.crossings_per_second(theirs))]]
 
 
-def _put(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
+def put(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
     """Give a plot its series; what it has already is not sent again, as while a run is paused."""
     if not all(np.array_equal(own, new, equal_nan=True) for own, new in zip(plot.data, data, strict=True)):
         plot.data = data
@@ -211,7 +211,7 @@ def _beyond(indices: dict[str, float]) -> str:
                      for name, index in indices.items() if np.isfinite(index) and not low <= index <= high)
 
 
-def _line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
+def line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
     return {"label": label, "stroke": colour, "width": width, "dash": dashes, "points": {"show": False}}
 
 
@@ -227,7 +227,7 @@ def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
     return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated
 
 
-def _finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
+def finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     """What the plots take, nothing infinite; a series of nothing has one zero, without which none finds its range."""
     drawn = [np.where(np.isfinite(v), v, np.nan) for v in values]
     for series in drawn:

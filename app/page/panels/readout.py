@@ -19,9 +19,7 @@ from solvers.solver.norms import angular_momentum_drift, energy_drift
 from solvers.solver.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
-LINE = 18  # pixels that a line of the readout is high
 SHORT = 30  # characters of a reason that fit beside a name
-SILENCE_LINE = 40  # and of one that begins with it, on a line
 #: What a line of the readout means, for who rests on it.
 HINTS = {
     "time": "simulated time since the start, and in periods of the exact vibration",
@@ -48,20 +46,6 @@ def readout(session: Session, history: History, report: FrameReport, quantity: s
     series = until(history.series, report.time)
     return (f"<div class='lab-readout'>{_run(session, history, report, series, probed, ago)}"
             f"{_estimates(session, report, series, quantity, drawn)}{_worst(worst, drawn, quantity)}</div>")
-
-
-def extra_lines(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> int:
-    """Lines that the readout has more than that of one estimator beside the truth."""
-    scene, silences = report.scene, _silences(report, series, quantity)
-    wrapped = sum(math.ceil((len(silence) + 14) / SILENCE_LINE) - 1
-                  for silence in silences.values() if len(silence) > SHORT)
-    said = scene.has("margin") + scene.has("spin")
-    return max(0, len(scene.estimators) - 1) + wrapped + (not scene.solution_known) + said
-
-
-def pinned_lines(run: PinnedRun, report: FrameReport) -> int:
-    """And those of a pinned run, with one in the title of a plot."""
-    return 2 + math.ceil((len(_said(run, report)) + 8) / SILENCE_LINE)
 
 
 def _run(session: Session, history: History, report: FrameReport, series: dict[str, np.ndarray], probed: str | None,

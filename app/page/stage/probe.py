@@ -14,9 +14,9 @@ from solvers.engine.frames import FrameArrays
 class Probe:
     """One visitor's selected region and what was read in it."""
 
-    def __init__(self, client: viser.ClientHandle, camera: FlatCamera):
+    def __init__(self, client: viser.ClientHandle, sheet: Sheet, camera: FlatCamera):
         self._rectangle: tuple[tuple[float, float], tuple[float, float]] | None = None
-        self._sheet = Sheet(client, "/probe")
+        self._sheet = sheet
         self.text: str | None = None
         # Rectangle selection also takes the left drag, which would otherwise rotate the view.
         client.scene.on_rect_select()(lambda event: self._select(camera, event))

@@ -19,10 +19,10 @@ _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=
 class TraceRings:
     """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
 
-    def __init__(self, client: viser.ClientHandle, trace: Trace):
+    def __init__(self, client: viser.ClientHandle, sheet: Sheet, trace: Trace):
         self._trace = trace
         self._seen: tuple[Stage, FrameArrays] | None = None
-        self._sheet = Sheet(client, "/trace")
+        self._sheet = sheet
         client.scene.on_click()(lambda event: self._click(_on_stage(event)))
 
     def look(self, stage: Stage, arrays: FrameArrays) -> None:

@@ -1,6 +1,5 @@
 """What a visitor should read now, in a sentence; and doubts of a run that is sound in itself."""
 
-import math
 from dataclasses import dataclass
 from html import escape
 
@@ -8,7 +7,6 @@ from app.page.visit.history import History
 from app.words import on_page, ratio
 
 BROKEN = 30.0  # error index from which on an estimate is no estimate
-LINE_HEIGHT, LETTER_WIDTH, ASIDE, ABOVE = 18.0, 6.6, 64.0, 24.0  # pixels, of a notice
 
 
 @dataclass(frozen=True)
@@ -23,10 +21,6 @@ class Notice:
         """As it stands at the bottom of the stage."""
         return (f"<div class='lab-notice lab-{self.kind}' role='status'>"
                 f"{escape(self.sentence[:1].upper() + self.sentence[1:])}</div>")
-
-    def height(self, width: float) -> float:
-        """About how many pixels it covers at the bottom of a stage so many pixels wide (``style.css``)."""
-        return LINE_HEIGHT * math.ceil(LETTER_WIDTH * len(self.sentence) / max(LETTER_WIDTH, width - ASIDE)) + ABOVE
 
 
 def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:

@@ -23,6 +23,7 @@ class Recent:
         self._lock = threading.Lock()
         self._frames: deque[Frame] = deque()
         self._bytes = self.back = 0
+        self._wanted: float | None = None  # the time in s to show as soon as the run stands still
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Take in the run's newest frame, and show it if the run has moved; a fresh one begins another run."""
@@ -41,12 +42,29 @@ class Recent:
             while len(self._frames) > MOST_FRAMES or (self._bytes > MOST_BYTES and len(self._frames) > 1):
                 self._bytes -= size(self._frames.popleft()[1])
             self.back = 0 if report.playing else min(self.back, len(self._frames) - 1)
+            if self._wanted is not None and not report.playing:
+                self.back, self._wanted = self._back_to(self._wanted), None
 
     def go_back(self, count: int) -> None:
         """Show the frame so many before the newest, as long as the run stands still."""
         with self._lock:
             if self._frames and not self._frames[-1][0].playing:
                 self.back = max(0, min(count, len(self._frames) - 1))
+
+    def seek(self, time: float) -> bool:
+        """Show the frame nearest to a time in s; while the run moves, as soon as it stands still. Whether it does."""
+        with self._lock:
+            if still := bool(self._frames) and not self._frames[-1][0].playing:
+                self.back = self._back_to(time)
+            else:
+                self._wanted = time
+            return still
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The times in s of the oldest and of the newest frame."""
+        with self._lock:
+            return (self._frames[0][0].time, self._frames[-1][0].time) if self._frames else (0.0, 0.0)
 
     @property
     def frames(self) -> list[Frame]:
@@ -73,6 +91,11 @@ class Recent:
         """How far back one can go, in frames and in periods."""
         most = max(0, len(self._frames) - 1)
         return most, self._periods(most)
+
+    def _back_to(self, time: float) -> int:
+        """How many frames before the newest one the nearest to a time is."""
+        apart = [abs(report.time - time) for report, _ in self._frames]
+        return len(apart) - 1 - int(np.argmin(apart))
 
     def _periods(self, back: int) -> float:
         with self._lock:

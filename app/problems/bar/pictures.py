@@ -7,9 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
-from app.colours import COLOUR_MAP, ESTIMATE, TRUTH
+from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, LINE2, TRUTH, TRUTH_INK
 from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
 from app.renderers import picture
+from app.renderers.look import TRUTH_WIDTH, in_sizes
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 from solvers.solver.result import Result
@@ -26,28 +27,27 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     fine = np.linspace(0, 1, 801)
     even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # nobody could see the rest beside it
     curve = exact.displacement(scene, fine, shown.time) - even
-    axes.plot(fine, curve, color=TRUTH, linewidth=1.2, label="exact", zorder=4)
+    axes.plot(fine, curve, color=TRUTH, linewidth=TRUTH_WIDTH, label="exact", zorder=2)
     few = picture.thinned(len(shown.position))
     moved = picture.drawable((shown.position - shown.material_position - even)[few])
-    size = float(np.clip(5000 / len(few), 3.0, 30.0))
-    axes.scatter(shown.material_position[few], moved, s=size, color="0.35", linewidths=0, label="particles", zorder=3)
-    axes.set_title(f"displacement {picture.when_text(result)}", fontsize=10)
+    size = float(np.clip(1500 / len(few), 2.0, 12.0))
+    axes.scatter(shown.material_position[few], moved, s=size, color=INK, linewidths=0, label="particles", zorder=3)
+    name = "Displacement u − vt" if scene.is_patch else "Displacement u"
+    axes.set_title(f"{name} {picture.when_text(result)}")
     limit = 1.4 * max(abs(curve).max(), picture.robust_size(moved)) or scene.motion_amplitude
-    name = "displacement u − vt (m)" if scene.is_patch else "displacement u (m)"
-    axes.set(xlabel="material coordinate X (m)", ylabel=name, xlim=(0, 1), ylim=(-limit, limit))
-    axes.ticklabel_format(axis="y", scilimits=(-2, 3))
-    axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize=8, ncols=2, markerscale=np.sqrt(30 / size))
+    axes.set(xlabel="material coordinate X; line: exact, dots: computed", xlim=(0, 1), ylim=(-limit, limit))
+    in_sizes(axes.xaxis, "m", few=False)
+    in_sizes(axes.yaxis, "m")
 
 
 def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """The bar: a lane for each estimate and one for the truth, on one colour scale."""
     shown, cells = result.shown, result.scene.cells
     position = cast(BarScene, result.scene).within(shown.position)
-    lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH)]
-    lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE)
+    lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH_INK)]
+    lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE_INK)
               for name in result.scene.active_estimators]
-    lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, "black")]
+    lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, INK)]
     few = picture.thinned(len(shown.position))
     few = few[(position[few] >= 0) & (position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
@@ -61,14 +61,16 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
         picture.say(axes, "no particle is left on the bar")
     lined = cells <= picture.MOST_CELL_LINES
     if lined:
-        axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color="0.6",
+        axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color=LINE2,
                     linewidth=min(0.8, 60 / cells), zorder=1)
     picture.write_places(axes, BarStage, lambda label: (label.x, (label.y - TRUTH_LANE) / (ESTIMATE_LANE - TRUTH_LANE)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), lanes, strict=True):
-        tick.set_color(colour)
-    axes.set(xlabel=f"position x (m){'; grey lines: cell boundaries' if lined else ''}", xlim=(-0.01, 1.01),
+        tick.set(color=colour, fontweight="bold")
+    axes.set(xlabel=f"position x{'; grey lines: cell boundaries' if lined else ''}", xlim=(-0.01, 1.01),
              ylim=(-0.5, len(lanes) - 0.5))
-    axes.set_title(f"particles {picture.when_text(result)}, coloured by the size of the position's error", fontsize=10)
+    axes.grid(visible=False)
+    in_sizes(axes.xaxis, "m", few=False)
+    axes.set_title(f"Particles {picture.when_text(result)}, coloured by the size of the position's error")
     if len(few) and lanes[0][1] is not None:
-        picture.colour_bar(figure, strokes, axes, "|error of x| (m), one scale for all lanes", aspect=80)
+        picture.colour_bar(figure, strokes, axes, "error of x, one scale for all lanes", "m", aspect=80)

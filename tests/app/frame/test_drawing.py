@@ -1,75 +1,104 @@
-"""Labels of a stage: written larger and smaller together, and gone with it."""
+"""What is written on the viewer's stage: labels that the page gets as data, in parts of the stage's box."""
 
 from __future__ import annotations
 
 import gc
+import json
+import re
 import weakref
 from dataclasses import replace
+from html import unescape
 from types import SimpleNamespace
 
 from app.frame.marks import Label
-from app.renderers.viewer import Sheet, enlarge
+from app.renderers.lettering import Lettering
+from app.renderers.viewer import Sheet
+
+NOTE = Label("note", "a", 0.0, 0.5, "center-center", "note")
 
 
-class Scene:
-    """Of the viewer's only what labels need: it knows them, and they know it."""
+class Gui:
+    """Of the viewer's only what labels need."""
 
     def __init__(self):
-        self.labels = {}
+        self.sent = []
 
-    def add_frame(self, name, **options):
-        return Handle(name=name)
+    def add_html(self, content):
+        gui = self
 
-    def add_label(self, name, text, **properties):
-        self.labels[name] = handle = Handle(name=name, scene=self, text=text, visible=True, **properties)
-        return handle
+        class Html:
+            def __setattr__(self, name, value):
+                gui.sent.append(value)
 
+        return Html()
 
-class Handle(SimpleNamespace):
-    pass
-
-
-def label(sheet, name, size=1.0):
-    sheet.show(Label(name, "a", 0.0, 0.0, "center-center", "note", size))
-
-
-def sheet_of(scene):
-    return Sheet(SimpleNamespace(scene=scene, camera=SimpleNamespace(image_width=600, image_height=800)), "/stage")
+    @property
+    def labels(self):
+        said = json.loads(unescape(re.search("data-said='(.*)'", self.sent[-1])[1]))
+        return {label["name"]: label for label in said["labels"]}
 
 
-def test_labels_are_enlarged_together_and_each_from_its_own_size():
-    scene = Scene()
-    sheet, other = sheet_of(scene), sheet_of(scene)
-    label(sheet, "small", 0.5)
-    label(other, "usual")
-    room = sheet.room.letters(0.6)
-    enlarge(scene, 2.0)
-    assert [handle.font_screen_scale for handle in scene.labels.values()] == [1.0, 2.0]
-    assert sheet.room.letters(0.6) == room // 2
-    label(sheet, "later")
-    assert scene.labels["/stage/later"].font_screen_scale == 2.0
+def sheet_of(gui, at="/stage"):
+    scene = SimpleNamespace(add_frame=lambda name, **options: SimpleNamespace(visible=True))
+    lettering = Lettering(gui)
+    lettering.look((-0.015, 1.015, 0.0, 0.5))
+    return Sheet(SimpleNamespace(scene=scene), lettering, at), lettering
 
 
-def test_what_was_not_seen_is_drawn_where_it_is_when_it_comes_back():
-    """Also where it has moved meanwhile; what is as it was is not written again."""
-    scene = Scene()
-    sheet = sheet_of(scene)
-    note = Label("note", "a", 0.0, 0.0, "center-center", "note")
-    sheet.show(replace(note, text=""))
-    assert not scene.labels
-    sheet.show(note, replace(note, text="", x=0.5))
-    handle = scene.labels["/stage/note"]
-    assert not handle.visible and handle.text == "a"
-    sheet.show(replace(note, x=0.5))
-    assert handle.visible and handle.position == (0.5, 0.0, 0.0)
+def test_a_label_is_placed_in_parts_of_the_box():
+    """x = 0 is a little right of the box's left edge, the top of the stage is its upper edge."""
+    gui = Gui()
+    sheet, lettering = sheet_of(gui)
+    sheet.show(NOTE, replace(NOTE, name="end", x=1.0, y=0.0, tone="truth", bold=True))
+    lettering.send()
+    assert gui.labels["/stage/note"] == {"name": "/stage/note", "text": "a", "role": "note", "x": 0.0146, "y": 0.0,
+                                         "anchor": "center-center"}
+    end = gui.labels["/stage/end"]
+    assert (end["x"], end["y"], end["tone"], end["bold"]) == (0.9854, 1.0, "truth", True)
+
+
+def test_only_changes_are_sent_and_a_label_without_text_is_none():
+    gui = Gui()
+    sheet, lettering = sheet_of(gui)
+    sheet.show(replace(NOTE, text=""))
+    lettering.send()
+    before = len(gui.sent)
+    lettering.send()
+    assert len(gui.sent) == before and not gui.labels
+    sheet.show(NOTE)
+    lettering.send()
+    sheet.show(NOTE)
+    lettering.send()
+    assert len(gui.sent) == before + 1 and gui.labels["/stage/note"]["text"] == "a"
+    sheet.show(replace(NOTE, text=""))
+    lettering.send()
+    assert not gui.labels
+
+
+def test_labels_are_seen_with_their_sheet_and_those_it_belongs_to():
+    gui = Gui()
+    sheet, lettering = sheet_of(gui)
+    sheet.child("pinned").show(NOTE)
+    sheet.visible = False
+    lettering.send()
+    assert not gui.labels
+    sheet.visible = True
+    lettering.send()
+    assert "/stage/pinned/note" in gui.labels
+
+
+def test_the_room_is_what_the_browser_has_free():
+    _, lettering = sheet_of(Gui())
+    assert lettering.fit(600.0, 300.0, 120.0) and not lettering.fit(600.0, 300.0, 120.0)
+    room = lettering.room
+    assert (room.pixels, room.high, room.gutter) == (600.0, 0.5, 0.2)
 
 
 def test_a_stage_that_nobody_needs_is_forgotten():
     """With all that belongs to its visitor: a page, its session, its history."""
-    scene = Scene()
-    label(sheet_of(scene), "usual")
-    enlarge(scene, 2.0)
-    known = weakref.ref(scene)
-    del scene
+    sheet, lettering = sheet_of(Gui())
+    sheet.show(NOTE)
+    known = weakref.ref(lettering)
+    del sheet, lettering
     gc.collect()
     assert known() is None

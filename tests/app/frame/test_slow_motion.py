@@ -11,6 +11,7 @@ import pytest
 from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.stage import NUMBERS, shape
 from app.problems.views import VIEWS
+from app.renderers.lettering import Lettering
 from app.renderers.viewer import Sheet
 from app.words import PREFIXES
 from solvers.engine.frames import FrameOptions
@@ -22,6 +23,7 @@ from solvers.running.run import build
 from tests.drawn import Scene
 from tests.solvers.engine.test_stepper import one_session
 
+GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 ROUND_OFF = 1e-12  # of sums of a few dozen terms of the size that the comparison is relative to
 BAR, RING = BarScene(cells=12, ppc=2, amplitude=0.05), RingScene(cells=12, estimators=())
 SCENES = {
@@ -156,17 +158,17 @@ def test_the_drawn_shape_function_is_that_of_the_solver():
 @pytest.mark.parametrize("name", ["bar ugimp", "ring cpdi"])
 def test_words_stay_on_a_small_stage(name):
     """A narrower window has shorter lines; words that were there are broken anew when the window changes."""
-    camera = SimpleNamespace(image_width=773, image_height=670)
-    drawn = Scene()
-    stage = VIEWS[SCENES[name].problem].slow(Sheet(SimpleNamespace(scene=drawn, camera=camera), "/slow"))
+    lettering = Lettering(GUI)
+    stage = VIEWS[SCENES[name].problem].slow(Sheet(SimpleNamespace(scene=Scene()), lettering, "/slow"))
     solver = build(SCENES[name])
     solver.advance(40)
     _, breakdown = solver.break_down(7)
     longest = []
-    for camera.image_width in (773, 390):
+    for width in (773.0, 390.0):
+        lettering.fit(width, 340.0, 0.0)
         for phase in range(len(PHASES)):
             stage.draw(SCENES[name], breakdown, phase, 1.0)
-            lines = [line for handle in drawn.made.values() for line in handle.text.split("\n")]
+            lines = [line for _, label in lettering.written for line in label.text.split("\n")]
             assert max(map(len, lines)) <= stage.width
         longest.append(stage.width)
     assert longest[1] < 0.65 * longest[0]
@@ -175,9 +177,8 @@ def test_words_stay_on_a_small_stage(name):
 @pytest.mark.parametrize("scene", [SCENES["bar ugimp"], SCENES["ring cpdi"], VortexScene(cells=16, estimators=())],
                          ids=lambda scene: scene.problem)
 def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(scene):
-    camera = SimpleNamespace(image_width=773, image_height=670)
-    drawn = Scene()
-    stage = VIEWS[scene.problem].slow(Sheet(SimpleNamespace(scene=drawn, camera=camera), "/slow"))
+    drawn, lettering = Scene(), Lettering(GUI)
+    stage = VIEWS[scene.problem].slow(Sheet(SimpleNamespace(scene=drawn), lettering, "/slow"))
     solver = build(scene)
     solver.advance(40)
     sides = {"bottom-center": (0, 1), "top-center": (0, -1), "center-left": (1, 0), "center-right": (-1, 0)}
@@ -186,11 +187,11 @@ def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(scen
         for phase in range(len(PHASES)):
             stage.draw(scene, breakdown, phase, 1.0)
             front = drawn.made["dots2"].points[-1, :2]
-            numbers = [handle for handle in drawn.made.values() if handle.visible and handle.anchor in sides]
+            numbers = [label for _, label in lettering.written if label.anchor in sides]
             assert len(numbers) == len(breakdown.nodes)
-            halves = [0.5 * stage.sheet.room.extent(handle.text, NUMBERS) for handle in numbers]
-            middles = [np.array(handle.position[:2]) + half * sides[handle.anchor]
-                       for handle, half in zip(numbers, halves, strict=True)]
+            halves = [0.5 * stage.sheet.room.extent(label.text, NUMBERS) for label in numbers]
+            middles = [np.array((label.x, label.y)) + half * sides[label.anchor]
+                       for label, half in zip(numbers, halves, strict=True)]
             for k, (half, middle) in enumerate(zip(halves, middles, strict=True)):
                 assert (np.abs(front - middle) > half).any()
                 assert all((np.abs(middles[j] - middle) >= half + halves[j]).any() for j in range(k))

@@ -18,7 +18,9 @@ from websockets.exceptions import ConnectionClosed
 from app.cli import main
 from app.page.features.own.judging import BUSY, Judging, shown
 from app.page.features.own.panel import OwnCode
+from app.page.features.own.question import sentence as question
 from app.page.features.own.run import OwnRun
+from app.page.features.own.words import taken
 from app.page.visit.limits import MOST_WATCHED
 from app.viewer import server, upload
 from solvers.judging import writing
@@ -46,10 +48,10 @@ def process():
     worker.close()
 
 
-def shown_of(process, file, scene, folder, name="mine"):
+def shown_of(process, file, scene, folder, name="mine", chosen=False):
     """What the process says of a file, as one dictionary, and where its table is."""
     table = Path(folder) / "table"
-    question = ShowRequest(str(file), name, task_of(scene).to_dict(), str(table), MOST_WATCHED)
+    question = ShowRequest(str(file), name, task_of(scene).to_dict(), str(table), MOST_WATCHED, chosen)
     answers = {}
     for answer in process.ask(asdict(question)):
         answers |= answer
@@ -79,6 +81,35 @@ def test_a_run_of_ours_is_shown_with_its_own_errors(problem, process, tmp_path):
         assert (np.abs(arrays.plotted[:, 1]) <= drawn * (1 + 1e-5) + 1e-6 * np.abs(arrays.plotted[:, 0]).max()).all() \
             or problem == "vortex"  # whose component is along another direction at another place
     assert answers["verdict"]["apart"] is None and answers["verdict"]["files"] == ["run.npz"]
+
+
+def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is_judged_with_it(process, tmp_path):
+    """A ring's on the page of a bar; what its owner chooses holds against what it says."""
+    bar, ring = PROBLEMS["bar"].scene(), PROBLEMS["ring"].scene(cells=12, amplitude=0.02)
+    frames = [exact(ring, 0.1 * ring.period)]
+    theirs, ours, liar = (tmp_path / name for name in ("theirs.csv", "ours.npz", "liar.npz"))
+    columns = writing.table(frames)
+    theirs.write_bytes(writing.csv({name: columns[name] for name in ("t", "id", "x", "y")}, {"cells": 12}))
+    ours.write_bytes(writing.npz(frames, ring))
+    liar.write_bytes(writing.npz([exact(bar, 0.1)], replace(ring, cells=bar.cells)))
+    answers, _ = shown_of(process, theirs, bar, tmp_path)
+    assert answers == {"asks": {"reason": "has positions in two directions, and the bar has one",
+                                "problems": ["ring", "vortex"]}}
+    assert question("r.csv", **answers["asks"]) == (
+        "The file r.csv has positions in two directions, and the bar has one. Is it of the expanding ring or the "
+        "generalized vortex?")
+    answers, _ = shown_of(process, theirs, PROBLEMS["ring"].scene(amplitude=0.02), tmp_path, chosen=True)
+    assert max(answers["frames"]["norms"]["x"]) < 1e-12
+    answers, table = shown_of(process, ours, bar, tmp_path)
+    run = OwnRun("ours.npz", Shown(**answers["frames"]), table)
+    assert run.scene.problem == "ring" and run.scene.amplitude == 0.02 and run.true["x"].max() < 1e-12
+    assert taken(run, PROBLEMS["ring"].scene(cells=12)) == "The file ours.npz is on the stage, judged with A = 20 mm."
+    assert taken(run, PROBLEMS["ring"].scene(cells=12, amplitude=0.02)) == "The file ours.npz is on the stage."
+    answers, _ = shown_of(process, liar, bar, tmp_path)
+    assert answers["asks"]["problems"] == ["bar"]
+    assert "says that it is of the ring, and has" in answers["asks"]["reason"]
+    answers, _ = shown_of(process, liar, bar, tmp_path, chosen=True)
+    assert max(answers["frames"]["norms"]["x"]) < 1e-12
 
 
 @pytest.mark.parametrize("problem", QUICK)
@@ -164,7 +195,10 @@ BAD = [("notes.txt", b"x,id\n0,0\n", "is of no kind that is known; give a file t
        ("columns.csv", b"a,b\n1,2\n", "holds no particles that are known by name"),
        ("ids.csv", b"# t = 0\nid,x\n99999,0.5\n", "has ids from 99999"),
        ("time.csv", b"id,x\n0,0.5\n", "says no time"),
-       ("cells.csv", b"# cells = 50000\nid,x,t\n0,0.5,0\n", "too many to watch"),
+       ("two.csv", b"id,x,t\n" + b"".join(b"%d,%f,0\n" % (k, k / 80) for k in range(80)),
+        "has ids from 0 to 79, and 40 cells with 4 particles each way have 0 to 159; give the right --cells and --ppc "
+        "(so many are those of 20 cells)"),
+       ("cells.csv", b"# cells = 50000\nid,x,t\n0,0,0\n", "too many to watch"),
        ("cells.csv", b"# cells = -3\nid,x,t\n0,0.5,0\n", "belongs to a grid of -3 cells, which cannot be"),
        ("times.npz", npz(t=np.arange(MOST_TIMES + 1.0), id=np.arange(1), x=MANY),
         "has 2,001 times; give at most 2,000"),

@@ -9,11 +9,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.sentence import Said
 from app.frame.silences import NONE_CHOSEN, UNKNOWN
 from app.frame.view import look
 from app.page.stage.worst import WorstRegions
 from app.page.summary import SAY_SECONDS, WAITING, Speaker, compared, summary
 from app.page.visit.history import CROSSING_WINDOW
+from app.words import per_cent
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
 
@@ -21,27 +23,48 @@ ERROR = np.full(20, 0.1)
 ERROR[6] = 0.4  # the worst place, X = 0.325
 
 
-def said(scene=BAR, drawn="transport", series=None, crossed=(), **changes):
-    """The sentence for a frame of the bar whose estimate is half the error; ``crossed`` steps ago."""
+SERIES = {"time": [0.0, 0.35], "error_x": [0.001, 0.004], "transport/estimate_x": [0.0005, 0.0017],
+          "transport/index_x": [0.5, 0.44]}
+
+
+def told(scene=BAR, drawn="transport", series=SERIES, crossed=(), ago=0.0, **changes):
+    """What is said of a frame of the bar whose estimate is half the error; ``crossed`` steps ago."""
     report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(ERROR / 2, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
     view, worst = look(report, arrays, "x", drawn, False), WorstRegions()
     worst.look(report, arrays, view)
-    numbers = {"transport/index_x": [0.4, 0.5], "transport/estimate_x": [0.1, 0.0021], "error_x": [0.1, 0.0042]}
-    series = numbers if series is None else series
-    return summary(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn)
+    return summary(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn, ago)
 
 
-def test_estimate_beside_the_truth():
-    assert said() == ("The estimate by transport is 0.50 of the true error of displacement x; worst at "
-                      "X = 0.30–0.35 m; no particle crossed a cell boundary in the last 0.05 s.")
-    assert said(series={"transport/index_x": [1.02]}).startswith("The estimate by transport is 1.02 times the true ")
+def said(*given, **changes):
+    return str(told(*given, **changes))
+
+
+def test_how_wrong_comes_first_then_whether_it_is_known_then_where():
+    """Of a run that plays both are of all its time so far: the mean error over the amplitude, and the index."""
+    assert said() == ("So far the displacement is 10 % wrong; transport finds 44 % of it. 2.5 mm of 25 mm at most. "
+                      "Worst at X = 0.30–0.35 m. No particle crossed a cell boundary in the last 0.05 s.")
+    assert "; transport says 1.30 times as much. " in said(series=SERIES | {"transport/index_x": [1.0, 1.3]})
+    assert "; transport finds 100 % of it. " in said(series=SERIES | {"transport/index_x": [1.0, 1.004]})
+
+
+def test_of_a_run_that_stands_both_are_of_the_moment():
+    assert said(playing=False).startswith("At t = 0.35 s the displacement is 16 % wrong; transport finds 42 % of it. 4")
+    assert said(playing=False, ago=0.25).startswith("0.25 periods back the displacement is 16 % wrong; transport finds")
+
+
+def test_the_eye_gets_the_same_in_spans():
+    """The number is marked, what is true and what is estimated, and that a run is lost."""
+    assert {text: kind for kind, text in told().shown if kind} == {
+        "10 %": "number", "wrong": "truth", "transport": "estimate", "44 %": "figure"}
+    assert told(status=LOST, since=0.2).shown[0] == ("bad", "The run is lost from t = 0.2 s on")
+    assert " ".join(["".join(text for _, text in told().shown), *told().sentences]) == said()
 
 
 @pytest.mark.parametrize(("beyond", "who"), [(1, "2 particles"), (0, "3 particles")])
 def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
     steps = CROSSING_WINDOW * BAR.period / BAR.time_step
-    assert f"; {who} crossed a cell boundary in the last 0.05 s." in said(crossed=[0, 1, int(steps) + beyond])
+    assert f" {who} crossed a cell boundary in the last 0.05 s." in said(crossed=[0, 1, int(steps) + beyond])
 
 
 def test_one_particle_and_no_counting():
@@ -50,56 +73,69 @@ def test_one_particle_and_no_counting():
 
 
 def test_without_truth_the_estimate_is_told():
-    """And the worst place is that of the estimate."""
-    text = said(replace(BAR, body_force="two-tone"))
-    assert text.startswith(f"Transport estimates the error of displacement x at 2.1 mm; {UNKNOWN}; worst at X = 0.30")
+    """As what it is; and the worst place is that of the estimate."""
+    text = said(replace(BAR, body_force="two-tone"), series=SERIES | {"error_x": [np.nan] * 2})
+    assert text.startswith("So far transport estimates that the displacement is 4.4 % wrong. 1.1 mm of 25 mm at most. "
+                           f"{UNKNOWN[:1].upper()}{UNKNOWN[1:]}. Worst at X = 0.30")
 
 
 def test_without_estimate_the_truth_is_told():
     text = said(replace(BAR, estimators=()), drawn=None)
-    assert text.startswith(f"The true error of displacement x is 4.2 mm; {NONE_CHOSEN}; worst at X = 0.30–0.35 m")
+    assert text.startswith(f"So far the displacement is 10 % wrong; {NONE_CHOSEN}. 2.5 mm of 25 mm at most. Worst at X")
 
 
 def test_an_estimate_that_does_not_hold_is_not_told():
     text = said(not_valid={"transport": "not valid here: it rains"})
-    assert text.startswith("The true error of displacement x is 4.2 mm; transport is not valid here; worst at")
+    assert text.startswith("So far the displacement is 10 % wrong; transport is not valid here. 2.5 mm")
 
 
 def test_with_neither():
     text = said(replace(BAR, effects=("estimate",), estimators=()), drawn=None)
-    assert text.startswith("Nothing is known of the error of displacement x: ") and NONE_CHOSEN in text
+    assert text.startswith("Nothing is known of the error of the displacement. ") and NONE_CHOSEN in text
 
 
-def test_paused_lost_and_unstable_come_first():
-    assert said(playing=False).startswith("Paused at t = 0.35 s: the estimate by transport is 0.50 of")
-    assert said(status=LOST, since=0.2).startswith("The run is lost from t = 0.2 s on; the estimate by transport")
+def test_lost_and_unstable_come_first():
+    assert said(status=LOST, since=0.2).startswith("The run is lost from t = 0.2 s on: so far the displacement is ")
     assert said(status=UNSTABLE, playing=False) == \
-        "The run went unstable and has stopped at t = 0.35 s; this is its last picture."
+        "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
 
 
 def test_before_there_are_numbers():
-    assert said(series={}).startswith("No error of displacement x has been measured yet; ")
-    assert said(series={"transport/index_x": [np.nan]}).startswith("No error of displacement x has been measured yet; ")
+    assert said(series={}).startswith("So far no error of the displacement has been measured. ")
+    assert said(series=SERIES | {"transport/index_x": [np.nan]}).startswith("So far no error of the displacement has ")
     assert summary(None, None, None, WorstRegions(), {}, "x", None) == WAITING
 
 
 def test_sentences_come_calmly():
     """One is not said again, and another one not at once: it is heard later, as it is by then."""
     class Html:
-        content = property(None, lambda _, text: said.append(re.search('"(.*)"', text)[1]))
+        content = property(None, lambda _, text: heard.append((re.search('sentence="(.*?)"', text)[1],
+                                                               int(re.search("aloud='(.*?)'", text)[1]))))
 
-    said, now = [], 0.0
+    heard, now = [], 0.0
     speaker = Speaker(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
     for sentence, now in (("one", 5.0), ("two", 5.0 + 0.9 * SAY_SECONDS), ("three", 5.0 + SAY_SECONDS),  # noqa: B007
                           ("three", 5.0 + 3 * SAY_SECONDS)):
-        speaker.say(sentence)
-    assert said == ["one", "three"]
+        speaker.say(Said.of(sentence))
+    assert heard == [("One.", 0), ("Three.", 0)]
+    speaker.say(Said((("", "paused"),), moment="another"))  # said at once, and read aloud
+    assert heard[2:] == [("Paused.", 1)]
+    speaker.say(Said((("", "a click's answer"),), moment="another"), at_once=True)
+    assert heard[3:] == [("A click&#x27;s answer.", 2)]
 
 
 def test_a_pinned_run_is_compared_by_its_true_error():
-    """Over what is given of both; nothing is said where either is unknown."""
-    live, pinned = ({"error_v": np.array(v)} for v in ([1.0, 3.0], [2.0, 6.0, 4.0]))
-    assert compared(live, pinned, "v") == "the pinned run's error is 2.00 times this one's"
-    assert compared(pinned, live, "v") == "the pinned run's error is 0.50 of this one's"
+    """Over the periods that both have; nothing is said where either is unknown."""
+    live, pinned = ({"time": np.array(t), "error_v": np.array(v)} for t, v in (
+        ([0.0, 0.5], [1.0, 3.0]), ([0.0, 0.5, 1.0], [2.0, 6.0, 40.0])))
+    scenes = BAR, replace(BAR, method="bspline")
+    assert compared(live, pinned, "v", scenes) == "the pinned run (B-spline) errs 2.00 times as much"
+    assert compared(pinned, live, "v", scenes) == "this run errs 2.00 times as much as the pinned one (B-spline)"
     for unknown in ({}, {"error_v": np.array([np.nan, 1.0])}, {"error_v": np.zeros(2)}, {"error_v": np.zeros(0)}):
-        assert compared(unknown, live, "v") == compared(live, unknown, "v") == ""
+        assert compared(unknown, live, "v", scenes) == compared(live, unknown, "v", scenes) == ""
+
+
+def test_shares_have_two_digits_and_no_exponents():
+    shares = {0.0: "0 %", 3e-6: "0.0003 %", 0.00286: "0.29 %", 0.0642: "6.4 %", 0.0999: "10 %", 0.534: "53 %",
+              23.0: "2,300 %", 1e6: "1 × 10⁸ %"}
+    assert {share: per_cent(share) for share in shares} == shares

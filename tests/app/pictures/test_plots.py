@@ -255,7 +255,7 @@ def test_the_moment_changes_no_bit_of_the_result(scene):
     np.testing.assert_array_equal(kept.shown.position, ended.final.position)
     figure = run_figure(kept)
     at = f"at t = {kept.shown.time:.4g} s (last peak of the motion)"
-    assert sum(at in axes.get_title() for axes in figure.axes) == 2
+    assert sum(at in axes.get_title("left") for axes in figure.axes) == 2
 
 
 def test_a_run_that_breaks_is_shown_at_its_end():

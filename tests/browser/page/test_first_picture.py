@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from app.colours import colour_table
+from app.words import size_in
 from tests.browser.conftest import serving
-from tests.browser.driving import PATIENCE, click, coloured, number, readout, row, stage, stage_box, time, until
+from tests.browser.driving import PATIENCE, click, coloured, readout, row, stage, stage_box, time, until
 from tests.processes import STARVED
 from tests.raw import Raw
 
@@ -42,8 +43,9 @@ def newcomer(chromium):
 
 
 def summary(page):
-    """The sentence, without what keeps "0.25–0.30" in one line."""
-    return page.locator("#lab-summary[role=status]").inner_text().replace("\N{WORD JOINER}", "")
+    """The sentence, without what keeps "0.25–0.30" and "25 mm" in one line."""
+    return page.locator("#lab-summary[role=status]").inner_text().replace("\N{WORD JOINER}", "") \
+        .replace("\N{NO-BREAK SPACE}", " ").replace("\n", " ")
 
 
 def test_nothing_half_made_is_ever_seen(server, chromium):
@@ -69,16 +71,21 @@ def test_a_refusal_is_not_covered(chromium):
 
 
 def test_sentence_says_what_the_numbers_say(page):
-    """Recovered against the truth, transport beside it; the sentence has the table's index and its worst region."""
-    until(lambda: re.match(r"The estimate by recovered is 1\.0\d times the true error of displacement x; worst at X = "
-                           r"0\.\d\d–\d\.\d\d m; (\d+|no) particles? crossed a cell boundary in the last 0.05 s\.$",
-                           summary(page)), "the sentence")
-    assert number(page, r"recovered\s+[\d.]+ \S?m\s+([\d.]+)") > number(page, r"transport\s+[\d.]+ \S?m\s+([\d.]+)")
+    """Recovered against the truth, transport beside it; of a moment the sentence has the table's norms, their ratio and
+    its worst region."""
+    until(lambda: re.match(r"So far the displacement is 0\.\d+ % wrong; recovered (finds 100 % of it|says 1\.\d\d "
+                           r"times as much)\. \S+ .m of 25 mm at most\. Worst at X = 0\.\d\d–\d\.\d\d m\. (\d+|No) "
+                           r"particles? crossed a cell boundary in the last 0.05 s\.$", summary(page)), "the sentence")
     click(page, "Pause")
-    until(lambda: summary(page).startswith("Paused at t = "), "the pause said")
-    index = re.search(r"recovered is (\S+) ", summary(page))[1]
-    assert float(index) == number(page, r"recovered\s+[\d.]+ \S?m\s+([\d.]+)")
-    region = re.search(r"worst at (X = \S+ m)", summary(page))[1]
+    until(lambda: summary(page).startswith("At t = "), "the pause said")
+    true, estimated = (size_in(re.search(rf"{name}\s+([\d.]+ \S?m)", readout(page))[1], "m")
+                       for name in ("true", "recovered"))
+    said = summary(page)
+    assert float(re.search(r"is (\S+) % wrong", said)[1]) == pytest.approx(100 * true / 0.025, rel=0.05)
+    found = re.search(r"recovered finds (\S+) % of it", said), re.search(r"recovered says (\S+) times as much", said)
+    index = float(found[0][1]) / 100 if found[0] else float(found[1][1])
+    assert index == pytest.approx(estimated / true, rel=0.02)
+    region = re.search(r"Worst at (X = \S+ m)", said)[1]
     assert re.search(rf"true\s+{region}", readout(page))
 
 

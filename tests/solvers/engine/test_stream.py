@@ -18,6 +18,7 @@ from app.frame.planar import PLACES
 from app.frame.scale import ColourScale
 from app.frame.stage import Seat
 from app.problems.ring.stage import RingStage
+from app.renderers.lettering import Lettering
 from app.renderers.viewer import Sheet
 from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
@@ -27,6 +28,8 @@ from tests import drawn
 from tests.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
+
+GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 
 
 @contextmanager
@@ -77,7 +80,7 @@ def test_a_redraw_is_cheap(frame):
     nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
-    stage = RingStage(Sheet(SimpleNamespace(scene=Scene()), "/ring"), scale)
+    stage = RingStage(Sheet(SimpleNamespace(scene=Scene()), Lettering(GUI), "/ring"), scale)
     stage.plotted = "sigma"
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 

@@ -406,7 +406,7 @@ def test_bad_input_is_one_line(flags, said, tmp_path, capsys, monkeypatch):
 
 def test_two_directions_are_not_one(tmp_path, capsys):
     file = csv_file(tmp_path, table())
-    said = "has x in 1 direction, and the problem has 2; give x, y"
+    said = "has x in one direction, and the ring has two; it fits `mpm-lab judge bar`"
     _refused(["judge", "ring", file, "--cells", "12"], said, tmp_path, capsys, file)
 
 

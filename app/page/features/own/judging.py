@@ -26,17 +26,19 @@ TOO_LONG = f"takes more than {PATIENCE:g} s to judge; give fewer times, or judge
 
 class Judging:
     """One file under way. ``on_message`` hears what the process says (``solvers.judging.show``), from another
-    thread, and a refusal where it is lost; nothing once it is :meth:`cancelled <cancel>`."""
+    thread, and a refusal where it is lost; nothing once it is :meth:`cancelled <cancel>`. A scene that was ``chosen``
+    holds whatever the file says."""
 
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
-                 slots: Slots = SLOTS):
+                 slots: Slots = SLOTS, chosen: bool = False):
         self.name, self._on_message, self._slots = shown(name), on_message, slots
         kind = Path(name).suffix.lower()
-        self._file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
+        self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
         self._pool, self._cancelled = WorkerPool("solvers.judging.show:show", environment=ONE_THREAD), threading.Event()
         if slots.take():
-            question = ShowRequest(str(self._file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED)
+            question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
+                                   chosen)
             self._pool.submit(asdict(question), self._say, PATIENCE).add_done_callback(self._end)
         else:
             threading.Thread(target=self._say, args=({"refused": BUSY},), name="judge", daemon=True).start()

@@ -9,39 +9,45 @@ from time import monotonic
 
 import viser
 
+from app.frame.sentence import Said
 from app.frame.silences import NO_INDEX
 from app.page.features.own import words
 from app.page.features.own.judging import Judging
+from app.page.features.own.question import FIRST, Question, sentence
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
+from app.page.panels.timeline import Now
 from app.page.source import Choice, Picture, Sight
 from app.page.stage.worst import WorstRegions
 from app.page.visit.notice import Notice
-from app.page.visit.session import Session
+from app.page.visit.session import Session, first_scene
 from app.viewer.upload import LARGEST, TOO_LARGE, Upload
 from app.words import on_page
 from solvers.judging.reading import KINDS
 from solvers.judging.show import Shown
+from solvers.scene.scene import Scene
+from solvers.study.grid import Task
 
 TO_BE_READ = 30.0  # seconds that a refusal is said; it stays beside the button
 FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
-FIRST, LAST = -1e9, 0.9e9  # in the order of what stands in the panel
+LAST = 0.9e9  # in the order of what stands in the panel
 BACK, BACK_HINT = "Back to our run", "go back to what was on the stage before"
 BUSY, ONE = "A file is still on its way; wait until it is here.", "Give one file at a time."
 WHAT = (f"Drop a file of particles anywhere on this page, or choose it ({', '.join(KINDS)}; at most {LARGEST / 1e6:g} "
-        "MB): of the problem and the settings above, run with any code. It is judged, and shown on the stage. "
-        "<code>mpm-lab problem</code> writes all that a code needs.")
+        "MB): of the problem and the settings above, run with any code, or a run of ours, which says its scene. It is "
+        "judged, and shown on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
 
 
 class OwnCode:
     """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
-    stage. While one is :attr:`shown` the run rests; that ends when something moves the run on."""
+    stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown` the
+    run rests; that ends when something moves the run on."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
-                 on_begin: Callable[[], None]):
+                 on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
         gui = client.gui
-        self._session, self._on_view, self._on_begin = session, on_view, on_begin
+        self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
         self._lock = threading.RLock()
         self._judging: Judging | None = None
         self._run: OwnRun | None = None
@@ -63,6 +69,7 @@ class OwnCode:
             self._back = gui.add_button(BACK, icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=BACK_HINT)
             self._text = gui.add_html("")
         self._back.on_click(lambda _: self.leave())
+        self._question = Question(gui, self._answer)
         self._folder = gui.add_folder("Your file on the stage", order=FIRST, visible=False)
         with self._folder:
             self._slider = gui.add_slider("Frame", 1, 2, 1, 1, hint="the times in the file, one after the other")
@@ -90,7 +97,7 @@ class OwnCode:
         judging, news = self._judging, self._news
         if coming := self._upload.coming:
             return Notice("wait", f"{coming}.")
-        if judging is not None and self._run is None:
+        if judging is not None and self._run is None and not self._question.asked:
             return Notice("wait", f"The file {judging.name} is being read and judged.")
         return news[1] if news and monotonic() < news[0] + TO_BE_READ else None
 
@@ -129,11 +136,14 @@ class OwnCode:
     def _arrived(self, name: str, file: Path) -> None:
         with self._lock:
             self._forget()
+            self._question.end()
             self._news = None
             self._judging = Judging(name, file, self._session.scene, self._hear)
             self._say(f"The file {self._judging.name} is being read and judged …")
 
     def _hear(self, judging: Judging, message: dict) -> None:
+        if "frames" in message and judging is self._judging:
+            self._go_with(Shown(**message["frames"]))
         with self._lock:
             if judging is not self._judging:
                 return
@@ -143,6 +153,8 @@ class OwnCode:
                     self._run.trouble = on_page(sentence)
                 else:
                     self._forget()
+            elif asks := message.get("asks"):
+                self._ask(judging.name, asks["reason"], tuple(asks["problems"]))
             elif "frames" in message:
                 self._show(OwnRun(judging.name, Shown(**message["frames"]), judging.table))
             elif self._run is not None and "estimate" in message:
@@ -151,6 +163,32 @@ class OwnCode:
                 self._run.verdict = message["verdict"]
         self._on_view()
 
+    def _go_with(self, shown: Shown) -> None:
+        """A file that says another problem takes the page with it, whose controls are then of that."""
+        own = Task(**shown.task).scene()
+        if own.problem != self._session.scene.problem:
+            self._on_scene(words.scene_of(own, first_scene(own.problem)))
+
+    def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
+        """A file that is not of the problem on the stage: it waits for an answer."""
+        said = sentence(name, reason, problems)
+        self._news = monotonic(), Notice("refused", f"{said} Say it at the top of Explore.")
+        self._question.ask(said, problems)
+        self._say(said)
+
+    def _answer(self, problem: str | None) -> None:
+        """Which problem the waiting file is of, or that it is of none."""
+        with self._lock:
+            waiting, self._news = self._judging, None
+            self._question.end()
+            self._say("")
+            self._forget()
+            if waiting is None or problem is None:
+                return
+        self._on_scene(first_scene(problem))  # whose controls say what the file is judged with
+        with self._lock:
+            self._judging = Judging(waiting.name, waiting.file, self._session.scene, self._hear, chosen=True)
+
     def _show(self, run: OwnRun) -> None:
         if self._run is None:
             self._on_begin()
@@ -158,7 +196,7 @@ class OwnCode:
             self._session.play(False)
             self._moves = self._session.moves
         self._run, self._k = run, 0
-        self._say(f"The file {run.name} is on the stage.")
+        self._say(words.taken(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible = self._back.visible = True
@@ -237,14 +275,14 @@ class OwnFile:
         if (shown := self._code.shown) is None:
             return None
         run, k = shown
-        return Numbers(words.readout(run, k, choice.quantity, probed), words.lines(run, choice.quantity),
-                       None if run.estimate is None else run, (JUDGE,), (JUDGE,), JUDGE, run.times[k],
+        return Numbers(words.readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+                       (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self._code.playing),
                        "" if run.true is not None else NO_INDEX)
 
-    def sentence(self, choice: Choice, picture: Picture) -> str:
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
         shown = self._code.shown
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
-            return ""
+            return Said()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view)
         return words.sentence(*shown, picture.view, worst, choice.quantity)

@@ -1,34 +1,49 @@
 """What the page says of a visitor's own file: the sentence above the stage, and the numbers beside it."""
 
+from contextlib import suppress
+from dataclasses import fields, replace
 from html import escape
 
 import numpy as np
 
+from app.frame.sentence import Said, error_words, errors
 from app.frame.silences import TRUE
 from app.frame.view import View
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.panels.readout import named, row, table
 from app.page.stage.worst import WorstRegions
-from app.words import NOTHING, QUANTITIES, number, ratio, times, with_unit
+from app.words import NOTHING, QUANTITIES, differing, number, ratio, with_unit
+from solvers.judging.said import NOT_OF_THE_PROBLEM
+from solvers.scene.rules import SceneError
+from solvers.scene.scene import Scene
 
 HINTS = {"now": "root of the mean square over the particles, at the time that is shown",
          "largest": "of all times in the file after the start",
          "index": "estimated over true error, summed over the times; 1 is perfect"}
 
 
-def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> str:
-    words, when = QUANTITIES[quantity], f"{run.name} at t = {number(run.times[k])} s"
-    true, estimated = _now(run.true, k, quantity), _now(run.estimate, k, quantity)
-    if true is not None:
-        said = f"the true error of {words} is {with_unit(true, words.unit)}"
-        if estimated is not None and true > 0:
-            said += f", and {JUDGE} estimates {times(estimated / true)} it"
-    elif estimated is not None:
-        said = f"{JUDGE} estimates the error of {words} at {with_unit(estimated, words.unit)}"
-    else:
-        return f"{when}: nothing is known of the error of {words}: {view.right.silence or view.left.silence}."
+def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Said:
+    true, estimated = (_now(norms, k, quantity) for norms in (run.true, run.estimate))
+    words = error_words(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
+                        view.right.silence if true is None else "")
+    wrong, says = (np.nan if norm is None else norm for norm in (true, estimated))
+    said = errors(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
+                  f"at t = {number(run.times[k])} s in {run.name} ")
     region = worst.by_truth or worst.by_estimate
-    return f"{when}: {said}{f'; worst at {region.name}' if region else ''}."
+    return replace(said, facts=(*said.facts, f"worst at {region.name}") if region else said.facts)
+
+
+def scene_of(own: Scene, page: Scene) -> Scene:
+    """The page's scene of a file's problem, with all that matters to a judge as in the file's own."""
+    with suppress(SceneError):  # a method may not bear it
+        return replace(page, **{f.name: getattr(own, f.name) for f in fields(page) if f.name not in NOT_OF_THE_PROBLEM})
+    return page
+
+
+def taken(run: OwnRun, page: Scene) -> str:
+    """That a file is on the stage, and with what it is judged where that is not what the page shows."""
+    said = differing(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
+    return f"The file {run.name} is on the stage{f', judged with {said}' if said else ''}."
 
 
 def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
@@ -43,11 +58,6 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
     run_of = table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
     found = "".join(f"<p>{escape(text)}</p>" for text in _found(run, quantity))
     return f"<div class='lab-readout'>{run_of}{_errors(run, k, quantity)}<div class='lab-own'>{found}</div></div>"
-
-
-def lines(run: OwnRun, quantity: str) -> int:
-    """Lines that the findings take, about: a plot gets what they leave."""
-    return sum(1 + len(text) // 44 for text in _found(run, quantity))
 
 
 def _errors(run: OwnRun, k: int, quantity: str) -> str:

@@ -8,15 +8,16 @@ from html import escape
 
 import viser
 
+from app.frame.sentence import Said
 from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.stage import DIGITS, SlowStage
+from app.page.canvas import Canvas
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
 from app.page.source import Choice, Picture, Sight, Source
 from app.page.visit.notice import Notice
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
-from app.renderers.viewer import Sheet
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
@@ -32,14 +33,14 @@ class SlowMotion:
     """The mode of one visitor. While it is ``on`` the run rests; while it is ``showing`` a step, the ordinary stage is
     to be hidden, and ``on_view`` is called when that changes. It ends when something else moves the run on."""
 
-    def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None]):
-        self._client, self._session, self._on_view = client, session, on_view
+    def __init__(self, client: viser.ClientHandle, canvas: Canvas, session: Session, on_view: Callable[[], None]):
+        self._client, self._canvas, self._session, self._on_view = client, canvas, session, on_view
         self._lock = threading.RLock()
         self._over = threading.Event()  # of the thread that draws while the mode is on
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
         self._step: tuple[Scene, StepBreakdown] | None = None
         self.on = self._walking = False
-        self.sentence = ""  # that says what is on the stage, while the mode is on
+        self.sentence = Said()  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
         self._drawn: tuple[int, float, int] | None = None  # phase, how far it is, letters in a line
 
@@ -141,7 +142,7 @@ class SlowMotion:
     def _leave(self) -> None:
         self.on = self._walking = self._box.value = False  # type: ignore[misc]
         self._over.set()
-        self._text.content = self.sentence = ""
+        self._text.content, self.sentence = "", Said()
         self._step = self._drawn = None
         for stage in self._stages.values():
             stage.sheet.visible = False
@@ -165,7 +166,7 @@ class SlowMotion:
     def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
         """Draw what there is to see after another tick."""
         if (stage := self._stages.get(scene.problem)) is None:
-            sheet = Sheet(self._client, f"/slow-{scene.problem}")
+            sheet = self._canvas.sheet(f"/slow-{scene.problem}")
             stage = self._stages[scene.problem] = VIEWS[scene.problem].slow(sheet)
         now = self._phase, self._s, stage.width
         if now != self._drawn:
@@ -177,6 +178,7 @@ class SlowMotion:
                 stage.draw(scene, step, self._phase, along * along * (3 - 2 * along))
                 for problem, other in self._stages.items():
                     other.sheet.visible = problem == scene.problem
+            self._canvas.lettering.send()
             self._client.flush()
             self._drawn = now
         if self._s < 1:
@@ -207,7 +209,7 @@ class SlowStep:
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         return self._run.numbers(choice, picture, probed)
 
-    def sentence(self, choice: Choice, picture: Picture) -> str:
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
         said = self._run.sentence(choice, picture)
         return said and (self._slow.sentence or said)
 
@@ -215,10 +217,9 @@ class SlowStep:
         return self._run.notice()
 
 
-def _sentence(scene: Scene, phase: int) -> str:
+def _sentence(scene: Scene, phase: int) -> Said:
     """What happens in a phase, for above the stage."""
-    words = PHASES[phase].words(scene)
-    return f"{phase + 1} of {len(PHASES)}: {PHASES[phase].title}. {words[:1].upper()}{words[1:]}."
+    return Said.of(f"{phase + 1} of {len(PHASES)}: {PHASES[phase].title}.", PHASES[phase].words(scene))
 
 
 def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:

@@ -28,6 +28,7 @@
     if (found !== field) {
       field = found;
       tellLink();
+      dispatchEvent(new Event("lab-asked"));
     }
     const kept = document.querySelector(".lab-kept")?.dataset;
     if (!kept) return;
@@ -44,6 +45,7 @@
     }
   }
 
+  addEventListener("lab-tell", event => field && tell(event.detail));  // what other scripts have to say
   addEventListener("hashchange", () => {  // somebody has typed or followed another link on the same page
     read();
     if (field && link) tellLink();

@@ -1,0 +1,20 @@
+"""By what one knows the page, exported files and pictures: a mark, and Inter. Both are here, nothing is fetched."""
+
+from base64 import b64encode
+from pathlib import Path
+from urllib.parse import quote
+
+#: Two lanes and a question, as svg.
+MARK = (Path(__file__).parent / "page" / "web" / "mark.svg").read_text(encoding="utf-8")
+ICON = f"data:image/svg+xml,{quote(MARK)}"  # the same in a browser's tab
+FONTS = Path(__file__).parent / "fonts"
+_RANGES = {"latin": "U+0000-00FF,U+0131,U+0152-0153,U+02BB-02DC,U+2000-206F,U+2070-209F,U+20AC,U+2122,U+2190-2193,"
+                    "U+2212,U+2215,U+2248,U+2264-2265,U+FEFF,U+FFFD", "greek": "U+0370-03FF"}
+
+
+def faces() -> str:
+    """The type as part of a style."""
+    return "".join(
+        f"@font-face {{ font-family: 'Lab Inter'; font-weight: 100 900; font-display: block; unicode-range: {ranges}; "
+        f"src: url(data:font/woff2;base64,{b64encode((FONTS / f'inter-{part}.woff2').read_bytes()).decode()}) "
+        "format('woff2'); }\n" for part, ranges in _RANGES.items())

@@ -1,0 +1,154 @@
+"""The error over time below the stage: curves of the viewer's, and round them, as html, all that is to be read of them:
+the axis, where the run is, how far one can look back, since when it is lost and how often particles cross cells."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+import viser
+from viser import uplot
+
+from app.colours import PINNED, TRUTH
+from app.frame.scale import BEYOND, largest, round_up
+from app.page.panels.plots import EMPTY, Past, finite, grey_curves, line, put
+from app.page.visit.pinned import PinnedRun
+from app.words import QUANTITIES, with_unit
+from solvers.scene.registry import ESTIMATORS
+
+ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
+HEADROOM = 1.04  # over the largest error
+BINS = 120  # of the strip of crossings
+SHADES = 9  # of the strip
+TICKS = 4  # of the time's axis, at least
+
+
+@dataclass(frozen=True)
+class Now:
+    """Where the run is, at a ``time`` in s, over which frames one can look back, ``reach`` in s, whether it is
+    ``playing``, and since when it is ``lost``, or ``unstable``."""
+
+    time: float
+    reach: tuple[float, float]
+    playing: bool
+    lost: float | None = None
+    unstable: bool = False
+
+
+class Timeline:
+    """One visitor's. Call :meth:`show` a few times a second."""
+
+    def __init__(self, gui: viser.GuiApi):
+        self._gui = gui
+        self._box = gui.add_folder(None)
+        self._html = gui.add_html("")
+        self._plots: dict[tuple[tuple[str, ...], bool], viser.GuiUplotHandle] = {}
+        self._estimators: tuple[str, ...] = ()
+        self._ends: tuple[float, float, float] | None = None  # of the axes: times, and the error
+        self._of: object = None
+        self.height = 62
+
+    def have(self, estimators: tuple[str, ...], pinned: bool) -> None:
+        """Have a line for each of these estimators, and for a pinned run's."""
+        wanted = estimators, pinned
+        if wanted not in self._plots:
+            self._plots[wanted] = self._build(estimators, pinned)
+            self._ends = None
+        for which, plot in self._plots.items():
+            plot.visible = which == wanted
+        self._estimators, self._plot = estimators, self._plots[wanted]
+        if self._plot.height != self.height:
+            self._plot.height = self.height
+
+    def show(self, past: Past, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
+             drawn: str | None, now: Now) -> None:
+        """Draw a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
+        series = past.latest if latest else past.series
+        time = series["time"]
+        grey = grey_curves(pinned, past, series, quantity, drawn, latest)[0]
+        true = series[f"error_{quantity}"]
+        estimated = [np.minimum(series[f"{name}/estimate_{quantity}"], _most(true)) if name in valid
+                     else np.full(len(time), np.nan) for name in self._estimators]
+        top = self._scaled(past, (quantity, latest), time, [*grey, true, *estimated])
+        start, end, _ = self._ends or (0.0, 1.0, 1.0)
+        put(self._plot, (*finite(time, *grey, true, *estimated),))
+        self._say(past, series, quantity, start, end, top, now)
+
+    def time_at(self, part: float) -> float:
+        """The time in s at a part of the axis."""
+        start, end, _ = self._ends or (0.0, 1.0, 1.0)
+        return start + part * (end - start)
+
+    def clear(self) -> None:
+        """Show nothing: no time has passed."""
+        put(self._plot, finite(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
+        self._html.content = ""
+
+    def _scaled(self, past: Past, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
+        """Let the axes reach so far; within one run they only grow. The error that is their top."""
+        most = max(map(largest, curves))
+        start = float(time[0]) if time[0] > past.scene.period else 0.0
+        end, _ = round_up(float(time[-1]) - start, ENDS)
+        top, _ = round_up(HEADROOM * most, ENDS) if most > 0 else (1.0, 0)
+        if self._ends and self._of == (past.scene, of) and not start:
+            end, top = max(end, self._ends[1]), max(top, self._ends[2])
+        self._of = past.scene, of
+        ends = start, start + end if start else end, top
+        if ends != self._ends:
+            self._ends = ends
+            self._plot.scales = {"x": {"time": False, "range": [ends[0], ends[1]]}, "y": {"range": [0.0, top]}}
+        return top
+
+    def _say(self, past: Past, series: dict[str, np.ndarray], quantity: str, start: float, end: float, top: float,
+             now: Now) -> None:
+        def part(time: float) -> float:
+            return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
+
+        tick, _ = round_up(0.5 * top, (1, 2, 5))
+        step, _ = round_up((end - start) / TICKS / 1.0001, (1, 2, 5))
+        ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
+        last = with_unit(ticks[-1], "s") if ticks else ""
+        factor = float(last.split()[0]) / ticks[-1] if ticks else 1.0  # a unit with a prefix, said once
+        marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
+        words = QUANTITIES[quantity]
+        said = {"symbol": words.symbol, "top": [round(1 - tick / top, 4), with_unit(tick, words.unit)],
+                "start": with_unit(start, "s") if start else "0", "ticks": marks, "now": part(now.time),
+                "reach": [*map(part, now.reach)], "strip": self._strip(past, series, start, end),
+                "clock": with_unit(now.time, "s"), "playing": now.playing,
+                "lost": None if now.lost is None else part(now.lost),
+                "says": "" if now.lost is None else
+                f"{'unstable' if now.unstable else 'lost'} from {with_unit(now.lost, 's')} on"}
+        text = json.dumps(said, separators=(",", ":"), ensure_ascii=False)
+        content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
+        if content != self._html.content:
+            self._html.content = content
+
+    def _strip(self, past: Past, series: dict[str, np.ndarray], start: float, end: float) -> str:
+        """A digit for each part of the time until now: how many particles cross cells then, over the most that did."""
+        time, rate = past.crossings_per_second(series)
+        if not past.scene.has("crossings") or not len(time) or not np.isfinite(rate).any():
+            return ""
+        at = start + (end - start) * (np.arange(BINS) + 0.5) / BINS
+        at = at[at <= series["time"][-1]]
+        most = largest(rate)
+        shades = np.interp(at, time, rate) / most if most > 0 else np.zeros(len(at))
+        return "".join(map(str, np.rint(SHADES * np.nan_to_num(shades)).astype(int)))
+
+    def _build(self, estimators: tuple[str, ...], pinned: bool) -> viser.GuiUplotHandle:
+        grey = [line("pinned, true", PINNED, 2.5), line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
+        lines = [line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
+        series: tuple[uplot.Series, ...] = ({"label": "t"}, *grey, line("true", TRUTH, 4), *lines)
+        nothing: uplot.Axis = {"show": False}
+        with self._box:
+            self._gui.add_html("<i class='lab-timeline'></i>")
+            return self._gui.add_uplot(
+                (EMPTY, *(np.full(2, np.nan) for _ in series[1:])), series, legend={"show": False},
+                axes=(nothing, nothing), scales={"x": {"time": False, "range": [0.0, 1.0]}, "y": {"range": [0.0, 1.0]}},
+                height=self.height, padding=(2, 0, 0, 0))
+
+
+def _most(true: np.ndarray) -> float:
+    """An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth."""
+    truth = largest(true)
+    return BEYOND * truth if truth > 0 else np.inf

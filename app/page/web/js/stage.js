@@ -1,0 +1,35 @@
+// What is written on the stage: labels over the canvas, at places in parts of its box. Python says them once for each change;
+// where they are on the screen follows from the style alone, so a window that is resized needs no server.
+(() => {
+  const stage = document.getElementById("lab-stage"), drawn = new Map();
+  let said = "", high = 0;
+
+  function put(label) {
+    let element = drawn.get(label.name);
+    if (!element) {
+      element = stage.appendChild(document.createElement("span"));
+      drawn.set(label.name, element);
+    }
+    const [vertical, horizontal] = label.anchor.split("-"), key = JSON.stringify(label);
+    if (element.dataset.key === key) return;
+    element.dataset.key = key;
+    element.className = `lab-label lab-role-${label.role} lab-tone-${label.tone || "plain"} lab-${vertical} lab-to-${horizontal}`
+      + (label.bold ? " lab-bold" : "") + (label.sign ? ` lab-sign-${label.sign}` : "");
+    element.textContent = label.text;
+    element.style.left = `${100 * label.x}%`;
+    element.style.top = `${100 * label.y}%`;
+    element.style.setProperty("--size", label.size || 1);
+  }
+
+  function look() {
+    const data = document.querySelector("i.lab-stage")?.dataset;
+    if (!data || data.said === said) return;
+    said = data.said;
+    const {labels, high: height} = JSON.parse(said), names = new Set(labels.map(label => label.name));
+    for (const [name, element] of drawn) if (!names.has(name)) { element.remove(); drawn.delete(name); }
+    labels.forEach(put);
+    if (height !== high) document.body.style.setProperty("--lab-high", high = height);
+  }
+
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+})();

@@ -1,0 +1,55 @@
+// Round the curves of the error over time: its axis, the run's place in it, how far one can look back, since when it is lost,
+// how often particles cross cells. Pointing at a time asks for the frame of then.
+(() => {
+  const axis = document.querySelector("#lab-timeline .lab-axis"), clock = document.getElementById("lab-clock");
+  const title = document.querySelector("#lab-timeline .lab-names b");
+  const make = name => Object.assign(axis.appendChild(document.createElement("span")), {className: `lab-${name}`});
+  const [top, zero, begin, reach, lost, now, strip] = ["top", "zero", "begin", "reach", "gone", "now", "strip"].map(make);
+  const percent = part => `${100 * part}%`;
+  lost.hidden = now.hidden = true;
+  let ticks = [], said = "", held = false, waiting = null;
+
+  function write(at) {
+    const [from, to] = at.reach;
+    [top.textContent, begin.textContent, zero.textContent] = [at.top[1], at.start, "0"];
+    top.style.top = percent(at.top[0]);
+    while (ticks.length > at.ticks.length) ticks.pop().remove();
+    while (ticks.length < at.ticks.length) ticks.push(make("tick"));
+    at.ticks.forEach(([part, text], k) => { ticks[k].style.left = percent(part); ticks[k].textContent = text; });
+    Object.assign(reach.style, {left: percent(from), width: percent(to - from)});
+    reach.textContent = to - from > 0.09 ? "look back" : "";
+    now.style.left = percent(at.now);
+    now.hidden = false;
+    lost.hidden = at.lost === null;
+    if (at.lost !== null) lost.style.left = percent(at.lost);
+    lost.textContent = at.says;
+    lost.classList.toggle("lab-late", at.lost > 0.6);
+    const step = 100 / 120;
+    strip.style.background = at.strip && `linear-gradient(to right, ${[...at.strip].map((shade, k) =>
+      `color-mix(in srgb, var(--cross) ${Math.round(10 + 90 * shade / 9)}%, var(--ground)) ${k * step}% ${(k + 1) * step}%`)
+      .join(", ")}, transparent ${at.strip.length * step}%)`;
+    title.textContent = `Error norm of ${at.symbol}`;
+    clock.textContent = at.clock;
+    document.body.classList.toggle("lab-playing", at.playing);
+    document.body.classList.toggle("lab-lost", at.lost !== null);
+    document.body.style.setProperty("--reach-from", from);
+    document.body.style.setProperty("--reach-to", to);
+  }
+
+  function look() {
+    const data = document.querySelector("i.lab-times")?.dataset;
+    if (data && data.said !== said) write(JSON.parse(said = data.said));
+  }
+
+  const seek = event => {
+    const box = axis.getBoundingClientRect();
+    const part = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
+    waiting ??= setTimeout(() => waiting = null, 60);  // a hand moves more often than a frame can be shown
+    dispatchEvent(new CustomEvent("lab-tell", {detail: {seek: part}}));
+  };
+  axis.addEventListener("pointerdown", event => { held = true; axis.setPointerCapture(event.pointerId); seek(event); });
+  axis.addEventListener("pointermove", event => held && !waiting && seek(event));
+  for (const end of ["pointerup", "pointercancel"])
+    axis.addEventListener(end, event => { if (held && end === "pointerup") seek(event); held = false; });
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+})();

@@ -1,0 +1,32 @@
+// What is said (page/summary.py): the headline in spans that mean something to the eye, and the facts below it. All of it
+// is text. It changes for as long as a run goes on: read aloud is only what is of another moment, or answers a click.
+(() => {
+  const summary = document.getElementById("lab-summary"), aloud = document.getElementById("lab-aloud");
+  let said = null, count = null;
+  const together = text => text.replace(/(\d) (?=%|[pnµmkMG]?(?:m|s|Pa)\b)| (?=[=] )|(?<= =) /g, "$1\u00a0")
+    .replace(/–(?=\d)/g, "–\u2060");  // no line ends within "25 mm", "t = 0.2 s" or "0.25–0.30"
+  const line = (name, spans) => {
+    const made = document.createElement("span");
+    made.className = name;
+    made.append(...spans.map(([kind, text]) => {
+      const span = document.createElement("span");
+      if (kind) span.className = `lab-${kind}`;
+      span.textContent = together(text);
+      return span;
+    }));
+    return made;
+  };
+  function look() {
+    const says = document.querySelector(".lab-says"), sentence = says ? says.dataset.sentence : "";
+    if (sentence === said) return;
+    said = sentence;
+    if (!says) return summary.replaceChildren();
+    const [headline, facts] = JSON.parse(says.dataset.spans);
+    const first = line("lab-headline", headline), long = first.textContent.length > 78;
+    first.classList.toggle("lab-long", long);
+    summary.replaceChildren(first, " ", line("lab-facts", facts.map((fact, k) => ["", (k ? " " : "") + fact])));
+    if (says.dataset.aloud !== count && count !== null) aloud.textContent = sentence;
+    count = says.dataset.aloud;
+  }
+  new MutationObserver(look).observe(document.getElementById("root") || document.body, {childList: true, subtree: true});
+})();

@@ -1,0 +1,19 @@
+// Tells the page how much room there is: for the stage and the plot over time, in the window's own pixels. What the canvas
+// says of itself is in the screen's, and less where graphics are slow.
+(() => {
+  const room = document.getElementById("lab-room"), axis = document.querySelector("#lab-timeline .lab-axis");
+  const told = () => ({room: [room.clientWidth, room.clientHeight, room.offsetLeft, axis.clientWidth, axis.clientHeight]
+    .map(Math.round)});
+  let last = "", soon = null;
+
+  function look() {
+    soon ??= setTimeout(() => {
+      soon = null;
+      const now = JSON.stringify(told());
+      if (now !== last) dispatchEvent(new CustomEvent("lab-tell", {detail: JSON.parse(last = now)}));
+    }, 120);
+  }
+
+  for (const element of [room, axis]) new ResizeObserver(look).observe(element);
+  addEventListener("lab-asked", () => { last = ""; look(); });  // somebody listens from now on
+})();

@@ -1,0 +1,116 @@
+"""How every picture that is drawn to a file looks: the page's type, ink, no box, few lines, sizes in words on the axes.
+
+Whoever draws imports this, and drawing is so from then on: the settings are matplotlib's own, for the whole process.
+"""
+
+from collections.abc import Sequence
+
+import matplotlib
+import numpy as np
+from matplotlib import font_manager
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import Formatter, LogLocator, MaxNLocator, NullFormatter
+
+from app.colours import INK, INK2, LINE, LINE2
+from app.identity import FONTS
+from app.words import with_unit
+
+FAMILY = "Lab Inter"
+TRUTH_WIDTH, ESTIMATE_WIDTH = 2.6, 1.3  # points: the truth lies wide below, estimates on it
+FEW = 3  # lines of a grid, roughly
+
+for _name, _weight in (("Inter-Regular.otf", 400), ("Inter-SemiBold.otf", 700)):  # what bold is, here
+    font_manager.fontManager.ttflist.append(
+        font_manager.FontEntry(fname=str(FONTS / _name), name=FAMILY, weight=_weight))
+matplotlib.rcParams.update({
+    "font.family": [FAMILY, "DejaVu Sans"], "font.size": 11, "text.hinting": "none",
+    "mathtext.fontset": "custom", "mathtext.rm": FAMILY, "mathtext.it": FAMILY, "mathtext.bf": f"{FAMILY}:bold",
+    "mathtext.cal": FAMILY, "text.color": INK, "axes.labelcolor": INK2, "axes.labelsize": 10.5,
+    "axes.titlecolor": INK, "axes.titlesize": 11, "axes.titleweight": "bold", "axes.titlelocation": "left",
+    "axes.titlepad": 8, "figure.titleweight": "bold", "axes.spines.top": False, "axes.spines.right": False,
+    "axes.spines.left": False, "axes.edgecolor": LINE2, "axes.grid": True, "axes.grid.axis": "y",
+    "axes.axisbelow": True, "grid.color": LINE, "grid.linewidth": 0.9, "xtick.color": LINE2, "ytick.color": LINE2,
+    "xtick.labelcolor": INK2, "ytick.labelcolor": INK2, "xtick.labelsize": 10, "ytick.labelsize": 10,
+    "xtick.major.size": 4, "ytick.major.size": 0, "xtick.minor.size": 0, "ytick.minor.size": 0,
+    "legend.frameon": False, "legend.labelcolor": INK2, "legend.fontsize": 10, "lines.solid_capstyle": "round"})
+
+
+class Sizes(Formatter):
+    """Ticks as people say sizes: one prefix for a linear axis and the unit at its last tick (0, 100, 200 µm), a unit at
+    each power of ten (10 µm, 100 µm, 1 mm)."""
+
+    def __init__(self, unit: str):
+        self.unit = unit
+
+    def format_ticks(self, values: Sequence[float]) -> list[str]:
+        assert isinstance(self.axis, Axis)
+        low, high = sorted(self.axis.get_view_interval())
+        slack = 1e-9 * (high - low)
+        there = [value for value in values if low - slack <= value <= high + slack]
+        if self.axis.get_scale() == "log":
+            return [with_unit(value, self.unit).strip() if value > 0 else "" for value in values]
+        largest = max(map(abs, there), default=0.0)
+        number, _, unit = with_unit(largest, self.unit).partition(" ")
+        times = float(number) / largest if largest else 1.0
+        last = max(there, default=None)
+        return [f"{times * value:.4g} {unit}".strip().replace("-", "−") if value == last
+                else f"{times * value:.4g}".replace("-", "−") for value in values]
+
+    def __call__(self, value: float, position: int | None = None) -> str:
+        return with_unit(value, self.unit).strip()
+
+
+def in_sizes(axis: Axis, unit: str, few: bool = True) -> None:
+    """Sizes along an axis that has its scale and its limits, at ``few`` lines of a grid or as many as usual."""
+    axis.set_major_formatter(Sizes(unit))
+    axis.set_minor_formatter(NullFormatter())
+    if axis.get_scale() == "log":
+        low, high = axis.get_view_interval()
+        powers = np.floor(np.log10(high)) - np.ceil(np.log10(low)) + 1 if low > 0 else FEW
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if powers < 2 else (1,), numticks=FEW + 2))
+    elif few:
+        axis.set_major_locator(MaxNLocator(FEW, steps=[1, 2, 2.5, 5, 10]))
+
+
+def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: float = 0.14) -> None:
+    """The names of curves at their right ends, in place of a legend.
+
+    Parameters
+    ----------
+    axes
+        With its scales and limits.
+    named
+        Of each curve its name, its ordinates, and the colour of the words.
+    apart
+        How far two names must be from each other, as a part of the axes' height.
+    """
+    to_share = axes.transScale + axes.transLimits
+    ends: list[tuple[float, str, str]] = []
+    for name, values, colour in named:
+        known = values[np.isfinite(values)]
+        if len(known):
+            share = float(to_share.transform((axes.get_xlim()[1], known[-1]))[1])
+            ends.append((float(np.clip(share, 0.0, 1.0)), name, colour))
+    ends.sort()
+    heights = np.array([share for share, _, _ in ends])
+    for _ in range(50):  # neighbours that are too near give way by half each
+        near = apart - np.diff(heights)
+        push = np.where(near > 0, near / 2, 0.0)
+        heights[1:] += push
+        heights[:-1] -= push
+        heights = np.clip(heights, 0.0, 1.0)
+    for height, (_, name, colour) in zip(heights, ends, strict=True):
+        axes.text(1.012, height, name, transform=axes.transAxes, color=colour, va="center", fontsize=10,
+                  fontweight="bold")
+
+
+
+
+def sheet(width: float, height: float, title: str) -> Figure:
+    """An empty figure of so many inches, with a headline at its upper left."""
+    figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
+    figure.suptitle(title, x=0.012, ha="left", fontsize=13, linespacing=1.4)
+    return figure

@@ -1,0 +1,116 @@
+"""What a file of particles says of the scene that it was run with: one line of JSON, in our own files and in any other.
+
+It is believed in nothing: whatever is not a scene is refused, and a scene that the particles do not fit is no answer
+(``solvers.judging.fitting``).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+from solvers.judging.frames import FileError, Misfit, Raw, Said
+from solvers.problems import PROBLEMS
+from solvers.problems.reference import OF_METHODS
+from solvers.scene.rules import SceneError, field_key, field_label, key_field
+from solvers.scene.scene import Scene
+from solvers.study.grid import task_of
+
+SCHEMA, FAMILY = "mpm-lab/particles/1", "mpm-lab/particles/"
+LONGEST = 4000  # letters of such a line, and of a text in it
+LONGEST_WORD = 40
+NOT_OF_THE_PROBLEM = OF_METHODS | {"t_end", "periods"}  # what does not matter to a judge
+HINT = "take the line called scene out of it, or write it anew"
+
+
+def line(scene: Scene) -> str:
+    """What our own files say: one line without spaces, so that a comment of a .csv can hold it too."""
+    said = {"schema": SCHEMA, "problem": scene.problem, "inputs": task_of(scene).inputs}
+    return json.dumps(said, separators=(",", ":"))
+
+
+def read_line(file: str, text: object, cells: int | None) -> Said | None:
+    """What a file says in a line; None where that is none of ours. ``cells`` is what it says beside."""
+    if not isinstance(text, str) or FAMILY not in text[:100]:
+        return None
+    try:
+        values = json.loads(text[:LONGEST + 1])
+        schema, problem, inputs = values["schema"], values["problem"], dict(values["inputs"])
+    except (ValueError, TypeError, KeyError, RecursionError):
+        raise FileError(file, f"says a scene that cannot be read; {HINT}") from None
+    if schema != SCHEMA:
+        raise FileError(file, f"says its scene in the words of another version ({str(schema)[:LONGEST_WORD]}), and "
+                              f"{SCHEMA} can be read; {HINT}")
+    if not isinstance(problem, str) or problem not in PROBLEMS:
+        raise FileError(file, f"says that it is of a problem that is none here; {HINT}")
+    said = Said(problem, {key_field(key): value for key, value in inputs.items()
+                          if key_field(key) not in NOT_OF_THE_PROBLEM})
+    own = scene(file, said)
+    if "cells" in said.inputs and cells is not None and cells != own.cells:
+        raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
+    return said
+
+
+def scene(file: str, said: Said) -> Scene:
+    """The scene that is said; :class:`FileError` where there is none such."""
+    try:
+        if not all(isinstance(value, (int, float)) or (isinstance(value, str) and len(value) <= LONGEST_WORD)
+                   for value in said.inputs.values()):
+            raise TypeError
+        return PROBLEMS[said.problem].scene(**said.inputs)
+    except SceneError as error:
+        raise FileError(file, f"says a scene that cannot be: {field_label(error.field)} {str(error.value)[:30]}: "
+                              f"{error.sentence}; {HINT}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise FileError(file, f"says a scene whose inputs are none of the {said.problem}'s; {HINT}") from None
+
+
+def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
+    """The scene to judge files with, and what is to be noted of that: what they say of it holds where ``asked`` stands
+    at its defaults, but for the number of cells, which each file has its own of.
+
+    Raises :class:`Misfit` where a file says another problem, :class:`FileError` where it says something else than was
+    asked for, or than another file.
+    """
+    notes: list[str] = []
+    by: dict[str, str] = {}  # which file said a field first
+    default, settled_scene = type(asked)(), asked
+    for raw in files:
+        if raw.said is None:
+            continue
+        if raw.said.problem != asked.problem:
+            raise Misfit(raw.file, f"says that it is of the {raw.said.problem}", HINT, (raw.said.problem,))
+        own, taken = scene(raw.file, raw.said), dict[str, Any]()
+        names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
+        for name in names:
+            value, now = getattr(own, name), getattr(settled_scene, name)
+            if name == "cells" or value == now:
+                continue
+            if name in by or now != getattr(default, name):
+                says = f"{by[name]} says" if name in by else f"{_flag(name)} says"
+                raise FileError(raw.file, f"says {field_label(name)} {_plain(value)}, and {says} {_plain(now)}; give "
+                                          "what was run, or nothing of it")
+            taken[name] = value
+        by |= dict.fromkeys(names, raw.file)
+        if taken:
+            settled_scene = _with(raw.file, settled_scene, taken)
+            told = ", ".join(f"{field_label(name)} {_plain(value)}" for name, value in taken.items())
+            notes.append(f"judged with what {raw.file} says of its scene: {told}")
+    return settled_scene, notes
+
+
+def _with(file: str, asked: Scene, taken: Mapping[str, Any]) -> Scene:
+    try:
+        return replace(asked, **taken)
+    except SceneError as error:
+        raise FileError(file, f"says a scene that cannot be with the rest: {error}; {HINT}") from None
+
+
+def _flag(name: str) -> str:
+    return f"--{field_key(name).replace('_', '-')}"
+
+
+def _plain(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,211 @@
+"""Files of another problem, grid or scene than they are judged with: refused in one sentence that names what fits."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli import main
+from solvers.judging import writing
+from solvers.judging.frames import FileError, Misfit, Raw
+from solvers.judging.handout import exact
+from solvers.judging.reading import read
+from solvers.judging.said import LONGEST, SCHEMA, line
+from solvers.judging.verdict import judge
+from solvers.problems import PROBLEMS
+
+OURS = ["--cells", "12", "--estimator", "none", "--quiet", "--json"]
+
+
+def scene_of(problem: str, **more):
+    return PROBLEMS[problem].scene(cells=12, **more)
+
+
+def frames_of(problem: str, **more):
+    scene = scene_of(problem, **more)
+    return [exact(scene, part * scene.period) for part in (0.0, 0.1)]
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    """Runs of ours of each problem as .npz and .csv, of an amplitude that is not the default."""
+    folder = tmp_path_factory.mktemp("own")
+    for problem in PROBLEMS:
+        for kind in ("npz", "csv"):
+            assert main(["run", problem, *OURS, str(folder / "run.json"), "--amplitude", "0.01", "--periods", "0.1",
+                         "--particles", str(folder / f"{problem}.{kind}")]) == 0
+    return folder
+
+
+def judged(problem: str, file: Path, out: Path, *flags: str) -> int:
+    return main(["judge", problem, str(file), "--no-compare", "--quiet", "--out", str(out), *flags])
+
+
+@pytest.mark.parametrize("kind", ["npz", "csv"])
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_a_file_of_ours_is_judged_with_the_scene_that_it_says(problem, kind, own, tmp_path):
+    """No flag says its amplitude or its cells."""
+    assert judged(problem, own / f"{problem}.{kind}", tmp_path / "out") == 0
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert report["scene"]["amplitude"] == 0.01 and report["grids"][0]["cells"] == 12
+    assert report["grids"][0]["estimate"]["index"]["x"] == pytest.approx(1, abs=1e-2)
+    assert "judged with what" in report["grids"][0]["notes"][0]
+    assert "amplitude 0.01" in report["grids"][0]["notes"][0]
+
+
+@pytest.mark.parametrize("problem, file", [("bar", "ring"), ("bar", "vortex"), ("ring", "vortex"), ("vortex", "bar")])
+def test_a_file_of_ours_on_another_problem_names_its_own(problem, file, own, tmp_path, capsys):
+    assert judged(problem, own / f"{file}.npz", tmp_path / "out") == 2
+    said = capsys.readouterr().err
+    assert f"says that it is of the {file}; it fits `mpm-lab judge {file}`" in said and said.count("\n") == 1
+
+
+def test_what_is_asked_for_and_what_the_file_says_must_not_contradict(own, tmp_path, capsys):
+    assert judged("bar", own / "bar.npz", tmp_path / "same", "--amplitude", "0.01") == 0
+    assert judged("bar", own / "bar.npz", tmp_path / "other", "--amplitude", "0.02") == 2
+    said = capsys.readouterr().err
+    assert "says amplitude 0.01, and --amplitude says 0.02; give what was run" in said and said.count("\n") == 1
+
+
+def test_files_of_several_scenes_are_not_one_run(own, tmp_path):
+    frames = frames_of("bar", amplitude=0.02)
+    (tmp_path / "b.npz").write_bytes(writing.npz(frames, replace(scene_of("bar", amplitude=0.02), cells=12)))
+    with pytest.raises(FileError, match=r"says amplitude 0\.02, and .*bar\.npz says 0\.01"):
+        judge(PROBLEMS["bar"].scene(), [str(own / "bar.npz"), str(tmp_path / "b.npz")])
+
+
+def stranger(problem: str, folder: Path, **changed) -> Path:
+    """A file that says nothing of its scene."""
+    columns = writing.table(frames_of(problem)) | changed
+    file = folder / "theirs.csv"
+    file.write_bytes(writing.csv({name: values for name, values in columns.items() if values is not None}))
+    return file
+
+
+NO_X = {"X": None, "Y": None}
+
+
+@pytest.mark.parametrize("columns", [{}, NO_X], ids=["material positions", "ids"])
+@pytest.mark.parametrize("problem", ["ring", "vortex"])
+def test_a_strangers_file_of_two_directions_is_no_bars(problem, columns, tmp_path, capsys):
+    """Ids alone can be those of both; material positions are of one."""
+    file = stranger(problem, tmp_path, **columns)
+    assert judged("bar", file, tmp_path / "out", "--cells", "12") == 2
+    said = capsys.readouterr().err
+    assert "has positions in two directions, and the bar has one; it fits " in said and said.count("\n") == 1
+    assert f"`mpm-lab judge {problem}`" in said
+
+
+def test_a_direction_in_which_nothing_reaches_is_none(tmp_path):
+    """Codes write three components; the second of a bar's is rounding."""
+    still = np.full(len(writing.table(frames_of("bar"))["t"]), 0.3)
+    file = stranger("bar", tmp_path, y=still + 1e-12 * np.arange(len(still)), z=0 * still)
+    judgement = judge(scene_of("bar"), str(file))
+    assert judgement.grids[0].norms["x"].max() < 1e-15 and judgement.grids[0].notes() == []
+
+
+def test_a_bar_on_a_line_is_no_ring(tmp_path):
+    frames = frames_of("bar")
+    with pytest.raises(Misfit) as refused:
+        judge(scene_of("ring"), {"t": 0.1, "id": frames[1].number, "x": np.pad(frames[1].position, ((0, 0), (0, 1)))})
+    assert "has positions in one direction, and the ring has two" in str(refused.value)
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_ids_of_another_grid_are_refused_with_the_grid_that_fits(problem, tmp_path, capsys):
+    """Of a coarse one, whose particles are but the first of many here; and of a fine one."""
+    file = stranger(problem, tmp_path, **NO_X)
+    count = PROBLEMS[problem].scene(cells=12).particles
+    assert judged(problem, file, tmp_path / "out", "--cells", "24") == 2
+    said = capsys.readouterr().err
+    assert f"has ids from 0 to {count - 1}, and 24 cells" in said and "(so many are those of 12 cells)" in said
+    if problem != "vortex":  # which has 12 at least
+        assert judged(problem, file, tmp_path / "out", "--cells", "8") == 2
+        assert "(so many are those of 12 cells)" in capsys.readouterr().err
+    assert judged(problem, file, tmp_path / "out", "--cells", "12") == 0
+
+
+def test_some_particles_of_a_grid_are_enough(tmp_path):
+    """Every third, and the first few: they are judged, with a word on what is missing."""
+    for few in (slice(None, None, 3), slice(0, 5)):
+        frame = frames_of("bar")[1]
+        arrays = {"t": frame.time, "id": frame.number[few], "x": frame.position[few]}
+        [grid] = judge(scene_of("bar"), arrays).to_dict()["grids"]
+        assert grid["error"]["x"]["max"] < 1e-15 and "particles are not in" in grid["notes"][0]
+
+
+def test_ids_in_another_order_do_not_begin_where_ours_do(tmp_path):
+    frame = frames_of("ring")[0]
+    with pytest.raises(Misfit, match="at t = 0 that are not where those of the ring begin, by"):
+        judge(scene_of("ring"), {"t": 0.0, "id": frame.number[::-1], "x": frame.position})
+
+
+def test_a_file_that_lies_about_its_problem_is_not_believed(tmp_path, capsys):
+    """A bar's particles that say they are a ring's, to whomever asks."""
+    (tmp_path / "liar.npz").write_bytes(writing.npz(frames_of("bar"), scene_of("ring")))
+    assert judged("ring", tmp_path / "liar.npz", tmp_path / "out") == 2
+    said = capsys.readouterr().err
+    assert "says that it is of the ring, and has x in one direction, and the ring has two; it fits" in said
+    assert "`mpm-lab judge bar`" in said and said.count("\n") == 1
+    assert judged("bar", tmp_path / "liar.npz", tmp_path / "out") == 2
+    said = capsys.readouterr().err
+    assert "says that it is of the ring, and its particles are not; take the line called scene out" in said
+
+
+def test_a_file_that_lies_about_its_cells_is_refused(tmp_path):
+    frames = frames_of("bar")
+    np.savez(tmp_path / "a.npz", t=frames[1].time, x=frames[1].position, id=frames[1].number, cells=40,
+             scene=np.array(line(scene_of("bar"))))
+    with pytest.raises(FileError, match="says that it has 40 cells, and 12 in its scene"):
+        read(str(tmp_path / "a.npz"))
+
+
+def said(**changed) -> str:
+    return json.dumps({"schema": SCHEMA, "problem": "bar", "inputs": {}} | changed)
+
+
+@pytest.mark.parametrize("text, why", [
+    (said(problem="dam"), "says that it is of a problem that is none here"),
+    (said(problem=["bar"]), "says that it is of a problem that is none here"),
+    (said(schema="mpm-lab/particles/2"), "in the words of another version (mpm-lab/particles/2)"),
+    (said(inputs={"amplitude": 1e9}), "says a scene that cannot be: amplitude 1000000000.0"),
+    (said(inputs={"amplitude": "much"}), "says a scene"), (said(inputs={"cells": True}), "says a scene"),
+    (said(inputs={"amplitude": float("nan")}), "says a scene that cannot be: amplitude nan"),
+    (said(inputs={"cells": 10**9}), "says a scene that cannot be: cells"),
+    (said(inputs={"amplitude": [1]}), "says a scene whose inputs are none of the bar's"),
+    (said(inputs={"__class__": 1}), "says a scene whose inputs are none of the bar's"),
+    (said(inputs={"body_force": "x" * 100}), "says a scene whose inputs are none of the bar's"),
+    (said(inputs=[1, 2]), "says a scene that cannot be read"), (said()[:-1], "says a scene that cannot be read"),
+    (said(inputs={"a": "x" * LONGEST}), "says a scene that cannot be read"),
+    ('{"schema":"mpm-lab/particles/1","problem":' + "[" * 3000, "says a scene that cannot be read")])
+def test_a_scene_that_is_none_is_refused_in_one_sentence(text, why, tmp_path):
+    frame = frames_of("bar")[1]
+    np.savez(tmp_path / "a.npz", t=frame.time, x=frame.position, id=frame.number, scene=np.array(text))
+    with pytest.raises(FileError) as refused:
+        read(str(tmp_path / "a.npz"))
+    assert why in refused.value.sentence and "\n" not in refused.value.sentence and len(refused.value.sentence) < 400
+
+
+@pytest.mark.parametrize("other", [np.array("my own scene"), np.arange(3.0), np.array(b"mpm-lab/particles/1")])
+def test_what_others_call_a_scene_is_theirs(other, tmp_path):
+    frame = frames_of("bar")[1]
+    np.savez(tmp_path / "a.npz", t=frame.time, x=frame.position, id=frame.number, scene=other)
+    assert read(str(tmp_path / "a.npz")).said is None
+
+
+def test_what_is_said_reads_back_as_the_scene(tmp_path):
+    """Of each problem and motion, in both forms."""
+    for scene in (scene_of("bar", motion="patch", ppc=2.5), scene_of("ring", amplitude=0.02),
+                  scene_of("vortex", body_force="two-tone")):
+        frames = [exact(replace(scene, body_force="material"), 0.1 * scene.period)]
+        (tmp_path / "a.npz").write_bytes(writing.npz(frames, scene))
+        (tmp_path / "a.csv").write_bytes(writing.csv(writing.table(frames), {"scene": line(scene)}))
+        for kind in ("npz", "csv"):
+            raw: Raw = read(str(tmp_path / f"a.{kind}"))
+            own = judge(PROBLEMS[scene.problem].scene(), raw).grids[0].scene
+            assert (own.ppc, own.amplitude, own.body_force) == (scene.ppc, scene.amplitude, scene.body_force)
+            assert own.particles == scene.particles
