@@ -39,7 +39,7 @@ class Controls:
         self._patience = Patience()
         self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
         self._bound = BoundWidgets(gui, session, self._patience, self._turn)
-        gui.add_html("<i class='lab-at-problem'></i>")
+        self._problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
         self._stage = StageChoice(gui, session, scale, on_view)
@@ -72,7 +72,7 @@ class Controls:
         with self._turn:
             if controls != self._offered:
                 self._offered = controls
-                self._problem.visible = not controls or "problem" in controls
+                self._problem.visible = self._problem_mark.visible = not controls or "problem" in controls
                 self._stage.offer(controls)
                 self._transport.offer(controls)
                 self._rebuild()

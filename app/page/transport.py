@@ -2,6 +2,7 @@
 whatever tab is open (``css/20-deck.css``), and so it is made once, before the tabs."""
 
 from collections.abc import Callable
+from typing import Any
 
 import viser
 
@@ -28,24 +29,25 @@ class Transport:
         buttons = gui.add_button_group("Run", tuple(acts))
         buttons.on_click(lambda event: acts[event.target.value]())
         self._speed = bound.size(self._pace, session.speed, session.set_speed, "lab-at-speed")
-        gui.add_html("<i class='lab-at-pin'></i>")
+        pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(PIN, hint="keep the run on the stage beside what you change: both begin at t = 0 "
                                    "and go on together, period by period")
         self._pin.on_click(lambda _: self._turn())
-        gui.add_html("<i class='lab-at-back'></i>")
+        back_mark = gui.add_html("<i class='lab-at-back'></i>")
         self._back = looking.build_slider(gui)
-        gui.add_html("<i class='lab-at-slow'></i>")
+        slow_mark = gui.add_html("<i class='lab-at-slow'></i>")
         self._slowly = gui.add_button(SLOW, hint="pause, and walk through one time step phase by phase")
         self._slowly.on_click(lambda _: slow.end() if slow.on else slow.forward())
+        # A mark that stayed where its widget has gone would mark what comes next.
+        self._parts: dict[str, tuple[Any, ...]] = {
+            "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back),
+            "slow-motion": (slow_mark, self._slowly), "speed": (self._speed,)}
 
     def offer(self, controls: tuple[str, ...]) -> None:
         """Show what is among these controls, or all where there are none."""
-        def offered(control: str) -> bool:
-            return not controls or control in controls
-
-        self._pin.visible, self._back.visible = offered("pin"), offered("look-back")
-        self._slowly.visible = offered("slow-motion")
-        self._speed.visible = offered("speed")
+        for control, parts in self._parts.items():
+            for part in parts:
+                part.visible = not controls or control in controls
 
     def pin(self, scene: Scene | None = None) -> None:
         """Keep the run on the stage, or one of a scene, beside what follows."""

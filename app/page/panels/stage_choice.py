@@ -3,6 +3,7 @@ onto the stage, beside what they change (``css/10-shell.css``), whatever tab is 
 tabs."""
 
 from collections.abc import Callable
+from typing import Any
 
 import viser
 
@@ -24,26 +25,30 @@ class StageChoice:
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self.estimator = next(iter(session.scene.estimators), None)  # the one on the stage, if any
         self.magnified = 1
-        gui.add_html("<i class='lab-at-quantity'></i>")
+        quantity_mark = gui.add_html("<i class='lab-at-quantity'></i>")
         self._quantity = gui.add_dropdown("Error of", tuple(self._quantities), initial_value=self._shown_quantity,
                                           hint="the quantity whose error gives the colours, and whose field is plotted")
-        gui.add_html("<i class='lab-at-estimator'></i>")
+        estimator_mark = gui.add_html("<i class='lab-at-estimator'></i>")
         self._estimator = gui.add_dropdown("On the stage", session.scene.estimators or (NONE,),
                                            initial_value=self.estimator or NONE,
                                            hint="the estimator whose errors are drawn, of those that run")
-        gui.add_html("<i class='lab-at-magnify'></i>")
+        magnify_mark = gui.add_html("<i class='lab-at-magnify'></i>")
         self._magnify = gui.add_dropdown("Magnify error", tuple(_FACTORS), initial_value=_NAMES[1],
                                          hint="in the plot of the field: how many times the deviation of the particles "
                                               "from the exact curve is drawn")
+        # A mark that stayed where its widget has gone would mark what comes next.
+        self._parts: dict[str, tuple[Any, Any]] = {
+            "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator),
+            "magnify": (magnify_mark, self._magnify)}
         self._quantity.on_update(lambda event: self._choose_quantity() if event.client else None)
         self._estimator.on_update(lambda event: self._choose_estimator() if event.client else None)
         self._magnify.on_update(lambda event: self._choose_factor() if event.client else None)
 
     def offer(self, controls: tuple[str, ...]) -> None:
         """Show what is among these controls, or all where there are none."""
-        for widget, control in ((self._quantity, "quantity"), (self._estimator, "estimators"),
-                                (self._magnify, "magnify")):
-            widget.visible = not controls or control in controls
+        for control, parts in self._parts.items():
+            for part in parts:
+                part.visible = not controls or control in controls
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
         """Show these; the estimator as far as it runs, see :meth:`judge_by`."""
