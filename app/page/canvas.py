@@ -5,6 +5,7 @@ from collections.abc import Hashable
 import numpy as np
 import viser
 
+from app.colours import GROUNDS, rgb
 from app.frame.colour_bar import ColourBar
 from app.frame.scale import ColourScale
 from app.frame.stage import Stage
@@ -27,7 +28,7 @@ class Canvas:
         self._client, self._scale, self.lettering = client, scale, Lettering(client.gui)
         self.picture: Picture | None = None  # that is seen
         self._coloured: Hashable = None  # what the scale of colours is of
-        client.scene.set_background_image(np.full((2, 2, 3), 255, np.uint8), format="png")
+        self._paint(False)
         self._colour_bar = ColourBar(self.sheet("/colours"), scale)
         self._stages = {problem: view.stage(self.sheet(f"/{problem}"), scale) for problem, view in VIEWS.items()}
         self._show_stage(problem)
@@ -61,6 +62,15 @@ class Canvas:
         self.camera.show(stage.rectangle)
         self.probe.look(stage, arrays, view.estimated, view.true, unit)
         self.picture = picture
+
+    def shade(self, dark: bool) -> None:
+        """Draw on a dark ground, or on a light one."""
+        self.lettering.dark = dark
+        self._paint(dark)
+
+    def _paint(self, dark: bool) -> None:
+        ground = np.array(rgb(GROUNDS["ground"][dark]), np.uint8)
+        self._client.scene.set_background_image(np.broadcast_to(ground, (2, 2, 3)).copy(), format="png")
 
     def sheet(self, at: str) -> Sheet:
         """One more to draw on, under a name of its own."""

@@ -69,7 +69,7 @@ class Page:
         self._controls.begin()
         if classroom.lesson:
             self._player.open(classroom.lesson)
-        self._window = Window(self._store, self._fit)
+        self._window = Window(self._store, self._fit, self._shade)
         self._store.heard["seek"] = self._seek
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
@@ -160,6 +160,13 @@ class Page:
         self._measurements.timeline.height = max(20, round(size.plot_height))
         if self._canvas.lettering.fit(size.width, size.height, size.left):
             self._redraw()
+
+    def _shade(self, dark: bool) -> None:
+        """The window is to be dark, or light."""
+        set_up(self.client.gui, dark)
+        self._canvas.shade(dark)
+        self._measurements.timeline.shade(dark)
+        self._redraw()
 
     def _seek(self, said: object) -> None:
         """The visitor has pointed at a place of the plot over time, a part of its axis."""

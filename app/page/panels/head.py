@@ -33,10 +33,10 @@ GROUND = f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + (WEB / "ground.ht
 _HEAD = (WEB / "head.html").read_text(encoding="utf-8")
 
 
-def set_up(gui: viser.GuiApi) -> None:
+def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
     """Theme and panel of a page."""
-    gui.configure_theme(dark_mode=False, show_logo=False, show_share_button=False,
-                        brand_color=_brand(TEXTS["accent"].light))
+    gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
+                        brand_color=_brand(TEXTS["accent"][dark]))
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
     gui.set_panel_label("mpm-lab: how wrong is it?")

@@ -10,7 +10,7 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.colours import PINNED, TRUTH
+from app.colours import LINES, PINNED
 from app.frame.scale import BEYOND, largest, round_up
 from app.page.panels.plots import EMPTY, Past, finite, grey_curves, line, put
 from app.page.visit.pinned import PinnedRun
@@ -47,7 +47,13 @@ class Timeline:
         self._estimators: tuple[str, ...] = ()
         self._ends: tuple[float, float, float] | None = None  # of the axes: times, and the error
         self._of: object = None
-        self.height = 62
+        self.height, self._dark = 62, False
+
+    def shade(self, dark: bool) -> None:
+        """Draw on a dark ground, or on a light one."""
+        self._dark = dark
+        for (estimators, pinned), plot in self._plots.items():
+            plot.series = self._series(estimators, pinned)
 
     def have(self, estimators: tuple[str, ...], pinned: bool) -> None:
         """Have a line for each of these estimators, and for a pinned run's."""
@@ -136,9 +142,7 @@ class Timeline:
         return "".join(map(str, np.rint(SHADES * np.nan_to_num(shades)).astype(int)))
 
     def _build(self, estimators: tuple[str, ...], pinned: bool) -> viser.GuiUplotHandle:
-        grey = [line("pinned, true", PINNED, 2.5), line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
-        lines = [line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
-        series: tuple[uplot.Series, ...] = ({"label": "t"}, *grey, line("true", TRUTH, 4), *lines)
+        series = self._series(estimators, pinned)
         nothing: uplot.Axis = {"show": False}
         with self._box:
             self._gui.add_html("<i class='lab-timeline'></i>")
@@ -146,6 +150,13 @@ class Timeline:
                 (EMPTY, *(np.full(2, np.nan) for _ in series[1:])), series, legend={"show": False},
                 axes=(nothing, nothing), scales={"x": {"time": False, "range": [0.0, 1.0]}, "y": {"range": [0.0, 1.0]}},
                 height=self.height, padding=(2, 0, 0, 0))
+
+    def _series(self, estimators: tuple[str, ...], pinned: bool) -> tuple[uplot.Series, ...]:
+        """What each line looks like, the truth's broad and beneath."""
+        grey = [line("pinned, true", PINNED, 2.5), line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
+        lines = [line(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
+                 for name in estimators]
+        return {"label": "t"}, *grey, line("true", LINES["truth"][self._dark], 4), *lines
 
 
 def _most(true: np.ndarray) -> float:

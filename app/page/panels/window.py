@@ -23,11 +23,13 @@ class Size:
 
 
 class Window:
-    """One visitor's. ``on_change`` is called when its size is another one; what the browser says may be anything."""
+    """One visitor's. ``on_change`` is called when its size is another one, ``on_dark`` when it is to be dark or light;
+    what the browser says may be anything."""
 
-    def __init__(self, store: BrowserStore, on_change: Callable[[Size], None]):
-        self.size, self._on_change = Size(), on_change
+    def __init__(self, store: BrowserStore, on_change: Callable[[Size], None], on_dark: Callable[[bool], None]):
+        self.size, self._dark, self._on_change, self._on_dark = Size(), False, on_change, on_dark
         store.heard["room"] = self._hear
+        store.heard["dark"] = self._shade
 
     def _hear(self, said: Any) -> None:
         if not (isinstance(said, list) and len(said) == 5 and all(number(part, 0, WIDEST) for part in said)):
@@ -36,3 +38,8 @@ class Window:
         if size != self.size:
             self.size = size
             self._on_change(size)
+
+    def _shade(self, dark: Any) -> None:
+        if isinstance(dark, bool) and dark != self._dark:
+            self._dark = dark
+            self._on_dark(dark)

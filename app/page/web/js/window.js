@@ -1,9 +1,11 @@
 // Tells the page how much room there is: for the stage and the plot over time, in the window's own pixels. What the canvas
-// says of itself is in the screen's, and less where graphics are slow.
+// says of itself is in the screen's, and less where graphics are slow. And whether its visitor wishes a dark page.
 (() => {
   const room = document.getElementById("lab-room"), axis = document.querySelector("#lab-timeline .lab-axis");
+  const dark = matchMedia("(prefers-color-scheme: dark)");
   const told = () => ({room: [room.clientWidth, room.clientHeight, room.offsetLeft, axis.clientWidth, axis.clientHeight]
-    .map(Math.round)});
+    .map(Math.round), dark: dark.matches});
+  const paint = () => { document.body.classList.toggle("lab-dark", dark.matches); look(); };
   let last = "", soon = null;
 
   function look() {
@@ -15,5 +17,7 @@
   }
 
   for (const element of [room, axis]) new ResizeObserver(look).observe(element);
+  dark.addEventListener("change", paint);
+  paint();
   addEventListener("lab-asked", () => { last = ""; look(); });  // somebody listens from now on
 })();
