@@ -98,6 +98,15 @@ def title(scene: Scene) -> str:
     return scene.TITLE if scene.swings else f"patch test of the {scene.problem}"
 
 
+def in_a_line(scene: Scene) -> str:
+    """A run in a line: what every run says of itself, and what else is not as usual."""
+    said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
+    more = differing(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
+    motion = moving(scene).removeprefix("patch test, ")  # which the title says
+    return f"{title(scene).capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
+           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {motion}" + f", {more}" * bool(more)
+
+
 def per_cell(problem: str, ppc: float) -> str:
     """Particles per cell, which are counted along each direction: 4, 2 × 2, 2.5."""
     return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)

@@ -9,7 +9,7 @@ from app.export.lattice import SliderAxis
 from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
-from app.words import METHODS, OF_SOME, differing, moving, per_cell, title, unit_of, with_unit
+from app.words import METHODS, in_a_line, unit_of, with_unit
 from solvers.scene.scene import Scene
 
 LABELS = {field: name for name, field in lattice.CONTROLS.items()}
@@ -95,7 +95,8 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
     return {"axes": [{"field": axis.field, "label": LABELS[axis.field], "start": axis.start, "values": axis.values,
                       "says": [said(type(scene), axis.field, value) for value in axis.values]} for axis in plan.axes],
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
-            "says": [_title(text) for text in plan.texts], "pinned": numbers[plan.pinned] if plan.pinned else None,
+            "says": ["" if text.startswith("!") else in_a_line(read(text).scene) for text in plan.texts],
+            "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
             "outlines": state.domains and bool(VIEWS[scene.problem].stage.DOMAINS_HINT),
             "view": {"quantity": state.quantity, "difference": state.difference, "domains": state.domains,
@@ -110,17 +111,3 @@ def said(kind: type[Scene], field: str, value: Any) -> str:
         return str(METHODS[value])
     unit = unit_of(kind, field)
     return with_unit(value, unit) if unit else f"{value:g}"
-
-
-def _title(text: str) -> str:
-    """A run in a line: what every run says of itself, and what else is not as usual."""
-    if text.startswith("!"):
-        return ""
-    scene = read(text).scene
-    said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
-    plain = type(scene)(**{name: getattr(scene, name) for name in said})
-    more = differing(scene, plain)
-    motion = moving(scene).removeprefix("patch test, ")  # which the title says
-    return f"{title(scene).capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
-           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {motion}" \
-           + f", {more}" * bool(more)

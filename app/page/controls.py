@@ -94,6 +94,25 @@ class Controls:
             self._rebuild()
         self._on_view()
 
+    def next_method(self) -> None:
+        """The next of the methods that the problem has, and that can be at the present settings."""
+        with self._turn:
+            scene = self._session.scene
+            methods = scene.choices("method")
+            at = methods.index(scene.method)
+            for method in (*methods[at + 1:], *methods[:at]):
+                self._session.set(method=method)
+                if self._session.scene.method == method:
+                    return self._rebuild()
+
+    def next_judge(self) -> None:
+        """Put the next of the estimators that run on the stage."""
+        self._stage.next_judge()
+
+    def next_factor(self) -> None:
+        """Magnify the error in the field's plot as much as comes next."""
+        self._stage.next_factor()
+
     @property
     def choice(self) -> Choice:
         """What is to be seen of a run."""

@@ -19,10 +19,12 @@ from app.page.features.slow.panel import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import Presenter, add_head, set_up
+from app.page.panels.head import add_head, set_up
+from app.page.panels.keys import follow_keys
 from app.page.panels.looking import Looking
+from app.page.panels.presenter import Presenter
 from app.page.panels.texts import add_about
-from app.page.panels.window import Size, Window
+from app.page.panels.window import LETTERS, Size, Window
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
 from app.page.summary import Speaker
@@ -71,6 +73,9 @@ class Page:
             self._player.open(classroom.lesson)
         self._window = Window(self._store, self._fit, self._shade)
         self._store.heard["seek"] = self._seek
+        follow_keys(self._store, {"judge": self._controls.next_judge, "magnify": self._controls.next_factor,
+                                  "method": self._controls.next_method, "code": self._sharing.show_code,
+                                  "phase": self._slow.forward, "phase back": self._slow.back})
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
@@ -99,7 +104,7 @@ class Page:
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
             self._controls.build(explore)
-            Sharing(client.gui, self._store, self._controls)
+            self._sharing = Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
             self._measurements.build(client.gui)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
@@ -158,7 +163,7 @@ class Page:
     def _fit(self, size: Size) -> None:
         """The window is another one."""
         self._measurements.timeline.height = max(20, round(size.plot_height))
-        if self._canvas.lettering.fit(size.width, size.height, size.left):
+        if self._canvas.lettering.fit(size.width, size.height, size.left, size.letters / LETTERS):
             self._redraw()
 
     def _shade(self, dark: bool) -> None:
@@ -199,6 +204,7 @@ class Page:
         self._notice.content = "" if notice is None else notice.html
         if canvas.picture is not None:
             self._speaker.say(source.sentence(choice, canvas.picture), source.at_once)
+        self._presenter.name(self._session.scene)
         self._controls.refresh()
         self._keep()
         self._cost.refresh()

@@ -1,7 +1,7 @@
 """Sharing: what is on the stage as a link, to copy or to show as a QR code."""
 
 from html import escape
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 import segno
 import viser
@@ -15,6 +15,8 @@ LESSON = "lesson="
 SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are
 LAST = 1e9  # in the order of what stands in the panel, whatever is made anew above
 MOST_QR = 1200  # characters that a phone still reads off a projector
+HERE = ("localhost", "127.0.0.1", "::1")
+OF_NO_USE = "Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class."
 
 
 def link(shown: state.State, lesson: str) -> str:
@@ -42,11 +44,14 @@ class Sharing:
             gui.add_html(BESIDE)
             code = gui.add_button("QR code", icon=viser.Icon.QRCODE, hint="the same, to be read off this screen by a "
                                   "phone")
-        code.on_click(lambda _: self._show_code())
+        code.on_click(lambda _: self.show_code())
 
-    def _show_code(self) -> None:
+    def show_code(self) -> None:
+        """Show what is seen as a code, as large as the window, and as words."""
         address = f"{self._store.here}#{link(self._controls.state, '')}"
         with self._gui.add_modal("This scene") as modal:
+            if urlsplit(self._store.here).hostname in HERE:
+                self._gui.add_html(f"<div class='lab-code'><p><b>{OF_NO_USE}</b></p></div>")
             if self._store.here and len(address) <= MOST_QR:
                 picture = segno.make(address, error="l").svg_inline(scale=5, border=2)
                 self._gui.add_html(f"<div class='lab-code'>{picture}</div>")

@@ -25,19 +25,21 @@ class Lettering:
         self._labels: dict[str, dict[str, Label]] = {}  # under the names of sheets
         self._hidden: set[str] = set()
         self._changed = True
-        self._box, self.dark = USUAL, False
+        self._box, self._letters, self.dark = USUAL, 1.0, False
         self._rectangle = (-MARGIN, 1 + MARGIN, 0.0, 0.5)
 
     @property
     def room(self) -> Room:
         """As much as the browser has free."""
         width, height, gutter = self._box
-        return Room(width, 1.0, height / width, gutter / width, self.dark)
+        return Room(width, self._letters, height / width, gutter / width, self.dark)
 
-    def fit(self, width: float, height: float, gutter: float) -> bool:
-        """The browser has so many pixels free for x from 0 to 1, and left of it; whether that is news."""
-        before, self._box = self._box, (max(120.0, width), max(60.0, height), max(0.0, gutter))
-        return before != self._box
+    def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
+        """The browser has so many pixels free for x from 0 to 1, and left of it, and draws letters so many times as
+        large as usual; whether that is news."""
+        before = self._box, self._letters
+        self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
+        return before != (self._box, self._letters)
 
     def look(self, rectangle: tuple[float, float, float, float]) -> None:
         """The stage is this much of the plane."""

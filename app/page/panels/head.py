@@ -1,4 +1,4 @@
-"""The head of the page: style, theme, presenter's view. The viewer lets style be set by html of one's own only."""
+"""The head of the page: style and theme. The viewer lets style be set by html of one's own only."""
 
 import colorsys
 from pathlib import Path
@@ -6,7 +6,8 @@ from pathlib import Path
 import viser
 
 from app.colours import TEXTS, rgb
-from app.identity import faces
+from app.identity import MARK, faces
+from app.templates import rendered
 
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
 
@@ -15,7 +16,6 @@ HALF_WIDE = "<i class='lab-half'></i>"  # each of the boxes that stand two in a 
 BESIDE = "<i class='lab-beside'></i>"  # each of two buttons that stand in a row
 BARE = "<i class='lab-bare'></i>"  # a row of buttons that needs all of the width
 WIDE_LABEL = "<i class='lab-wide'></i>"  # a box whose label is longer than the others'
-_BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-presenting'></i>"
 WEB = Path(__file__).parents[1] / "web"
 
 
@@ -25,7 +25,7 @@ def _web(folder: str, ending: str) -> str:
 
 
 #: What the html that a browser loads first has of ours: all style, the page's own frame, and the scripts.
-GROUND = f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + (WEB / "ground.html").read_text(encoding="utf-8") \
+GROUND = f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + rendered(WEB / "ground.html", mark=MARK) \
     + f"<script>\n{_web('js', 'js')}</script>"
 # An image's onload is the one moment in a page's life that html alone can hook. The viewer's warning of slow graphics,
 # which would cover the colour bar, does not hold for so light a picture. How far a file has come is said where all
@@ -45,22 +45,6 @@ def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
 def add_head(gui: viser.GuiApi) -> None:
     """The html that hides what the viewer says, in an element of its own so that it runs once."""
     gui.add_html(_HEAD)
-
-
-class Presenter:
-    """A button that turns the view on and off; so do Escape and an address that ends in ``?present`` (ground.html).
-    The style (present.css) follows a mark in the page."""
-
-    def __init__(self, gui: viser.GuiApi):
-        self.on = False
-        self._mark = gui.add_html(_BUTTON)
-        self._button = gui.add_button("Present", hint="for a projector: stage and one plot, large text; Escape ends it")
-        self._button.on_click(lambda _: self._turn())
-
-    def _turn(self) -> None:
-        self.on = not self.on
-        self._mark.content = _ON if self.on else _BUTTON
-        self._button.label = "End" if self.on else "Present"
 
 
 def _brand(colour: str) -> tuple[int, int, int]:

@@ -73,6 +73,20 @@ class StageChoice:
         self.estimator = self._estimator.value = estimator  # type: ignore[misc]
         self._on_view()
 
+    def next_judge(self) -> None:
+        """Put the estimator on the stage that runs next to the one that is there."""
+        running = [name for name in self._estimator.options if name != NONE]
+        if running:
+            at = running.index(self.estimator) if self.estimator in running else -1
+            self.put(running[(at + 1) % len(running)])
+
+    def next_factor(self) -> None:
+        """Magnify as much as comes next."""
+        factors = words.MAGNIFICATIONS
+        self.magnified = factors[(factors.index(self.magnified) + 1) % len(factors)]
+        self._magnify.value = _NAMES[self.magnified]  # type: ignore[misc]
+        self._on_view()
+
     @property
     def _shown_quantity(self) -> str:
         return str(words.QUANTITIES[self.quantity])

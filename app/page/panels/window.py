@@ -8,18 +8,20 @@ from app.page.panels.browser_store import BrowserStore
 from app.viewer.widgets import number
 
 WIDEST = 20_000.0  # pixels
+LETTERS = 12.0  # pixels, as high as letters on the stage usually are
 
 
 @dataclass(frozen=True)
 class Size:
-    """Pixels of the window: of the box that is free for the stage from x = 0 to 1, of what is left of that, and of the
-    plot over time."""
+    """Pixels of the window: of the box that is free for the stage from x = 0 to 1, of what is left of that, of the plot
+    over time, and of the stage's letters."""
 
     width: float = 736.0
     height: float = 358.0
     left: float = 144.0
     plot_width: float = 736.0
     plot_height: float = 62.0
+    letters: float = LETTERS
 
 
 class Window:
@@ -32,7 +34,7 @@ class Window:
         store.heard["dark"] = self._shade
 
     def _hear(self, said: Any) -> None:
-        if not (isinstance(said, list) and len(said) == 5 and all(number(part, 0, WIDEST) for part in said)):
+        if not (isinstance(said, list) and len(said) == 6 and all(number(part, 0, WIDEST) for part in said)):
             return
         size = Size(*map(float, said))
         if size != self.size:

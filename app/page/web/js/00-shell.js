@@ -8,7 +8,8 @@
   let present = new URLSearchParams(location.search).has("present");
 
   addEventListener("keydown", event => {
-    if (event.key === "Escape" && document.querySelector("i.lab-presenting")) presenter().click();
+    if (event.key === "Escape" && document.querySelector("i.lab-presenting")
+        && !document.querySelector("dialog[open], .mantine-Modal-content")) presenter().click();
   });
   new MutationObserver(() => {
     for (const mark of all("i[class^=lab-], .lab-heading, .lab-readout, .lab-time")) call(mark.parentElement, mark.className);

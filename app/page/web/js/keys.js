@@ -1,0 +1,67 @@
+// Keys do what buttons do: they click them, or tell the page. Never while somebody types, in a dialogue, or on a control
+// that needs the key itself. In the presenter's view some mean something else (present.js).
+(() => {
+  const tell = act => dispatchEvent(new CustomEvent("lab-tell", {detail: {act}}));
+  const buttons = mark => [...document.querySelectorAll(`[data-lab~=${mark}] + div button`)];
+  const named = (mark, name) => buttons(mark).find(button => button.textContent.trim() === name && !button.disabled);
+  const panel = name => [...document.querySelectorAll("[data-dock-region=right] button")].find(button =>
+    button.textContent.trim() === name && button.offsetParent && !button.disabled);
+  const playing = () => document.body.classList.contains("lab-playing");
+  const back = step => {
+    const slider = document.querySelector("[data-lab~=lab-at-back] + div [role=slider]");
+    slider?.dispatchEvent(new KeyboardEvent("keydown", {key: step < 0 ? "ArrowLeft" : "ArrowRight", bubbles: true}));
+  };
+  const spark = k => document.querySelectorAll("#lab-sparks button")[k]?.click();
+  const keys = new Map([
+    [" ", ["Space", "play or pause", () => named("lab-at-run", playing() ? "Pause" : "Play")?.click()]],
+    [".", [".", "one time step", () => named("lab-at-run", "Step")?.click()]],
+    ["r", ["R", "reset: from the start", () => named("lab-at-run", "Reset")?.click()]],
+    ["ArrowLeft", ["←  →", "look back, once it has paused", () => back(-1)]],
+    ["ArrowRight", ["", "", () => back(1)]],
+    ["p", ["P", "pin this run, or unpin it", () => buttons("lab-at-pin")[0]?.click()]],
+    ["1", ["1  2  3", "the questions above the stage", () => spark(0)]],
+    ["2", ["", "", () => spark(1)]],
+    ["3", ["", "", () => spark(2)]],
+    ["e", ["E", "the next judge on the stage", () => tell("judge")]],
+    ["m", ["M", "magnify the error in the plot", () => tell("magnify")]],
+    ["l", ["L", "lessons", () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}))]],
+    ["?", ["?", "this list", () => list()]],
+    ["Escape", ["Esc", "leave the presenter’s view, slow motion, an enlarged figure", () => {
+      const slow = buttons("lab-at-slow")[0];
+      if (slow?.textContent.includes("End")) slow.click();
+    }]],
+  ]);
+  const lab = window.lab = {keys, tell, buttons, named, panel, playing, back, special: null};
+
+  function list() {
+    const dialog = document.getElementById("lab-keys"), presenting = lab.special?.();
+    const rows = [...(presenting || keys).values()].filter(([name]) => name);
+    dialog.querySelector("dl").replaceChildren(...rows.flatMap(([name, does]) => {
+      const [dt, dd] = ["dt", "dd"].map(tag => document.createElement(tag));
+      dt.append(...name.split("  ").map(one => Object.assign(document.createElement("kbd"), {textContent: one})));
+      dd.textContent = does;
+      return [dt, dd];
+    }));
+    dialog.showModal();
+  }
+
+  // Whether the element that has the focus does something with this key by itself.
+  function taken(element, key) {
+    if (!element || element === document.body) return false;
+    if (element.isContentEditable || element.matches("textarea, select, [role=option], [role=listbox]")) return true;
+    if (element.matches("input")) return !element.matches("[type=checkbox], [type=radio]") || key === " ";
+    if (element.matches("[role=slider], [role=tab], [role=radio]")) return key === " " || key.startsWith("Arrow");
+    return element.matches("button, a, summary, [role=button], [role=switch]") && (key === " " || key === "Enter");
+  }
+
+  addEventListener("keydown", event => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || event.repeat && event.key === " ") return;
+    if (document.querySelector("dialog[open], .mantine-Modal-content")) return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (!event.isTrusted && key.startsWith("Arrow") || taken(document.activeElement, event.key)) return;
+    const found = (lab.special?.() || keys).get(key);
+    if (!found || !found[2]) return;
+    event.preventDefault();
+    found[2]();
+  });
+})();

@@ -1,0 +1,69 @@
+// A talk: what a speaker's keys and remote do in the presenter's view, what stands on the slide, and when the transport goes.
+(() => {
+  const {tell, named, buttons, panel, playing, back, keys} = window.lab, body = document.body;
+  const presenting = () => body.classList.contains("lab-presented-view");
+  const open = name => dispatchEvent(new CustomEvent("lab-tab", {detail: name}));
+  const slow = () => buttons("lab-at-slow")[0]?.textContent.includes("End");
+  const studying = () => body.classList.contains("lab-lesson-open");
+  const scene = document.getElementById("lab-scene"), black = document.getElementById("lab-black");
+
+  function turn(by) {  // a lesson's step, a phase of a step, or a step of time
+    if (studying()) panel(by > 0 ? "Next" : "Back")?.click();
+    else if (slow()) tell(by > 0 ? "phase" : "phase back");
+    else if (by > 0) named("lab-at-run", playing() ? "Pause" : "Step")?.click();
+    else if (playing()) named("lab-at-run", "Pause")?.click();
+    else back(-1);
+  }
+  function view(name) {
+    for (const other of ["alone", "cost"]) body.classList.toggle(`lab-view-${other}`, name === other);
+    if (!studying() || name === "cost") open(name === "cost" ? "Cost" : "Explore");
+  }
+  const dark = on => { black.hidden = !on; };
+  const usual = key => [key, keys.get(key)];
+  const speaker = new Map([
+    usual(" "), usual("."), usual("r"),
+    ["ArrowRight", ["←  →", "a time step; in slow motion a phase; in a lesson its next or last slide", () => turn(1)]],
+    ["ArrowLeft", ["", "", () => turn(-1)]],
+    ["PageDown", ["Page ↓  Page ↑", "the same, on a presenter’s remote", () => turn(1)]],
+    ["PageUp", ["", "", () => turn(-1)]],
+    ["m", ["M", "the next method", () => tell("method")]],
+    usual("e"), usual("p"),
+    ["s", ["S", "slow motion", () => buttons("lab-at-slow")[0]?.click()]],
+    ["1", ["1", "stage and error over time", () => view("")]],
+    ["2", ["2", "the stage alone, as wide as the window", () => view("alone")]],
+    ["3", ["3", "what it costs", () => view("cost")]],
+    ["l", ["L", "lessons, as slides", () => { view(""); open("Lessons"); }]],
+    ["q", ["Q", "a code for phones", () => tell("code")]],
+    ["b", ["B", "black, and back", () => dark(black.hidden)]],
+    usual("?"), ["Escape", ["Esc", "leave", null]],
+  ]);
+  window.lab.special = () => presenting() ? speaker : null;
+
+  addEventListener("keydown", event => {  // any key ends the black, and does nothing else
+    if (black.hidden) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    dark(false);
+  }, true);
+  black.addEventListener("click", () => dark(false));
+
+  let rest = null;
+  const seen = () => {
+    body.classList.add("lab-stirred");
+    clearTimeout(rest);
+    rest = setTimeout(() => body.classList.remove("lab-stirred"), 3000);
+  };
+  for (const act of ["pointermove", "pointerdown"]) addEventListener(act, seen, {passive: true});
+  addEventListener("focusin", event => event.target.matches(":focus-visible") && seen());
+
+  let was = false;
+  new MutationObserver(() => {
+    const said = document.querySelector("i.lab-named")?.dataset.scene || "", now = presenting();
+    if (scene.textContent !== said) scene.textContent = said;
+    scene.hidden = !now;
+    body.classList.toggle("lab-slowly", now && slow());
+    if (now && !was) seen();
+    if (!now && was) { dark(false); body.classList.remove("lab-view-alone", "lab-view-cost"); }
+    was = now;
+  }).observe(document.getElementById("root"), {childList: true, subtree: true, characterData: true});
+})();
