@@ -59,6 +59,16 @@ class Controls:
         self._problem.on_update(lambda _: self._choose_problem())
         self._choose_problem()
 
+    def choose_problem(self, problem: str) -> None:
+        """Put another problem on the stage, as it is at first."""
+        self._problem.value = PROBLEMS[problem].scene.TITLE  # type: ignore[misc]
+        self._choose_problem()
+
+    @property
+    def offers_problems(self) -> bool:
+        """Whether another problem can be chosen: a lesson may have one only."""
+        return bool(self._problem.visible)
+
     def load(self, scene: Scene) -> None:
         """Put a scene on the stage, and all that it says into the widgets."""
         with self._turn:

@@ -23,6 +23,7 @@ from app.page.panels.head import add_head, set_up
 from app.page.panels.keys import follow_keys
 from app.page.panels.looking import Looking
 from app.page.panels.presenter import Presenter
+from app.page.panels.problems import ProblemButtons
 from app.page.panels.texts import add_about
 from app.page.panels.window import LETTERS, Size, Window
 from app.page.sharing import Sharing, link, parts
@@ -76,6 +77,7 @@ class Page:
         follow_keys(self._store, {"judge": self._controls.next_judge, "magnify": self._controls.next_factor,
                                   "method": self._controls.next_method, "code": self._sharing.show_code,
                                   "phase": self._slow.forward, "phase back": self._slow.back})
+        self._problems = ProblemButtons(client.gui, self._store, self._controls.choose_problem)
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
@@ -206,6 +208,7 @@ class Page:
             self._speaker.say(source.sentence(choice, canvas.picture), source.at_once)
         self._presenter.name(self._session.scene)
         self._controls.refresh()
+        self._problems.show(self._session.scene.problem, self._controls.offers_problems)
         self._keep()
         self._cost.refresh()
         canvas.camera.settle()

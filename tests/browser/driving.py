@@ -35,7 +35,10 @@ def row(page, label):
 
 
 def readout(page):
-    return page.locator(".lab-readout").inner_text()
+    """All that is to be read in the fold, row by row, open or not."""
+    return page.locator(".lab-readout").evaluate("""readout => [...readout.querySelectorAll("tr, p")].map(
+        row => row.cells ? [...row.cells].map(cell => cell.textContent).join("\\t") : row.textContent).join("\\n")
+        || readout.textContent""")
 
 
 def number(page, pattern):
@@ -73,7 +76,9 @@ def again_until(act, condition, what):
 
 
 def choose(page, label, option):
-    """Choose an option, or one whose name begins so, of a dropdown."""
+    """Choose an option, or one whose name begins so, of a dropdown; problems are buttons where there is room."""
+    if label == "Problem" and (button := page.get_by_role("radio", name=option)).is_visible():
+        return again_until(button.click, lambda: button.get_attribute("aria-checked") == "true", option)
     box, offered = page.get_by_label(label, exact=True), page.get_by_role("option", name=option)
 
     def click():
