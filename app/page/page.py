@@ -24,6 +24,7 @@ from app.page.panels.keys import follow_keys
 from app.page.panels.looking import Looking
 from app.page.panels.presenter import Presenter
 from app.page.panels.problems import ProblemButtons
+from app.page.panels.sparks import Sparks
 from app.page.panels.texts import add_about
 from app.page.panels.window import LETTERS, Size, Window
 from app.page.sharing import Sharing, link, parts
@@ -70,6 +71,8 @@ class Page:
         run = LiveRun(self._session, self._recent, self._trace, self._cost.notice)
         self._sources = OwnFile(self._own), SlowStep(self._slow, run), run  # the first that is on is seen
         self._controls.begin()
+        self._sparks = Sparks(client.gui, self._session, lambda: self._controls.state, self._controls.show,
+                              self._looking.back_to)
         if classroom.lesson:
             self._player.open(classroom.lesson)
         self._window = Window(self._store, self._fit, self._shade)
@@ -78,6 +81,7 @@ class Page:
                                   "method": self._controls.next_method, "code": self._sharing.show_code,
                                   "phase": self._slow.forward, "phase back": self._slow.back})
         self._problems = ProblemButtons(client.gui, self._store, self._controls.choose_problem)
+        self._store.heard["spark"] = self._sparks.press
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
@@ -207,6 +211,7 @@ class Page:
         if canvas.picture is not None:
             self._speaker.say(source.sentence(choice, canvas.picture), source.at_once)
         self._presenter.name(self._session.scene)
+        self._sparks.refresh(isinstance(source, LiveRun) and not self._player.name)
         self._controls.refresh()
         self._problems.show(self._session.scene.problem, self._controls.offers_problems)
         self._keep()

@@ -72,7 +72,7 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     facts = *said.facts, beside, f"worst at {region.name}" if region else "", *_crossings(report, arrays)
     headline = said.headline
     if report.status == soundness.LOST:
-        headline = ("bad", fill(LOST, since=number(report.since or 0.0))), ("", ": "), *headline
+        headline = ("bad", fill(LOST, since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
     return Said(headline, tuple(filter(None, facts)), moment)
 
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from app.frame.slow.stage import SlowStage
 from app.frame.stage import Stage
+from app.problems.spark import Spark
+from app.state import State
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,7 @@ class ProblemView:
     a second. ``details`` are the fields of the scene among the "Method details", each with its hint. ``motion`` is
     there where the scene has several motions, ``material`` are fields of the material beside the modulus.
     ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
+    ``sparks`` are the questions that go with a state (:mod:`app.problems.spark`).
     """
 
     problem: str
@@ -86,6 +89,7 @@ class ProblemView:
     modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()
+    sparks: Callable[[State], tuple[Spark, ...]] = lambda _: ()
 
     @property
     def about(self) -> str:

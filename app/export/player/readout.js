@@ -92,7 +92,7 @@ function summary(run) {
   const {unstable, last, lost, now, paused} = DATA.sentences, when = {time: number(stage.time)};
   const sentences = run.status === "unstable" && stage.time >= endOf(run) ? [fill(unstable, when), last]
     : errors(run, stage.view, stage.playing ? now : fill(paused, when));
-  if (isBroken(run) && sentences[1] !== last) sentences[0] = `${fill(lost, {since: number(run.since)})}: ${sentences[0]}`;
+  if (isBroken(run) && sentences[1] !== last) sentences[0] = `${fill(lost, {since: number(run.since, 4)})}: ${sentences[0]}`;
   return sentences.filter(Boolean).map((said) => `${capital(said)}.`).join(" ");
 }
 

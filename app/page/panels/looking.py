@@ -71,6 +71,13 @@ class Looking:
             self._session.play(False)
         self._on_view()
 
+    def back_to(self, time: float) -> bool:
+        """As :meth:`seek`, where the frames that are kept reach as far back; whether they do."""
+        first, last = self._recent.span
+        if kept := first <= time <= last:
+            self.seek(time)
+        return kept
+
     def _moved(self, event: viser.GuiEvent) -> None:
         if event.client is not None:  # else it is the page that has shown where the run is
             self._at = -round(event.target.value)

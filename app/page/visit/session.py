@@ -183,7 +183,7 @@ class Session:
     def refuse(self, sentence: str, field: str = "") -> None:
         """Something was asked for that means nothing, of a ``field`` or of none; the present scene runs on."""
         with self._lock:
-            self._refused = field, sentence
+            self._refused = (field, sentence) if sentence else None
 
     def set_speed(self, speed: float) -> None:
         """Periods a second."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from app.frame.slow.planar import PlanarSlowStage
 from app.problems.interface import ProblemView, Reach, Regions
+from app.problems.ring.sparks import sparks
 from app.problems.ring.stage import RingStage
 from solvers.problems.ring.exact import INNER, OUTER
 from solvers.problems.ring.scene import INVERSION, RESONANCE, WRINKLING
@@ -35,4 +36,5 @@ RING = ProblemView(
     amplitude_hint=f"largest displacement of the outer rim; from {RESONANCE} m on the motion itself is unstable, above "
                    f"{WRINKLING} m a real ring wrinkles, from {INVERSION} m on the exact one turns inside out",
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
-             "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"})
+             "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"},
+    estimators=("companion",), sparks=sparks)  # transport says three to twelve times the error here

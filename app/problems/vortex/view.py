@@ -6,6 +6,7 @@ import numpy as np
 
 from app.frame.slow.planar import PlanarSlowStage
 from app.problems.interface import ProblemView, Reach, Regions
+from app.problems.vortex.sparks import sparks
 from app.problems.vortex.stage import VortexStage
 from solvers.problems.vortex.scene import INNER, MOST_AMPLITUDE, OUTER
 
@@ -41,4 +42,4 @@ VORTEX = ProblemView(
     material={"poisson_ratio": ("Poisson's ratio ν", -0.5, 0.49, 0.01,
                                 "resistance to a change of volume: not in the exact motion, which has none, but in the "
                                 "errors and, with the speed of waves, in the time step")},
-    estimators=("companion", "transport"))  # else the first picture would show nothing but an estimate that fails
+    sparks=sparks, estimators=("companion", "transport"))  # transport alone would show only an estimate that fails

@@ -1,0 +1,134 @@
+"""Sparks under the headline: three questions of the problem, an answer from the runs' own numbers, and what to do with a
+run that is lost. The page's script (``sparks.js``) makes buttons of them and says which was pressed."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from html import escape
+
+import viser
+
+from app.page.panels.what_now import Card, what_now
+from app.page.summary import in_common, periods_of
+from app.page.visit.downsampled import until
+from app.page.visit.session import Session
+from app.problems.spark import Answer, NotNow, Ran, Spark
+from app.problems.views import VIEWS
+from app.state import State
+from solvers.solver.soundness import OK, UNSTABLE
+
+TRY, COMPARING, ANSWER, LOST = "Try one", "Comparing …", "The answer", "What now?"
+WHOLE = 1e-9  # by which rounding may keep a run from its last period
+
+
+class Sparks:
+    """Those of one visitor. ``show`` puts a state on the stage; ``seek`` pauses and looks back to a time in s, if that
+    is kept, and says whether it is."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
+                 seek: Callable[[float], bool]):
+        self._session, self._state, self._show, self._seek = session, state, show, seek
+        self._html = gui.add_html("")
+        self._done: set[str] = set()
+        self._asked: tuple[Spark, State, State] | None = None  # a spark, what was on the stage, and what it put there
+        self._answers: dict[str, Answer] = {}  # by quantity
+        self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
+
+    def press(self, key: object) -> None:
+        """The visitor has pressed a button."""
+        if isinstance(key, str) and key in self._ways:
+            self._asked, ways, self._ways = None, self._ways, {}
+            ways[key]()
+            return
+        base = self._base()
+        spark = next((spark for spark in VIEWS[base.scene.problem].sparks(base) if spark.key == key), None)
+        if spark is None:
+            return
+        try:
+            state = spark.offer(base).state
+        except NotNow:
+            return
+        self._done.add(f"{base.scene.problem} {spark.key}")
+        self._answers, self._asked = {}, (spark, base, state)
+        self._show(state)
+
+    def refresh(self, offered: bool) -> None:
+        """Show what there is to be pressed or read now; nothing where sparks are not ``offered``."""
+        content = ""
+        if offered and self._session.report is not None:
+            label, answer, cards = self._now()
+            said = json.dumps({"label": label, "answer": answer, "cards": [asdict(card) for card in cards]},
+                              ensure_ascii=False)
+            content = f"<i class='lab-sparks' data-sparks=\"{escape(said)}\"></i>"
+        if self._html.content != content:
+            self._html.content = content
+
+    def _now(self) -> tuple[str, Answer | None, list[Card]]:
+        self._forget()
+        report, asked = self._session.report, self._asked
+        assert report is not None
+        here = report.scene == self._session.scene
+        lost = here and report.status != OK
+        answer = self._answer() if asked and here and not (lost and asked[0].breaks) else None
+        if lost and answer is None and (asked is None or asked[0].breaks or report.status == UNSTABLE):
+            ways = what_now(self._state(), report, self._seek, self._show)
+            self._ways = {card.key: act for card, act in ways}
+            return LOST, None, [card for card, _ in ways]
+        self._ways = {}
+        cards = self._cards(self._base())
+        if asked is None:
+            return TRY, None, cards
+        if answer is None:
+            return COMPARING, None, [replace(card, off=card.off or card.key == asked[0].key) for card in cards]
+        keys = [card.key for card in cards]
+        at = keys.index(asked[0].key)
+        following = next((card for card in (*cards[at + 1:], *cards[:at]) if not card.off), None)
+        return ANSWER, answer, [] if following is None else [replace(following, title=f"Next: {following.title}")]
+
+    def _cards(self, base: State) -> list[Card]:
+        cards = []
+        for spark in VIEWS[base.scene.problem].sparks(base):
+            done = f"{base.scene.problem} {spark.key}" in self._done
+            try:
+                offer = spark.offer(base)
+                cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
+            except NotNow as reason:
+                cards.append(Card(spark.key, spark.icon, spark.title, str(reason), done, off=True))
+        return cards
+
+    def _base(self) -> State:
+        """What a spark changes: what is on the stage, or was before the spark that has put it there."""
+        self._forget()
+        return self._state() if self._asked is None else self._asked[1]
+
+    def _forget(self) -> None:
+        """A spark is over as soon as anything else is on the stage."""
+        if self._asked:
+            shown, pinned = self._asked[2], self._session.pinned
+            if shown.scene != self._session.scene or shown.pinned != (pinned and pinned.scene):
+                self._asked = None
+
+    def _answer(self) -> Answer | None:
+        """The answer for the quantity on the stage, once both runs have come far enough."""
+        assert self._asked is not None
+        spark, _, state = self._asked
+        quantity = self._state().quantity
+        if quantity not in self._answers and (ran := self._ran(spark, replace(state, quantity=quantity))):
+            self._answers[quantity] = spark.answer(ran)
+        return self._answers.get(quantity)
+
+    def _ran(self, spark: Spark, state: State) -> Ran | None:
+        session = self._session
+        report, pinned, scene = session.report, session.pinned, state.scene
+        histories = [session.history, *([pinned.history] if pinned else [])]
+        scenes = [scene, *([state.pinned] if state.pinned else [])]
+        if report is None or [history.scene for history in histories] != scenes:
+            return None
+        series = [history.series for history in histories]
+        if min(map(periods_of, series, scenes)) < spark.periods - WHOLE:
+            return None
+        series = [until(one, spark.periods * its.period * (1 + WHOLE)) for one, its in zip(series, scenes, strict=True)]
+        ratio = math.nan if pinned is None or state.pinned is None else \
+            in_common(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
+        return Ran(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)

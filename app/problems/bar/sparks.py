@@ -1,0 +1,63 @@
+"""What the bar asks: of its vibration, whether finer cells, crossing and large motions do what one thinks; of its patch
+test, which particles fit."""
+
+import math
+
+from app.problems.spark import Answer, NotNow, Offer, Ran, Spark, asked, breaking, halving
+from app.state import State
+from app.words import per_cent, ratio
+
+MOST_CELLS = 160
+BREAKING = 0.1  # m, of A: hat functions lose it in the second period
+MISFITS = 2.5  # particles per cell that lie otherwise in every other cell
+PASSED = 1e-9  # of the stress: round-off
+
+
+def _cross(state: State) -> Offer:
+    if state.scene.method == "mpm":  # they do: what would smoother functions do at the same crossings?
+        return Offer("Smooth the crossing", "uGIMP: particles as intervals", asked(state, {"method": "ugimp"}))
+    return Offer("Let particles cross", "hat functions, the oldest way",
+                 asked(state, {"method": "mpm"}, quantity="sigma"))
+
+
+def _crossed(ran: Ran) -> Answer:
+    own, other = (series["crossings"][-1] if len(series.get("crossings", ())) else math.nan
+                  for series in (ran.series, ran.pinned))
+    crossings = f"{own:,.0f} crossings, {other:,.0f} in the pinned run."
+    if ran.ratio >= 1:
+        return f"The {ran.noun} errs {ratio(ran.ratio)} times as much.", f"{crossings} It is the functions, not the " \
+            "crossing."
+    return f"The {ran.noun} errs {ratio(ran.ratio)} times as much as before.", crossings
+
+
+VIBRATING = (halving(MOST_CELLS), Spark("cross", "cross", "Let particles cross", _cross, _crossed),
+             breaking("Break it", "A = 100 mm: who notices first?", {"method": "mpm", "amplitude": BREAKING}, 1.5))
+
+
+def _misfit(title: str, hint: str, method: str) -> Spark:
+    def offer(state: State) -> Offer:
+        if (state.scene.method, state.scene.ppc) == (method, MISFITS):
+            raise NotNow("it is on the stage")
+        return Offer(title, hint, asked(state, {"method": method, "ppc": MISFITS}, pinned=False, quantity="sigma"))
+
+    icon = {"mpm": "break", "bspline": "cross", "ugimp": "halve"}[method]
+    return Spark(f"misfit-{method}", icon, title, offer, _wrong, 0.5)
+
+
+def _wrong(ran: Ran) -> Answer:
+    values = ran.series.get("error_sigma", ())
+    wrong = float(sum(values) / len(values)) / ran.state.scene.size_of("sigma") if len(values) else math.nan
+    if wrong < PASSED:
+        return "Nothing happens, as it should.", "The stress is wrong by round-off: the patch test is passed."
+    return f"The stress is {per_cent(wrong)} wrong, of a bar that only moves on.", \
+        "Nothing should happen: every other cell has a particle more, and these functions feel it."
+
+
+PATCH_TEST = (_misfit("Particles that do not fit", "2.5 a cell, hat functions", "mpm"),
+              _misfit("Smoother functions", "the same particles, B-splines", "bspline"),
+              _misfit("Particles that tile", "the same as intervals: uGIMP", "ugimp"))
+
+
+def sparks(state: State) -> tuple[Spark, ...]:
+    """The three that fit what the bar does."""
+    return VIBRATING if state.scene.swings else PATCH_TEST
