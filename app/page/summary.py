@@ -14,7 +14,7 @@ from app.frame.view import View
 from app.page.stage.worst import WorstRegions
 from app.page.visit.downsampled import until
 from app.page.visit.history import CROSSING_WINDOW
-from app.words import QUANTITIES, differing, number, ratio
+from app.words import QUANTITIES, differing, number, on_page, ratio
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
@@ -59,7 +59,7 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     series, when = until(series, report.time), number(report.time)
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:
-        return Said((("bad", fill(UNSTABLE, time=when)),), (LAST,), moment)
+        return Said((("bad", fill(UNSTABLE, time=when)),), (*_reason(report), LAST), moment)
     of_now = not report.playing
     true, estimate = (_norm(series, name, of_now) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
     words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
@@ -69,9 +69,12 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     said = errors(words, QUANTITIES[quantity].unit, true, estimate,
                   index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
-    facts = *said.facts, beside, f"worst at {region.name}" if region else "", *_crossings(report, arrays)
+    facts = [*said.facts, f"worst at {region.name}" if region else "", *_crossings(report, arrays)]
+    if beside:  # in place of what it is compared with
+        facts[:1] = [*said.facts[1:], beside]
     headline = said.headline
     if report.status == soundness.LOST:
+        facts = [*_reason(report), *facts]
         headline = ("bad", fill(LOST, since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
     return Said(headline, tuple(filter(None, facts)), moment)
 
@@ -104,6 +107,11 @@ def periods_of(series: dict[str, np.ndarray], scene: Scene) -> float:
     """How long series are, in periods of their scene."""
     times = series.get("time", np.zeros(0))
     return float(times[-1]) / scene.period if len(times) else 0.0
+
+
+def _reason(report: FrameReport) -> list[str]:
+    """Why a run is lost, without when: the headline has that."""
+    return [on_page(report.reason.partition(": ")[2] or report.reason)] if report.reason else []
 
 
 def _norm(series: dict[str, np.ndarray], name: str, of_now: bool) -> float:

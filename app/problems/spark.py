@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.state import State
-from app.words import QUANTITIES, ratio
+from app.words import QUANTITIES, number, ratio
 from solvers.scene.rules import SceneError
 
 QUARTER = (0.22, 0.28)  # what still goes as a quarter
@@ -94,7 +94,7 @@ def work(ran: Ran) -> float:
 
 def fell(ran: Ran) -> Answer:
     """What has become of the error with cells half as wide."""
-    by, hint = ran.ratio, f"Second order would give 0.25. It costs {ratio(work(ran))} times the particle steps."
+    by, hint = ran.ratio, f"Second order would give 0.25. It costs {number(work(ran))} times the particle steps."
     if not math.isfinite(by):
         return "Nobody knows: there is no true error to compare.", hint
     if by >= 1 + SAME:

@@ -155,12 +155,12 @@ def test_what_is_refused(page):
 def test_instability_is_said_and_survived(page):
     """CFL 2 cannot be stable: eight steps, and the page says so and what to do; that done, the bar runs again."""
     press(page, "CFL number", "End")
-    page.locator(".lab-unstable").wait_for()  # it may be called lost for a moment before
-    said = page.locator(".lab-unstable").inner_text()
+    page.locator(".lab-notice.lab-unstable").wait_for()  # it may be called lost for a moment before
+    said = page.locator(".lab-notice.lab-unstable").inner_text()
     assert "went unstable at t = " in said and "the box \"Auto step\" takes" in said
     assert "stopped" in readout(page) and page.locator(".lab-over").inner_text().endswith("of its bound")
     tick(page, "Auto step")
-    page.locator(".lab-unstable").wait_for(state="detached")
+    page.locator(".lab-notice.lab-unstable").wait_for(state="detached")
     until(lambda: time(page) > 0.2, "a stable run")
     assert 0.5 < number(page, r"step\s+(\S+) of its bound") < 1
     assert page.locator(".lab-over").count() == 0
@@ -181,8 +181,8 @@ def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
 def test_lost_run_is_said_and_goes_on(page):
     """With one particle per cell: since when, why, where and what to do; it moves on. The row "step" is an effect."""
     row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
-    page.locator(".lab-lost").wait_for()
-    said = page.locator(".lab-lost").inner_text()
+    page.locator(".lab-notice.lab-lost").wait_for()
+    said = page.locator(".lab-notice.lab-lost").inner_text()
     assert re.match(r"The run is lost from t = 0\.\d+ s on: .+, most at particle \d+ \(X = .+give two or more\.$", said)
     before = time(page)
     until(lambda: time(page) > before, "the lost run going on")

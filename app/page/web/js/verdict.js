@@ -24,7 +24,9 @@
     const [headline, facts] = JSON.parse(says.dataset.spans);
     const first = line("lab-headline", headline), long = first.textContent.length > 78;
     first.classList.toggle("lab-long", long);
-    summary.replaceChildren(first, " ", line("lab-facts", facts.map((fact, k) => ["", (k ? " " : "") + fact])));
+    const further = line("lab-facts", facts.map((fact, k) => ["", (k ? " " : "") + fact]));
+    further.title = facts.join(" ");  // there may be room for the first ones only
+    summary.replaceChildren(first, " ", further);
     if (says.dataset.aloud !== count && count !== null) aloud.textContent = sentence;
     count = says.dataset.aloud;
   }
