@@ -1,5 +1,5 @@
-"""Sparks under the headline: three questions of the problem, an answer from the runs' own numbers, and what to do with a
-run that is lost. The page's script (``sparks.js``) makes buttons of them and says which was pressed."""
+"""Sparks under the headline: three questions of the problem, an answer from the runs' own numbers, and what to do with
+a run that is lost. The page's script (``sparks.js``) makes buttons of them and says which was pressed."""
 
 import json
 import math
