@@ -197,6 +197,11 @@ def ratio(value: float) -> str:
     return f"{digits} × {power_text(int(power)).strip()}" if power else digits
 
 
+def factor(value: float) -> str:
+    """How many times something is something else, to three digits: 0.386, 2.6, 13.7; beyond, as a :func:`ratio`."""
+    return f"{value:.3g}" if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1] else ratio(value)
+
+
 def per_cent(share: float) -> str:
     """A share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %; beyond, as a :func:`ratio`."""
     percent = 100 * share

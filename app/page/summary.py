@@ -14,7 +14,7 @@ from app.frame.view import View
 from app.page.stage.worst import WorstRegions
 from app.page.visit.downsampled import until
 from app.page.visit.history import CROSSING_WINDOW
-from app.words import QUANTITIES, differing, number, on_page, ratio
+from app.words import QUANTITIES, differing, factor, number, on_page
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
@@ -87,10 +87,10 @@ def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantit
     if not math.isfinite(larger) or larger <= 0:
         return ""
     said = differing(scenes[1], scenes[0])
-    name = f" ({said})" if 0 < len(said) <= MOST_DIFFERING else ""
+    name = f", {said}" if 0 < len(said) <= MOST_DIFFERING else ""
     if larger >= 1:
-        return f"this run errs {ratio(larger)} times as much as the pinned one{name}"
-    return f"the pinned run{name} errs {ratio(1 / larger)} times as much"
+        return f"this run errs {factor(larger)} times as much as the pinned one{name}"
+    return f"the pinned run{name}{',' * bool(name)} errs {factor(1 / larger)} times as much"
 
 
 def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,

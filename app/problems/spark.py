@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.state import State
-from app.words import QUANTITIES, number, ratio
+from app.words import QUANTITIES, factor, number, ratio
 from solvers.scene.rules import SceneError
 
 QUARTER = (0.22, 0.28)  # what still goes as a quarter
@@ -98,10 +98,10 @@ def fell(ran: Ran) -> Answer:
     if not math.isfinite(by):
         return "Nobody knows: there is no true error to compare.", hint
     if by >= 1 + SAME:
-        return f"It rose to {ratio(by)} times as much. Why?", hint
+        return f"It rose to {factor(by)} times as much. Why?", hint
     if QUARTER[0] <= by <= QUARTER[1]:
-        return f"It fell to {ratio(by)}: a quarter.", hint
-    return f"It fell to {ratio(by)}, not to a quarter. Why?", hint
+        return f"It fell to {factor(by)}: a quarter.", hint
+    return f"It fell to {factor(by)}, not to a quarter. Why?", hint
 
 
 def halving(most: int) -> Spark:

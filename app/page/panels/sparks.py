@@ -50,8 +50,9 @@ class Sparks:
         except NotNow:
             return
         self._done.add(f"{base.scene.problem} {spark.key}")
-        self._answers, self._asked = {}, (spark, base, state)
+        self._asked, self._answers = None, {}
         self._show(state)
+        self._asked = spark, base, state  # from now on: while it was put there, something else was
 
     def refresh(self, offered: bool) -> None:
         """Show what there is to be pressed or read now; nothing where sparks are not ``offered``."""

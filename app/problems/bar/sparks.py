@@ -5,7 +5,7 @@ import math
 
 from app.problems.spark import Answer, NotNow, Offer, Ran, Spark, asked, breaking, halving
 from app.state import State
-from app.words import per_cent, ratio
+from app.words import factor, per_cent
 
 MOST_CELLS = 160
 BREAKING = 0.1  # m, of A: hat functions lose it in the second period
@@ -25,9 +25,9 @@ def _crossed(ran: Ran) -> Answer:
                   for series in (ran.series, ran.pinned))
     crossings = f"{own:,.0f} crossings, {other:,.0f} in the pinned run."
     if ran.ratio >= 1:
-        return f"The {ran.noun} errs {ratio(ran.ratio)} times as much.", f"{crossings} It is the functions, not the " \
+        return f"The {ran.noun} errs {factor(ran.ratio)} times as much.", f"{crossings} It is the functions, not the " \
             "crossing."
-    return f"The {ran.noun} errs {ratio(ran.ratio)} times as much as before.", crossings
+    return f"The {ran.noun} errs {factor(ran.ratio)} times as much as before.", crossings
 
 
 VIBRATING = (halving(MOST_CELLS), Spark("cross", "cross", "Let particles cross", _cross, _crossed),

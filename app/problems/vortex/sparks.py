@@ -2,7 +2,7 @@
 
 from app.problems.spark import Answer, NotNow, Offer, Ran, Spark, asked, breaking, work
 from app.state import State
-from app.words import ratio
+from app.words import factor
 
 FEWEST_CELLS = 24
 
@@ -15,8 +15,8 @@ def _widen(state: State) -> Offer:
 
 
 def _widened(ran: Ran) -> Answer:
-    return f"It errs {ratio(ran.ratio)} times as much; second order says 4.", \
-        f"It takes {ratio(work(ran))} of the particle steps: fewer particles, and fewer steps."
+    return f"It errs {factor(ran.ratio)} times as much; second order says 4.", \
+        f"It takes {factor(work(ran))} of the particle steps: fewer particles, and fewer steps."
 
 
 def _staircase(state: State) -> Offer:
@@ -27,7 +27,7 @@ def _staircase(state: State) -> Offer:
 
 
 def _stepped(ran: Ran) -> Answer:
-    return f"It errs {ratio(ran.ratio)} times as much.", "Only where particles begin differs: see the rims."
+    return f"It errs {factor(ran.ratio)} times as much.", "Only where particles begin differs: see the rims."
 
 
 SPARKS = (Spark("widen", "halve", "Double the cells' width", _widen, _widened, 0.2),

@@ -87,7 +87,7 @@ def test_an_answer_is_the_ratio_of_the_runs_own_errors(key, quantity, says):
     assert "Comparing" in stage.look()
     session.history = ran(session.scene, 1.0)
     sizes = [history.series[f"error_{quantity}"].mean() for history in (session.history, pinned.history)]
-    answer = says.format(f"{sizes[0] / sizes[1]:.2f}")
+    answer = says.format(f"{sizes[0] / sizes[1]:.3g}")
     assert "The answer" in stage.look() and answer in stage.look() and "Next: " in stage.look()
     session.history = ran(session.scene, 1.5)
     assert answer in stage.look()
