@@ -79,7 +79,8 @@ class Page:
         self._store.heard["seek"] = self._seek
         follow_keys(self._store, {"judge": self._controls.next_judge, "magnify": self._controls.next_factor,
                                   "method": self._controls.next_method, "code": self._sharing.show_code,
-                                  "phase": self._slow.forward, "phase back": self._slow.back})
+                                  "phase": self._slow.forward, "phase back": self._slow.back,
+                                  "present": self._presenter.begin})
         self._problems = ProblemButtons(client.gui, self._store, self._controls.choose_problem)
         self._store.heard["spark"] = self._sparks.press
         self._store.listen(self._follow_link, self._player.restore)

@@ -53,7 +53,7 @@ class Sharing:
             if urlsplit(self._store.here).hostname in HERE:
                 self._gui.add_html(f"<div class='lab-code'><p><b>{OF_NO_USE}</b></p></div>")
             if self._store.here and len(address) <= MOST_QR:
-                picture = segno.make(address, error="l").svg_inline(scale=5, border=2)
+                picture = segno.make(address, error="l").svg_inline(border=2, omitsize=True)
                 self._gui.add_html(f"<div class='lab-code'>{picture}</div>")
             text = state.write(self._controls.state)
             self._gui.add_html(f"<div class='lab-code'><p>{escape(address)}</p>"

@@ -12,8 +12,8 @@ PRESENT, END = "Present", "End"
 
 
 class Presenter:
-    """A button that turns the view on and off; so do Escape and an address that ends in ``?present`` (00-shell.js). The
-    style (70-present.css) follows a mark in the page. What a speaker's keys do is in ``js/present.js``."""
+    """A button that turns the view on and off; so do Escape and an address that ends in ``?present`` (``present.js``).
+    The style (``70-present.css``) follows a mark in the page."""
 
     def __init__(self, gui: viser.GuiApi):
         self.on = False
@@ -28,6 +28,11 @@ class Presenter:
         if scene != self._scene:
             self._scene = scene
             self._named.content = f"<i class='lab-named' data-scene='{escape(in_a_line(scene))}'></i>"
+
+    def begin(self) -> None:
+        """Show the view, if it is not."""
+        if not self.on:
+            self._turn()
 
     def _turn(self) -> None:
         self.on = not self.on

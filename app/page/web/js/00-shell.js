@@ -5,7 +5,6 @@
   const call = (element, name) => { if (element && element.dataset.lab !== name) element.dataset.lab = name; };
   const is = (name, selector) => document.body.classList.toggle(name, document.querySelector(selector) !== null);
   const presenter = () => document.querySelector("[data-lab~=lab-present] + div button");
-  let present = new URLSearchParams(location.search).has("present");
 
   addEventListener("keydown", event => {
     if (event.key === "Escape" && document.querySelector("i.lab-presenting")
@@ -16,6 +15,5 @@
     is("lab-to-see", ".lab-says, .lab-refused, .lab-trouble");
     is("lab-presented-view", "i.lab-presenting");
     is("lab-lesson-open", "i.lab-studying");
-    if (present && document.querySelector(".lab-says") && presenter()) { present = false; presenter().click(); }
   }).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

@@ -10,9 +10,18 @@
   };
   const stored = (act, fallback) => { try { return act(localStorage); } catch { return fallback; } };  // may be forbidden
 
+  // The viewer passes on what stands in the text now and then: what is said sooner waits, together with what follows.
+  const waiting = [];
+  let busy = null;
   function tell(said) {
-    const text = JSON.stringify({count: ++count, ...said});
-    if (text.length > LONGEST) return;
+    const last = waiting[waiting.length - 1];
+    if (last && !("act" in last && "act" in said)) Object.assign(last, said); else waiting.push({...said});
+    busy ??= setTimeout(send);
+  }
+  function send() {
+    const text = waiting.length && field ? JSON.stringify({count: ++count, ...waiting.shift()}) : "";
+    busy = text ? setTimeout(send, 100) : null;
+    if (!text || text.length > LONGEST) return;
     set.call(field, text);
     field.dispatchEvent(new Event("input", {bubbles: true}));
   }

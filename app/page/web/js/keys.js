@@ -56,7 +56,9 @@
 
   addEventListener("keydown", event => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || event.repeat && event.key === " ") return;
-    if (document.querySelector("dialog[open], .mantine-Modal-content")) return;
+    const modal = document.querySelector(".mantine-Modal-content");
+    if (modal && event.key === "Escape") [...modal.querySelectorAll("button")].find(b => b.textContent === "Close")?.click();
+    if (modal || document.querySelector("dialog[open]")) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (!event.isTrusted && key.startsWith("Arrow") || taken(document.activeElement, event.key)) return;
     const found = (lab.special?.() || keys).get(key);

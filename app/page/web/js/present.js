@@ -56,13 +56,20 @@
   for (const act of ["pointermove", "pointerdown"]) addEventListener(act, seen, {passive: true});
   addEventListener("focusin", event => event.target.matches(":focus-visible") && seen());
 
+  let asked = new URLSearchParams(location.search).has("present");
+  addEventListener("lab-asked", () => { if (asked) { asked = false; tell("present"); } });
+
   let was = false;
   new MutationObserver(() => {
     const said = document.querySelector("i.lab-named")?.dataset.scene || "", now = presenting();
     if (scene.textContent !== said) scene.textContent = said;
     scene.hidden = !now;
-    body.classList.toggle("lab-slowly", now && slow());
-    if (now && !was) seen();
+    body.classList.toggle("lab-slowly", Boolean(now && slow()));
+    if (now && !was) {
+      seen();
+      document.activeElement?.blur();  // of the button that ends it: a space is for the run
+      if (studying()) open("Lessons");
+    }
     if (!now && was) { dark(false); body.classList.remove("lab-view-alone", "lab-view-cost"); }
     was = now;
   }).observe(document.getElementById("root"), {childList: true, subtree: true, characterData: true});
