@@ -37,19 +37,58 @@ def value(page, label):
     return row(page, label).locator("input").last.input_value()
 
 
+def headline(page):
+    return page.locator("#lab-cost h2").inner_text()
+
+
+def move_the_line(page):
+    """By keys and by the mouse: the cheapest run below it lights up, and the box has what the line says."""
+    line, tolerance = page.get_by_role("slider", name="accuracy wanted"), row(page, "Tolerance / A").locator("input")
+    line.focus()
+    page.keyboard.press("Home")
+    until(lambda: "No run so far" in headline(page), "nothing so accurate")
+    page.keyboard.press("End")
+    until(lambda: "pay" in headline(page), "a run for the least accuracy")
+    assert page.locator(".lab-dot.lab-best").count() == 1
+    price = line.get_attribute("aria-valuetext").split(": ")[1].split(", ")[0]
+    assert price in headline(page)
+    box, before = line.bounding_box(), float(tolerance.input_value())
+    page.mouse.move(box["x"] + 9, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 9, box["y"] + box["height"] / 2 + 40, steps=4)
+    page.mouse.up()
+    until(lambda: float(tolerance.input_value()) < before, "a smaller tolerance")
+    said = 100 * float(tolerance.input_value())
+    until(lambda: float(line.inner_text().split()[0]) == pytest.approx(said), "the box and the line alike")
+
+
+def look_at_dots(page):
+    """One stop for the keyboard, from which arrows lead to the dearer and the cheaper; each says its numbers."""
+    stops = page.locator(".lab-dots button[tabindex='0']")
+    assert stops.count() == 1
+    stops.focus()
+    page.keyboard.press("ArrowRight")
+    tip = page.locator("#lab-cost .lab-run-tip")
+    until(lambda: "cells" in tip.inner_text() and tip.is_visible(), "the numbers of the run")
+    assert tip.inner_text().splitlines()[0] == page.evaluate(
+        "document.activeElement.getAttribute('aria-label').split('; ')[0]")
+
+
 @pytest.mark.slow
 def test_sweep_beside_the_live_stage_and_load(own_page, server):
-    """The stage's own run is a dot; a sweep adds more while the stage pauses, or moves if its visitor wishes; then the
-    stage goes on. A dot, a row and the file."""
+    """The stage's own run is a dot, in the band of those not timed alone; a sweep adds more while the stage pauses, or
+    moves if its visitor wishes; then the stage goes on. The line of the tolerance, a dot, a row and the file."""
     page = own_page  # which it leaves, or downloads from
     begin(page, server)
     until(lambda: dots(page) == 1, "the run on the stage as a dot")
+    assert page.locator(".lab-dot.lab-untimed").count() == 1
+    shown(page, "Nothing timed yet.")
     click(page, "Small sweep")
     until(page.get_by_role("button", name="Find the cheapest run").is_disabled, "no second job")
     # Three rows of kernels that are compiled for the first time, in a process of low priority: work, not waiting.
     until(lambda: dots(page) >= 4, "dots of the sweep", patience=4 * PATIENCE)
     with held(job_processes(server[1])):  # else it might be done before it is cancelled
-        shown(page, "The stage is paused while your sweep takes times")
+        shown(page, "Your stage is paused meanwhile")
         between = time(page)
         page.wait_for_timeout(500)
         assert time(page) == between
@@ -65,6 +104,8 @@ def test_sweep_beside_the_live_stage_and_load(own_page, server):
         click(page, "Cancel")
         shown(page, "The sweep was cancelled")
     until(lambda: not job_processes(server[1]), "the process gone")
+    move_the_line(page)
+    look_at_dots(page)
     page.locator(".lab-dot[data-run='3']").click()
     shown(page, "Run 3 is on the stage")
     until(lambda: "of 1.25 ms" in readout(page), "the step of 20 cells")
@@ -85,6 +126,8 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     """A tolerance that is none is said; a search says what it does; who leaves takes the process along."""
     page = own_page  # which it leaves, or downloads from
     open_cost(page)
+    until(page.locator("#lab-cost").is_visible, "the chart")
+    assert not page.locator("#lab-summary").is_visible()
     tolerance = row(page, "Tolerance / A").locator("input")
     tolerance.fill("a lot")
     click(page, "Find the cheapest run")
@@ -93,6 +136,9 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     click(page, "Find the cheapest run")
     shown(page, "on coarse grids")
     until(lambda: "paused" in readout(page), "the stage paused")
+    until(lambda: dots(page) > 2, "what the search has run so far")
+    assert page.locator(".lab-dot.lab-judged").count() > 1 and "Your stage is paused" in page.locator(
+        "#lab-cost header").inner_text()
     tolerance.fill("1e-4")
     shown(page, "What it was to find has changed.")
     shown(page, "The search was cancelled")

@@ -1,5 +1,6 @@
 """Which runs can be compared, which of them none beats, and which is the cheapest that is accurate enough."""
 
+import functools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -16,6 +17,7 @@ def bare(scene: Scene) -> Scene:
     return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
 
 
+@functools.lru_cache(maxsize=1000)  # asked again and again, of each run
 def question(scene: Scene) -> dict:
     """What an advice depends on, of the scene that it is asked for."""
     return {"problem": scene.problem} | {name: value for name, value in task_of(bare(scene)).inputs.items()

@@ -39,9 +39,10 @@ def _nothing(like: Sequence[NumberedRun], scene: Scene, begin: str) -> tuple[str
     """What is said before anything has been timed, and how to ``begin``."""
     live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
     if live is None:
-        return "Nothing measured yet.", f"What does accuracy cost on the {PROBLEMS[scene.problem].scene.TITLE}? {begin}"
+        title = PROBLEMS[scene.problem].scene.TITLE
+        return "Nothing measured yet.", f"What does accuracy cost on the {title}?<br>{begin}"
     return "Nothing timed yet.", (f"The run on the stage errs by {percent(live.size)} of {whole(scene)}, but its time "
-                                  f"was taken beside pictures and estimates. {begin}")
+                                  f"was taken beside pictures and estimates.<br>{begin}")
 
 
 def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:

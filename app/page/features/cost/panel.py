@@ -169,7 +169,7 @@ class CostTab:
             self._show_runs(scene)
         says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)))
         if status.running:
-            more = escape(f"{words.going(status)} {stage}")
+            more = escape(f"{words.counted(status)} {stage}")
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
                               f"{line(like, scene, tolerance, self._axes.get(scene.problem))}")
 

@@ -24,7 +24,7 @@ from solvers.scene.scene import Scene
 SHAPES = {"o": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", "s": "M-4.5 -4.5h9v9h-9z", "^": "M0 -5.8L5.4 4.2H-5.4z",
           "D": "M0 -6L5.8 0L0 6L-5.8 0z", "v": "M0 5.8L5.4 -4.2H-5.4z"}
 CROSS = "M-4.5 -4.5L4.5 4.5M4.5 -4.5L-4.5 4.5"
-UNTIMED = LogAxis(-4.0, -1.0)  # before anything has been timed
+UNTIMED = LogAxis(-4.3, -0.7)  # before anything has been timed
 MOST_BELOW = 2  # decades below all errors to which the line of a tolerance may draw the axis
 ORDER = 2  # of the methods, in the size of a cell
 
@@ -68,12 +68,12 @@ def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Sce
     band = "<div class='lab-band'><span>not timed alone</span></div>" * any(not run.alone for run in dots)
     drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in curves(like)]
     under = _path(best, inside, "class='lab-front'")
-    lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS), under, *drawn])
+    lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
     texts = "".join([*(_name(run, words, inside) for run, words in names(like)), *(
         _beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*_on_curves(like), *best])])
     # What is drawn last is on top: those that count.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
-    words = _titles(scene) + _keys(dots, best, scene.DIMENSIONS)
+    words = _titles(scene) + (_keys(dots, best, scene.DIMENSIONS) if inside.times else "")
     return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{texts}"
             f"{''.join(_dot(run, inside, run.number not in numbers) for run in last)}")
 
@@ -133,8 +133,8 @@ def _grid(inside: Axes) -> str:
         y, kind = _percent(1 - tick.part), " lab-minor" * tick.minor
         parts.append(f"<line x1='0' x2='100%' y1='{y}%' y2='{y}%' class='lab-grid{kind}'/><text x='0' y='{y}%' "
                      f"dy='0.35em' text-anchor='end' class='lab-up{kind}'>{tick.label}</text>")
-    return "".join([*parts, "<line x1='0' x2='0' y1='0' y2='100%' class='lab-axis'/>"
-                    "<line x1='0' x2='100%' y1='100%' y2='100%' class='lab-axis'/>"])
+    return "".join([*parts, "<line x1='0' x2='0' y1='0' y2='100%' class='lab-edge'/>"
+                    "<line x1='0' x2='100%' y1='100%' y2='100%' class='lab-edge'/>"])
 
 
 def _guides(inside: Axes, dimensions: int) -> str:

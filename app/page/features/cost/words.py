@@ -132,13 +132,21 @@ def others(runs: Sequence[NumberedRun], problem: str) -> str:
     return f"And {count} of the {name}: shown when that problem is chosen; the CSV file has all."
 
 
+def counted(status: JobStatus) -> str:
+    """How far a job has come that runs."""
+    name = status.kind.capitalize()
+    if not status.total:
+        return f"{name}: starting."
+    if status.done < status.total:
+        return f"{name}: {status.done} of {status.total} runs{' on coarse grids' * (status.kind == 'search')}."
+    return f"{name}: {status.done} runs."
+
+
 def going(status: JobStatus) -> str:
     """How a job goes, or how it ended."""
     if status.running:
-        if status.kind == "sweep":
-            return f"Sweep: {status.done} of {status.total} runs." if status.done else "Sweep: starting."
-        if status.task is None:
-            return "Search: starting."
+        if status.kind == "sweep" or status.task is None:
+            return counted(status)
         coarse = f" of {status.total} on coarse grids" if status.done < status.total else ""
         return f"Search, run {status.done + 1}{coarse}: {setting(status.task.scene())}."
     if status.cancelled:

@@ -8,8 +8,8 @@
     <div class="lab-wish" role="slider" tabindex="0" aria-orientation="vertical" aria-label="accuracy wanted">
     <span></span></div>
     <div class="lab-dots" role="group" aria-label="runs, from cheap to dear: arrow keys go from one to the next"></div>
-    <div class="lab-tip" aria-hidden="true"></div></div>`;
-  const dots = section.querySelector(".lab-dots"), tip = section.querySelector(".lab-tip");
+    <div class="lab-run-tip" aria-hidden="true"></div></div>`;
+  const dots = section.querySelector(".lab-dots"), tip = section.querySelector(".lab-run-tip");
   const charts = document.getElementsByClassName("lab-cost-chart");
   const heads = document.getElementsByClassName("lab-cost-says");
   const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;

@@ -1,6 +1,7 @@
 // Names in the chart of the Cost tab keep apart, whatever the window: methods move down until they are free, and
 // numbers of cells, and ticks under the price, that would touch anything are not shown.
 (() => {
+  const FEW = 40;  // runs between which a name finds a place
   const section = document.getElementById("lab-cost"), dots = section.querySelector(".lab-dots");
   const all = name => [...dots.querySelectorAll(name)], box = element => element.getBoundingClientRect();
   const apart = (one, other) => one.left >= other.right || other.left >= one.right || one.top >= other.bottom
@@ -10,6 +11,9 @@
   function settle() {
     const edge = box(section).right - 4, taken = [], free = one => taken.every(other => apart(one, other));
     const names = all(".lab-name"), cells = all(".lab-cells");
+    const marks = all(".lab-dot").map(box).map(({left, top, right, bottom}) => (  // less what is empty around them
+      {left: left + 5, right: right - 5, top: top + 5, bottom: bottom - 5}));
+    if (marks.length < FEW) taken.push(...marks);
     for (const name of names) {
       name.style.translate = "";
       name.classList.remove("lab-left");
@@ -22,8 +26,7 @@
       name.style.translate = `0 ${down}px`;
       taken.push(moved(down));
     }
-    for (const {left, top} of all(".lab-dot").map(box))  // of their 20 pixels the mark itself
-      taken.push({left: left + 5, right: left + 15, top: top + 5, bottom: top + 15});
+    if (marks.length >= FEW) taken.push(...marks);
     const shown = cells.map(cell => [cell, box(cell)]).map(([cell, at]) => [cell, free(at) && taken.push(at)]);
     for (const [cell, isFree] of shown) show(cell, isFree);
     const price = box(section.querySelector(".lab-drop span"));

@@ -13,6 +13,7 @@
       const next = mark.nextElementSibling, label = next?.querySelector("label");
       set(next?.querySelector("input"), "aria-label", label?.textContent);
     });
+    all("[role=progressbar]", bar => set(bar, "aria-label", "progress"));
     all("[role=slider]", slider => {  // a logarithm is no number that anybody wants to hear
       const text = slider.closest("[data-lab~=lab-logarithmic] + div")?.nextElementSibling?.nextElementSibling;
       set(slider, "aria-valuetext", text?.querySelector("input")?.value);
