@@ -2,29 +2,31 @@
 
 import threading
 from collections.abc import Callable
+from typing import Any
 
 import viser
 
-from app import words
 from app.frame.scale import ColourScale
 from app.page.features.slow.panel import SlowMotion
-from app.page.panels.bound import BoundWidgets, Patience, Size
+from app.page.panels.answers import Answers
+from app.page.panels.bound import BoundWidgets
+from app.page.panels.browser_store import BrowserStore
+from app.page.panels.change import RunWidgets
 from app.page.panels.drawn import Drawn
 from app.page.panels.estimators import Judges
 from app.page.panels.looking import Looking
+from app.page.panels.marks import mark, marked
 from app.page.panels.stage_choice import StageChoice
 from app.page.source import Choice
 from app.page.transport import Transport
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
+from app.words import CHOICES
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import ALL
 from solvers.scene.remedies import REMEDIES
-from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
-from solvers.scene.step_bound import SAFE
-
-CFL = (0.01, 2.0)
+from solvers.scene.scene import Scene
 
 
 class Controls:
@@ -32,21 +34,22 @@ class Controls:
     the tabs; :meth:`build` makes the others. ``on_view`` is called when only the drawing changes."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
-                 looking: Looking, slow: SlowMotion):
+                 looking: Looking, slow: SlowMotion, store: BrowserStore):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
         self._looking, self._slow = looking, slow
         self._offered: tuple[str, ...] = ()  # the controls that a lesson leaves; without any all are
-        self._patience = Patience()
+        self._answers = Answers(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
-        self._bound = BoundWidgets(gui, session, self._patience, self._turn)
+        self._bound, self._lasting = (BoundWidgets(gui, session, self._answers, self._turn) for _ in range(2))
         self._problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
                                          initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
         self._stage = StageChoice(gui, session, scale, on_view)
-        lasting = BoundWidgets(gui, session, self._patience, self._turn)
-        self._transport = Transport(gui, session, looking, slow, lasting, on_view)
+        self._transport = Transport(gui, session, looking, slow, self._lasting, on_view)
         self._drawn = Drawn(session, scale, looking, on_view)
-        self._judges = Judges(session, self._stage, self._bound)
+        self._run = RunWidgets(session, self._bound, store)
+        self._judges = Judges(gui, session, self._stage, self._bound, store)
+        store.heard["entered"] = self._enter
 
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Make the widgets of the tab, within it."""
@@ -157,111 +160,81 @@ class Controls:
 
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once
+        self._folds: dict[str, viser.GuiHtmlHandle] = {}
+        view, scene = VIEWS[self._session.scene.problem], self._session.scene
         with self._widgets:
-            with self._part("slow-motion"):
-                self._slow.build(self._gui)
-            self._scene()
+            self._run.build(self._gui, self._part)
             with self._part("estimators"):
                 self._judges.build(self._gui)
-            self._drawn.build(self._gui, self._part)
-            with self._part("details"), self._gui.add_folder("Method details and remedies", expand_by_default=False):
-                for field, hint in VIEWS[self._session.scene.problem].details.items():
-                    if field != "body_force" or self._session.scene.swings:
-                        self._bound.field(field, hint)
-                self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
-                self._bound.boxes("remedies", REMEDIES)
-            with self._part("effects"), \
-                    self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
-                self._bound.boxes("effects", ALL)
+            with self._fold("What is drawn", "estimators", "colours", "trace", "domains"):
+                self._drawn.build(self._gui, self._part)
+            if view.motion or view.material:
+                with self._fold("Motion and material", "motion", "modulus"):
+                    with self._part("motion"):
+                        self._bound.motions(self._move)
+                    with self._part("modulus"):
+                        self._bound.sliders(view.material)
+            with self._part("slow-motion"):
+                mark(self._gui, "lab-slow-fold", words="phase by phase")
+                self._slow.build(self._gui)
+            with self._part("details"):
+                self._folds["details"] = mark(self._gui)
+                with self._gui.add_folder("Method details and remedies", expand_by_default=False):
+                    for field, hint in view.details.items():
+                        if field != "body_force" or scene.swings:
+                            self._bound.field(field, hint)
+                    self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
+                    self._bound.boxes("remedies", REMEDIES)
+            with self._part("effects"):
+                self._folds["effects"] = mark(self._gui)
+                with self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
+                    self._bound.boxes("effects", ALL)
+        self._say_folds()
+
+    def _enter(self, text: Any) -> None:
+        """The visitor is done with typing into the text that the browser calls so."""
+        for bound in (self._bound, self._lasting):
+            bound.enter(str(text))
 
     def _part(self, control: str) -> viser.GuiFolderHandle:
         """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
         return self._gui.add_folder(None, visible=not self._offered or control in self._offered)
 
-    def _scene(self) -> None:
-        session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
-        with self._part("motion"):
-            self._bound.motions(self._move)
-        with self._part("method"):
-            self._bound.field("method", "shape functions that carry data between particles and grid")
-        with self._part("cells"):
-            self._cells()
-        with self._part("ppc"):
-            low, high = view.reach.ppc
-            step, hint = (1, "in each direction") if scene.swings else (0.5, "need not be whole here")
-            per_cell = self._gui.add_slider("Particles / cell", low, max(high, scene.ppc), step, scene.ppc, hint=hint)
-            self._bound.follow(per_cell, lambda count: session.set(ppc=count))
-        default = type(scene)()
-        if scene.swings:
-            with self._part("amplitude"):
-                self._bound.size(Size("Amplitude A", words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
-                                      default.amplitude, view.amplitude_hint),
-                                 scene.amplitude, lambda value: session.set(amplitude=value))
-        elif view.motion:
-            with self._part("stretch"):
-                self._bound.sliders(view.motion.sliders)
-        with self._part("modulus"):
-            self._bound.size(Size("Modulus E", "Pa", view.reach.modulus, default.modulus, view.modulus_hint),
-                             scene.modulus, lambda value: session.set(modulus=value))
-            self._bound.sliders(view.material)
-        with self._part("step"):
-            self._step()
+    def _fold(self, label: str, *controls: str) -> viser.GuiFolderHandle:
+        """A folded part of the panel; with the few controls that a lesson leaves there is nothing to fold."""
+        if self._offered:
+            return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
+        self._folds[label] = mark(self._gui)
+        return self._gui.add_folder(label, expand_by_default=False)
+
+    def _say_folds(self) -> None:
+        """What is set in each fold, at the right of its name."""
+        scene, view = self._session.scene, VIEWS[self._session.scene.problem]
+        values = scene.to_dict()
+        motion = [CHOICES["motion"][values["motion"]]] if view.motion else []
+        remedies = ", ".join(REMEDIES[name].label for name in scene.remedies)
+        says = {"What is drawn": self._drawn.words, "details": remedies or "none",
+                "Motion and material": ", ".join([*motion, *(f"{slider[0].split()[-1]} = {values[field]:g}"
+                                                             for field, slider in view.material.items())]),
+                "effects": f"{len(scene.effects)} of {len(ALL)}"}
+        for fold, handle in self._folds.items():
+            if handle.content != (content := marked(words=says[fold])):
+                handle.content = content
 
     def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Another motion has other controls."""
         self.show(State(changed, quantity or self._stage.quantity, magnified=self._stage.magnified, speed=speed,
                         logarithmic=self._scale.logarithmic))
 
-    def _step(self) -> None:
-        """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
-        session, scene = self._session, self._session.scene
-
-        def by_hand(cfl: float) -> None:
-            auto.value = False  # type: ignore[misc]
-            session.set(cfl=cfl, dt=None)
-
-        def automatic(wanted: bool) -> None:
-            if wanted:
-                session.set(cfl=None, dt=AUTO)
-            else:  # the step stays as it was
-                by_hand(float(f"{session.scene.courant_number:.3g}"))
-
-        self._shown_step = scene.courant_number
-        self._step_size = self._bound.size(
-            Size("CFL number", "", CFL, DEFAULT_CFL, "time step as a share of the time a wave takes through a cell"),
-            scene.courant_number, by_hand)
-        auto = self._gui.add_checkbox("Auto step", scene.dt == AUTO, hint=f"take {SAFE:g} of the longest step that the "
-                                      "motion ahead bears by linear theory; the slider above shows it")
-        self._bound.follow(auto, automatic)
-
     def refresh(self) -> None:
-        """Show the step that "auto" makes of the present scene: other settings change it.
-
-        Once for each: a slider that is set while the visitor moves it would forget where to.
-        """
-        self._patience.show(self._session.compiling)
+        """Show what the session has come to by itself, and the words beside what is folded."""
         with self._turn:
             self._looking.refresh()
             self._transport.refresh()
-            scene = self._session.scene
-            if scene.dt == AUTO and scene.courant_number != self._shown_step:
-                self._shown_step = scene.courant_number
-                self._step_size.show(scene.courant_number)
+            self._run.refresh()
+            self._say_folds()
+        self._answers.refresh(self._session.compiling)
 
-    def _cells(self) -> None:
-        scene = self._session.scene
-        length = f"{scene.cells * scene.spacing:g}"
-
-        def label(count: int) -> str:
-            return f"Cells, h = {length}/{count}"
-
-        low, high, step = VIEWS[scene.problem].reach.cells
-        high = max(high, scene.cells)  # of a scene that was loaded
-        cells = self._gui.add_slider(label(scene.cells), low, high, step, scene.cells,
-                                     hint=f"grid cells across {length} m")
-
-        def changed(count: int) -> None:
-            cells.label = label(count)
-            self._session.set(cells=count)
-
-        self._bound.follow(cells, changed)
+    def judge(self, judged: str) -> None:
+        """Have the judges' cards say this (:func:`app.page.panels.readout.judged`)."""
+        self._judges.show(judged)

@@ -7,6 +7,7 @@ from html import escape
 import viser
 
 from app.page.panels.plots import Past, Plots
+from app.page.panels.readout import Readout
 from app.page.panels.timeline import Now, Timeline
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
@@ -17,14 +18,14 @@ PLOT_HEIGHT = 110  # pixels, of a plot in the fold
 
 @dataclass(frozen=True)
 class Numbers:
-    """What is to be read of a run: its ``readout`` as html and its ``past`` as plots, with a line for each of the
+    """What is to be read of a run: its ``readout`` and its ``past`` as plots, with a line for each of the
     ``estimators``, drawn of those that are ``valid``.
 
     ``drawn`` is the estimator on the stage, and the run is at ``now``; ``no_index`` says why there is no error index. A
     ``pinned`` run is plotted too, and a ``traced`` particle. Whoever reads the page by a program is told the ``scene``.
     """
 
-    readout: str
+    readout: Readout
     past: Past | None
     estimators: tuple[str, ...]
     valid: tuple[str, ...]
@@ -44,13 +45,18 @@ class Measurements:
         self._running = gui.add_html("")  # the scene, for whoever reads the page by a program
         self._described: Scene | None = None
         self.timeline = Timeline(gui)
+        self.reading = False  # whether the errors stay in view: a lesson has them read, a file is judged
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Make the fold."""
+        """Make the fold, before the tabs: the style lays it below them, for lessons have their numbers read there, and
+        of these what an error is by each judge stays in view while one is open (``css/33-numbers.css``)."""
+        gui.add_html("<i class='lab-numbers' data-words='time, energy, steps'></i>")
         fold = gui.add_folder("All numbers of this run", expand_by_default=False)
         with fold:
             self._readout = gui.add_html("<div class='lab-readout'>waiting for the first frame</div>")
         self._plots = Plots(self._client, fold)
+        gui.add_html("<i class='lab-estimates-foot'></i>")
+        self._foot = gui.add_html("")
 
     def show(self, numbers: Numbers, quantity: str, latest: bool) -> None:
         """Show numbers, and plots of a quantity's errors or of their ``latest`` periods."""
@@ -58,7 +64,10 @@ class Measurements:
         if scene is not None and scene != self._described:
             self._described = scene
             self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(scene)))}'></i>"
-        self._readout.content = numbers.readout
+        foot = numbers.readout.errors if self.reading else ""
+        for html, content in ((self._readout, numbers.readout.html), (self._foot, foot)):
+            if html.content != content:
+                html.content = content
         self.timeline.have(numbers.estimators, numbers.pinned is not None)
         self._plots.have(numbers.estimators, PLOT_HEIGHT, traced is not None, numbers.pinned is not None)
         if past is None or len(past.series.get("time", ())) < 2:
@@ -69,3 +78,4 @@ class Measurements:
         self._plots.show(past, numbers.valid, quantity, numbers.no_index, latest, numbers.pinned, numbers.drawn)
         if traced is not None and traced.scene == past.scene:
             self._plots.show_trace(traced, numbers.valid, quantity, latest, numbers.now.time)
+

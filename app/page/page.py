@@ -107,13 +107,14 @@ class Page:
 
     def _tabs(self, client: viser.ClientHandle) -> None:
         self._looking = looking = Looking(self._session, self._recent, self._trace, self._redraw)
-        self._controls = Controls(client.gui, self._session, self._scale, self._redraw, looking, self._slow)
+        self._controls = Controls(client.gui, self._session, self._scale, self._redraw, looking, self._slow,
+                                  self._store)
+        self._measurements.build(client.gui)
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
             self._controls.build(explore)
             self._sharing = Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
-            self._measurements.build(client.gui)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
             self._player = Player(client, lessons, self._classroom, self._controls.show, self._controls.offer,
                                   self._keep)
@@ -204,6 +205,8 @@ class Page:
     def _refresh(self) -> None:
         source, choice, canvas, presented = self._source, self._controls.choice, self._canvas, self._presenter.on
         if numbers := source.numbers(choice, canvas.picture, canvas.probe.text):
+            self._measurements.reading = bool(self._player.name) or self._own.shown is not None
+            self._controls.judge(numbers.readout.judged)
             self._measurements.show(numbers, choice.quantity, choice.latest)
         if self._session.playing and not presented and self._session.untouched > UNTOUCHED:
             self._session.rest()

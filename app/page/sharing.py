@@ -38,7 +38,7 @@ class Sharing:
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, controls: Controls):
         self._gui, self._store, self._controls = gui, store, controls
         with gui.add_folder(None, order=LAST):
-            gui.add_html(f"{BESIDE}<i class='lab-copy'></i>")
+            gui.add_html("<i class='lab-beside lab-copy'></i>")
             gui.add_button("Copy link", icon=viser.Icon.LINK, hint="the address of just this scene, view and pinned "
                            "run: it opens for everyone who can reach this server")
             gui.add_html(BESIDE)

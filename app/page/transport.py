@@ -7,8 +7,9 @@ from typing import Any
 import viser
 
 from app.page.features.slow.panel import SlowMotion
-from app.page.panels.bound import BoundWidgets, Size
+from app.page.panels.bound import BoundWidgets
 from app.page.panels.looking import Looking
+from app.page.panels.size_control import Size, SizeControl
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.scene.scene import Scene
@@ -28,7 +29,7 @@ class Transport:
         gui.add_html("<i class='lab-at-run'></i>")
         buttons = gui.add_button_group("Run", tuple(acts))
         buttons.on_click(lambda event: acts[event.target.value]())
-        self._speed = bound.size(self._pace, session.speed, session.set_speed, "lab-at-speed")
+        self._speed = SizeControl(gui, bound, self._pace, session.speed, session.set_speed)
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(PIN, hint="keep the run on the stage beside what you change: both begin at t = 0 "
                                    "and go on together, period by period")
@@ -67,7 +68,7 @@ class Transport:
     def _pace(self) -> Size:
         view = VIEWS[self._session.scene.problem]
         return Size("Speed", "", view.reach.speed, view.speed,
-                    "periods of the exact vibration in a second of yours")
+                    "periods of the exact vibration in a second of yours", place="lab-at-speed")
 
     def _turn(self) -> None:
         if self._session.pinned is None:

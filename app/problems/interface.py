@@ -72,6 +72,8 @@ class ProblemView:
     there where the scene has several motions, ``material`` are fields of the material beside the modulus.
     ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
     ``sparks`` are the questions that go with a state (:mod:`app.problems.spark`).
+    ``prices`` are the shares of the running time that estimators take in the problem's usual scene, each alone on one
+    thread, as ``mpm-lab run`` says them (median of three).
     """
 
     problem: str
@@ -90,6 +92,7 @@ class ProblemView:
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()
     sparks: Callable[[State], tuple[Spark, ...]] = lambda _: ()
+    prices: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def about(self) -> str:

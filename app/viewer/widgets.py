@@ -39,6 +39,11 @@ def put_props(handle: viser.SceneNodeHandle, props: dict[str, Any]) -> None:
     handle._impl.api._queue_scene_message(SceneNodeUpdateMessage(handle.name, props))
 
 
+def identity(widget: Any) -> str:
+    """What a browser calls a widget: the id of its input."""
+    return str(widget._impl.uuid)
+
+
 def is_removed(widget: Any) -> bool:
     """Whether a widget has gone: the viewer would warn of what is set of it."""
     return widget._impl.removed

@@ -19,6 +19,15 @@ class Drawn:
         self._session, self._scale, self._looking, self._on_view = session, scale, looking, on_view
         self.difference = self.domains = False
 
+    @property
+    def words(self) -> str:
+        """What is drawn otherwise than usual, or what could be."""
+        traced = self._looking.traced
+        said = ["difference"] * self.difference + ["logarithmic"] * self._scale.logarithmic \
+            + ["colours held"] * self._scale.held + ["domains"] * self.domains \
+            + [f"particle {traced}"] * (traced is not None)
+        return ", ".join(said) or "colours, trace, comparison"
+
     def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
         """Make the widgets, for the session's present scene."""
         scale = self._scale

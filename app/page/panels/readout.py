@@ -1,7 +1,9 @@
-"""The numbers of the left panel: the run, each estimator beside the truth, and where the error is worst."""
+"""All numbers of a run: each estimator beside the truth, where the error is worst, and the run itself."""
 
 import html
+import json
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from solvers.solver.norms import angular_momentum_drift, energy_drift
 from solvers.solver.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
+ENERGY = (0.05, 0.5)  # shares of the largest energy out of balance: to look at, and to be alarmed at
 SHORT = 30  # characters of a reason that fit beside a name
 #: What a line of the readout means, for who rests on it.
 HINTS = {
@@ -38,14 +41,57 @@ HINTS = {
 }
 
 
+@dataclass(frozen=True)
+class Readout:
+    """Html: the table of the ``errors`` by each judge, and what there is ``beside`` it; for their cards the same as
+    :func:`judged` has it."""
+
+    errors: str
+    beside: str
+    judged: str = ""
+
+    @property
+    def html(self) -> str:
+        """All of it."""
+        return f"<div class='lab-readout'>{self.errors}{self.beside}</div>"
+
+
 def readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
-            probed: str | None, worst: WorstRegions, ago: float = 0.0) -> str:
-    """The readout as html, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage, for
+            probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
+    """The numbers of a run, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage, for
     a frame ``ago`` periods before the newest. The ``history`` is that of the frame's run: the session may have begun
     another one since."""
     series = until(history.series, report.time)
-    return (f"<div class='lab-readout'>{_run(session, history, report, series, probed, ago)}"
-            f"{_estimates(session, report, series, quantity, drawn)}{_worst(worst, drawn, quantity)}</div>")
+    return Readout(_estimates(session, report, series, quantity, drawn),
+                   _worst(worst, drawn, quantity) + _run(session, history, report, series, probed, ago),
+                   judged(report, series, quantity, drawn))
+
+
+def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
+    """What the cards of the judges say of a run up to a time, as JSON.
+
+    The ``true`` error's norm at that time, or why it is not ``known``, the estimator on the ``stage``, and for each of
+    the ``judges`` that run its ``index`` so far, in words and as a place ``at`` from 0 to 1 on a gauge of factors from
+    0.1 to 10, or what it ``says`` instead.
+    """
+    why_not = silences(report, series, quantity)
+    judges: dict[str, dict[str, object]] = {}
+    for name in report.scene.estimators:
+        if says := why_not[name]:
+            judges[name] = {"says": f"Not valid here: {says}" if name in report.not_valid else says}
+        else:
+            values = series.get(f"{name}/index_{quantity}", np.zeros(0))
+            at = place(float(values[-1]) if len(values) else math.nan)
+            judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at}
+    true = why_not[TRUE] or norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
+    return json.dumps({"true": true, "known": not why_not[TRUE], "stage": drawn, "judges": judges})
+
+
+def place(index: float) -> float | None:
+    """Where an error index stands on the gauge, beyond its ends at them; nowhere if it is not known."""
+    if not math.isfinite(index):
+        return None
+    return round(min(1.0, max(0.0, 0.5 + 0.5 * math.log10(index))), 2) if index > 0 else 0.0
 
 
 def _run(session: Session, history: History, report: FrameReport, series: dict[str, np.ndarray], probed: str | None,
@@ -61,20 +107,29 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
         known = series.get("margin", np.zeros(0))
         margin = next(reversed(known[np.isfinite(known)]), math.nan)
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods"),
-            ("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
-            *([("step", _margin(margin))] if scene.has("margin") else []),
-            ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
             ("shown", f"<b>{ago:.2f} periods back</b>, {rests}") if ago else
             ("speed", moves if report.playing else f"<b>{rests}</b>, {session.speed:.3g} periods/s asked")]
     drift = energy_drift(series) if len(series.get("kinetic", ())) else None
     if drift is not None:
-        rows.append(("energy", f"out of balance by {_percent(drift)}"))
+        rows.append(("energy", light(abs(drift), ENERGY) + f"out of balance by {_percent(drift)}"))
     if scene.has("spin") and len(series.get("angular_momentum", ())):
         off, wrong = (angular_momentum_drift(series, series[against])
                       for against in ("torque", "exact_angular_momentum"))
         rows.append(("turning", f"balance {_percent(off)}, error {_percent(wrong)}"))
-    rows.append(("region", html.escape(probed or "drag a rectangle on the stage")))
-    return table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+    if scene.has("margin"):
+        rows.append(("step", _margin(margin)))
+    rows += [("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
+             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
+             ("region", html.escape(probed or "drag a rectangle on the stage"))]
+    return table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows),
+                 "lab-run")
+
+
+def light(size: float, bounds: tuple[float, float]) -> str:
+    """A light and a word before a number: calm up to the first bound, alarming beyond the second."""
+    kind, word = ("good", "fine") if size <= bounds[0] else ("watch", "watch it") if size <= bounds[1] else \
+        ("bad", "alarming")
+    return f"<span class='lab-light lab-{kind}'>{word}</span> "
 
 
 def _percent(share: float | None) -> str:
@@ -100,15 +155,15 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("norm", "index", "distance"))
     rows = [row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
-    for name, silence in _silences(report, series, key).items():
+    for name, silence in silences(report, series, key).items():
         if len(silence) > SHORT:
             rows.append(row("", f"<span class='lab-name'>{named(name)}</span>: {html.escape(silence)}"))
         elif silence:
             rows.append(row("", named(name), html.escape(silence)))
         elif name == TRUE:
-            rows.append(row("", named(name), _norm(series, f"error_{key}", unit), "", ""))
+            rows.append(row("", named(name), norm(series, f"error_{key}", unit), "", ""))
         else:
-            rows.append(row("", named(name), _norm(series, f"{name}/estimate_{key}", unit),
+            rows.append(row("", named(name), norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
         rows.append(_pinned(session.pinned, _said(session.pinned, report), key, drawn))
@@ -124,15 +179,15 @@ def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
     """A pinned run's true error now, with index and distance of the estimator on the stage; or why it has stopped."""
     estimator, series = run.estimator(drawn), run.history.series
     what = f"norm: its true error; index and distance: its estimate by {estimator}" if estimator else HINTS["norm"]
-    name = f"<span title='{html.escape(what)}'>{_line(PINNED)} pinned</span>"
+    name = f"<span title='{html.escape(what)}'>{line(PINNED)} pinned</span>"
     if trouble := run.shortfall():
         said = f"{said}; {trouble}"
     ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
-    return row("", name, _norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
+    return row("", name, norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
         + row("", f"<span class='lab-name'>pinned: {html.escape(said)}</span>")
 
 
-def _silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
+def silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
     """For the truth and each estimator asked for, why there is no number of it; "" where there is."""
     norms = {name: series.get(f"{name}/estimate_{quantity}", np.zeros(0)) for name in report.scene.estimators}
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
@@ -165,24 +220,32 @@ def table(rows: str, kind: str = "") -> str:
 def row(kind: str, *cells: str) -> str:
     """A row of four cells; a last one that stands for several takes their room."""
     span = 5 - len(cells)
-    first = "".join(f"<td>{cell}</td>" for cell in cells[:-1])
+    first = "".join(f"<td>{cell}</td>\n" for cell in cells[:-1])
     last = f"<td colspan={span} class='lab-silence'>" if span > 1 else "<td>"
-    return f"<tr class='lab-{kind}'>{first}{last}{cells[-1]}</td></tr>"
+    return f"<tr class='lab-{kind}'>{first}{last}{cells[-1]}</td></tr>\n"
 
 
 def named(name: str) -> str:
     """A name behind a piece of its line in the plots."""
+    return f"{sample(name)} {html.escape(name)}"
+
+
+def sample(name: str) -> str:
+    """A piece of the line of the truth or of an estimator, in the page's own colour for it, if it has one."""
     known = ESTIMATORS.get(name)
     colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE
-    return f"{_line(colour, known.dashes if known else ())} {html.escape(name)}"
+    own = "truth" if name == TRUE else name.replace("-", "")
+    return line(f"var(--{html.escape(own)}, {colour})", known.dashes if known else ())
 
 
-def _line(colour: str, dashes: tuple[int, ...] = ()) -> str:
+def line(colour: str, dashes: tuple[int, ...] = ()) -> str:
+    """A piece of a line as svg."""
     dashed = f" stroke-dasharray='{','.join(map(str, dashes))}'" if dashes else ""
-    return f"<svg width='18' height='8'><path d='M0 4h18' stroke='{colour}' stroke-width='3'{dashed}/></svg>"
+    return "<svg width='18' height='8' aria-hidden='true'>" \
+           f"<path d='M0 4h18' style='stroke: {colour}' stroke-width='3'{dashed}/></svg>"
 
 
-def _norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
+def norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
     values = series.get(name, np.zeros(0))
     return with_unit(float(values[-1]), unit) if len(values) and np.isfinite(values[-1]) else NOTHING
 

@@ -51,6 +51,7 @@ BAR = ProblemView(
     "bar", BarStage, BarSlowStage, draw, regions, f"the bar into {LENGTHS} lengths", picture=(10.0, 1.25 / 3),
     speed=0.5, reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
     amplitude_hint="amplitude of the vibration; from 0.159 m on the exact bar turns inside out",
+    prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
     motion=MOTION, estimators=("recovered", "transport"), sparks=sparks,
     details={"linearity_preserving": "correct the gradient so that linear stress gives the exact force",
              "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"})

@@ -35,6 +35,7 @@ RING = ProblemView(
     picture=(13.5, 0.85), speed=0.2, reach=Reach((12, 96, 6), (1, 6), (1e-3, 0.4), (1e5, 1e8), (1e-2, 10.0)),
     amplitude_hint=f"largest displacement of the outer rim; from {RESONANCE} m on the motion itself is unstable, above "
                    f"{WRINKLING} m a real ring wrinkles, from {INVERSION} m on the exact one turns inside out",
+    prices={"transport": 0.06, "recovered": 0.11, "companion": 0.06, "two-grid": 0.08},
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
              "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"},
     estimators=("companion",), sparks=sparks)  # transport says three to twelve times the error here

@@ -36,6 +36,7 @@ VORTEX = ProblemView(
     reach=Reach((12, 96, 2), (1, 3), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
     amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
                    "is seven times as much",
+    prices={"transport": 0.07, "recovered": 0.24, "companion": 0.05},
     details={"layout": "where particles begin: Cartesian rims are staircases",
              "body_force": "which force acts", "velocity": "the velocity that moves the particles"},
     modulus_hint="Young's modulus: the body force sees to it that the motion stays the same, the errors do not",

@@ -198,13 +198,13 @@ def test_sentences_name_what_stands_beside_the_widgets():
     (0.456, "<td>0.46 of its bound</td>"), (1.3, "<span class='lab-over'>1.30 of its bound</span>"),
     (38255.0, "<span class='lab-over'>4 × 10⁴ of its bound</span>"), (np.nan, "<td>–</td>")])
 def test_margin_of_the_step_is_read(margin, shown):
-    assert f"<td>step</td>{shown}".replace("<td>step</td><span", "<td>step</td><td><span") in readout_of(BAR, margin)
+    assert f"<td>step</td>\n{shown}".replace("\n<span", "\n<td><span") in readout_of(BAR, margin)
     assert "<td>step</td>" not in readout_of(replace(BAR, effects=("truth",)), margin)
 
 
 def readout_of(scene, margin):
     session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0, pinned=None, ended=False)
-    return readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions())
+    return readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions()).html
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

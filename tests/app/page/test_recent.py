@@ -120,10 +120,10 @@ def test_numbers_are_those_of_the_frame():
     for step in range(12):
         history.add(solver.measure() if step == 0 else solver.advance(40))
         report = replace(report_of(scene), step=solver.step, time=solver.time, playing=False)
-        seen.append((report, readout(session, session.history, report, "x", "transport", None, WorstRegions())))
+        seen.append((report, readout(session, session.history, report, "x", "transport", None, WorstRegions()).html))
     report, then = seen[5]
-    now = readout(session, session.history, report, "x", "transport", None, WorstRegions(), ago=0.314)
-    assert "<td>shown</td><td><b>0.31 periods back</b>, paused</td>" in now and "<td>speed</td>" not in now
+    now = readout(session, session.history, report, "x", "transport", None, WorstRegions(), ago=0.314).html
+    assert "<td>shown</td>\n<td><b>0.31 periods back</b>, paused</td>" in now and "<td>speed</td>" not in now
     assert then != seen[-1][1]
     cut = then.index("<td>energy</td>")
     assert then[cut:] == now[now.index("<td>energy</td>"):]

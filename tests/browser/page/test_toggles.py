@@ -11,7 +11,7 @@ from tests.browser.driving import choose, engine_processes, readout, scene, step
 from tests.listening import PATIENCE
 from tests.processes import children, held, starving
 
-MARK = "compiling …"
+COMPILING = "[data-answer-kind=compiling]"  # what the last changed control is called then, below which it says so
 LONGEST = 1.0  # seconds that the stage may stand still, whatever has to be compiled
 #: Notes when the stage moves: frames reach the page from a worker of the viewer's.
 NOTE_MOVES = """
@@ -54,13 +54,13 @@ def test_the_stage_goes_on_beside_the_compiler(page, server):
                 break
         with held(found):
             if found and compilers(server) == found:
-                until(page.get_by_text(MARK).is_visible, "the word")
+                until(page.locator(COMPILING).is_visible, "the word")
                 before = steps(page)
                 until(lambda: steps(page) > before, "the run before going on")  # noqa: B023
                 break
     else:
         raise AssertionError("no compiler was caught")
-    until(lambda: page.get_by_text(MARK).count() == 0, "no word left", PATIENCE)
+    until(lambda: page.locator(COMPILING).count() == 0, "no word left", PATIENCE)
 
 
 def test_a_dozen_toggles_in_a_row_are_all_met(page):
@@ -71,7 +71,7 @@ def test_a_dozen_toggles_in_a_row_are_all_met(page):
                    lambda: choose(page, "Method", "B-spline"), *ticks(page, "two-grid", "companion", "step margin"),
                    lambda: choose(page, "Method", "cpGIMP"), *ticks(page, "companion")]:
         switch()
-    until(lambda: page.get_by_text(MARK).count() == 0 and "companion" in readout(page)
+    until(lambda: page.locator(COMPILING).count() == 0 and "companion" in readout(page)
           and not {"two-grid", "energy"} & set(readout(page).split()), "what was wished last", PATIENCE)
     before = steps(page)
     until(lambda: steps(page) != before, "a run that goes on")

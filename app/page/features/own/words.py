@@ -10,7 +10,7 @@ from app.frame.sentence import Said, error_words, errors
 from app.frame.silences import TRUE
 from app.frame.view import View
 from app.page.features.own.run import JUDGE, OwnRun
-from app.page.panels.readout import named, row, table
+from app.page.panels.readout import Readout, named, row, table
 from app.page.stage.worst import WorstRegions
 from app.words import NOTHING, QUANTITIES, differing, number, ratio, with_unit
 from solvers.judging.said import NOT_OF_THE_PROBLEM
@@ -46,7 +46,7 @@ def taken(run: OwnRun, page: Scene) -> str:
     return f"The file {run.name} is on the stage{f', judged with {said}' if said else ''}."
 
 
-def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
+def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> Readout:
     verdict = run.verdict or {}
     rows = [("file", f"<b>{escape(run.name)}</b>"),
             ("frame", f"{k + 1} of {len(run)}"),
@@ -55,9 +55,9 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> str:
             ("particles", f"{run.particles(k):,}"),
             *([("crossings", f"{verdict['crossings_at_least']:,} at least")] if verdict else []),
             ("region", escape(probed or "drag a rectangle on the stage"))]
-    run_of = table("".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in rows))
+    run_of = table("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
     found = "".join(f"<p>{escape(text)}</p>" for text in _found(run, quantity))
-    return f"<div class='lab-readout'>{run_of}{_errors(run, k, quantity)}<div class='lab-own'>{found}</div></div>"
+    return Readout(f"{_errors(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
 
 
 def _errors(run: OwnRun, k: int, quantity: str) -> str:

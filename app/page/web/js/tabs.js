@@ -12,7 +12,7 @@
     first = tabs[0];
     if (anew && open && tabs.some(tab => name(tab) === open)) wanted ||= open;
     if (selected && (!wanted || name(selected) === wanted)) {
-      open = name(selected);
+      document.body.dataset.tab = open = name(selected);
       wanted = null;
     }
     document.body.classList.toggle("lab-cost-open", open === "Cost");  // its chart takes the stage's place

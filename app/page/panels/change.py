@@ -1,0 +1,139 @@
+"""What a run is made of, always there: method, cells, particles in a cell, amplitude, modulus and time step."""
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from app import words
+from app.page.panels.bound import BoundWidgets
+from app.page.panels.browser_store import BrowserStore
+from app.page.panels.marks import mark, marked
+from app.page.panels.method import pictures
+from app.page.panels.size_control import Size, SizeControl
+from app.page.visit.session import Session
+from app.problems.views import VIEWS
+from app.words import with_unit
+from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
+from solvers.scene.step_bound import SAFE
+
+CFL = (0.01, 2.0)
+HEADING = "<h2 class='lab-h2'>Change the run<small>answers at once</small></h2>"
+
+
+class RunWidgets:
+    """Widgets of one visitor. ``part`` gives room for a control that a lesson may do without."""
+
+    def __init__(self, session: Session, bound: BoundWidgets, store: BrowserStore):
+        self._session, self._bound = session, bound
+        store.heard["method"] = self._choose_method
+
+    def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
+        """Make the widgets, for the session's present scene."""
+        session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
+        default = type(scene)()
+        gui.add_html(HEADING)
+        with part("method"):
+            self._method(gui)
+        with part("cells"):
+            self._cells(gui)
+        with part("ppc"):
+            low, high = view.reach.ppc
+            step, hint = (1, "in each direction") if scene.swings else (0.5, "need not be whole here")
+            mark(gui, words="how fine the material is")
+            per_cell = gui.add_slider("Particles / cell", low, max(high, scene.ppc), step, scene.ppc, hint=hint)
+            self._bound.follow(per_cell, lambda count: session.set(ppc=count))
+        if scene.swings:
+            with part("amplitude"):
+                amplitude = Size("Amplitude A", words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
+                                 default.amplitude, view.amplitude_hint, "how far it swings")
+                SizeControl(gui, self._bound, amplitude, scene.amplitude, lambda value: session.set(amplitude=value))
+        elif view.motion:
+            with part("stretch"):
+                self._bound.sliders(view.motion.sliders)
+        with part("modulus"):
+            modulus = Size("Modulus E", "Pa", view.reach.modulus, default.modulus, view.modulus_hint, "how stiff it is")
+            SizeControl(gui, self._bound, modulus, scene.modulus, lambda value: session.set(modulus=value))
+        with part("step"):
+            self._step(gui)
+
+    def _method(self, gui: viser.GuiApi) -> None:
+        scene = self._session.scene
+        self._names = words.choices(type(scene), "method")
+        codes = {name: code for code, name in self._names.items()}
+        self._shown_method = gui.add_dropdown("Method", tuple(codes), initial_value=self._names[scene.method],
+                                              hint="shape functions that carry data between particles and grid")
+        self._pictures = gui.add_html("")
+        self._picture(scene)
+        self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
+
+    def _picture(self, scene: Scene) -> None:
+        self._pictured = scene.method
+        self._pictures.content = pictures(tuple(self._names), scene.method)
+
+    def _choose_method(self, method: Any) -> None:
+        """A picture has been clicked."""
+        with self._bound.turn:
+            if isinstance(method, str) and method in self._names and self._shown_method.visible:
+                self._shown_method.value = self._names[method]  # type: ignore[misc]
+                self._bound.ask(self._shown_method, lambda: self._session.set(method=method), self._method_back)
+
+    def _method_back(self) -> None:
+        self._shown_method.value = self._names[self._session.scene.method]  # type: ignore[misc]
+
+    def _cells(self, gui: viser.GuiApi) -> None:
+        scene = self._session.scene
+        across = scene.cells * scene.spacing
+
+        def label(count: int) -> str:
+            return f"Cells, h = {across:g}/{count}"
+
+        def size(count: int) -> str:
+            return f"{with_unit(across / count, 'm', 3)} each"
+
+        low, high, step = VIEWS[scene.problem].reach.cells
+        high = max(high, scene.cells)  # of a scene that was loaded
+        words_beside = mark(gui, words=size(scene.cells))
+        cells = gui.add_slider(label(scene.cells), low, high, step, scene.cells,
+                               hint=f"grid cells across {across:g} m")
+
+        def changed(count: int) -> None:
+            cells.label, words_beside.content = label(count), marked(words=size(count))
+            self._session.set(cells=count)
+
+        self._bound.follow(cells, changed)
+
+    def _step(self, gui: viser.GuiApi) -> None:
+        """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
+        session, scene = self._session, self._session.scene
+
+        def by_hand(cfl: float) -> None:
+            self._auto.value = False  # type: ignore[misc]
+            session.set(cfl=cfl, dt=None)
+
+        def automatic(wanted: bool) -> None:
+            if wanted:
+                session.set(cfl=None, dt=AUTO)
+            else:  # the step stays as it was
+                by_hand(float(f"{session.scene.courant_number:.3g}"))
+
+        mark(gui, "lab-auto")
+        self._auto = gui.add_checkbox("Auto step", scene.dt == AUTO, hint=f"take {SAFE:g} of the longest step that the "
+                                      "motion ahead bears by linear theory; the slider shows it")
+        self._shown_step = scene.courant_number
+        self._step_size = SizeControl(gui, self._bound,
+            Size("CFL number", "", CFL, DEFAULT_CFL, "time step as a share of the time a wave takes through a cell",
+                 "time step"), scene.courant_number, by_hand)
+        self._bound.follow(self._auto, automatic)
+
+    def refresh(self) -> None:
+        """Show the step that "auto" makes of the present scene, and its method: other settings change them.
+
+        Once for each: a slider that is set while the visitor moves it would forget where to.
+        """
+        scene = self._session.scene
+        if scene.dt == AUTO and scene.courant_number != self._shown_step:
+            self._shown_step = scene.courant_number
+            self._step_size.show(scene.courant_number)
+        if scene.method != self._pictured:
+            self._picture(scene)

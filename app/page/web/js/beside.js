@@ -1,0 +1,44 @@
+// Plain words beside a name: of a widget's label, or at the right of a folder's. And folders are buttons for keys, too.
+(() => {
+  const root = document.getElementById("root");
+  const set = (element, name, value) => element.getAttribute(name) !== value && element.setAttribute(name, value);
+  const heads = ".mantine-Paper-root[style*='cursor: pointer']";
+
+  function look() {
+    for (const mark of document.querySelectorAll("i[data-words]")) {
+      const beside = mark.parentElement.nextElementSibling;
+      const name = beside?.querySelector(`label[for], ${heads}`);
+      if (name && mark.dataset.words) set(name, "data-words", mark.dataset.words);
+    }
+    for (const head of document.querySelectorAll(heads)) {
+      set(head, "role", "button");
+      set(head, "tabindex", "0");
+      set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+    }
+    const foot = document.querySelector("[data-lab~=lab-estimates-foot]");
+    if (foot) foot.parentElement.dataset.lab = "lab-root";
+  }
+
+  root.addEventListener("keydown", event => {
+    if ((event.key === "Enter" || event.key === " ") && event.target.matches(heads)) {
+      event.preventDefault();
+      event.target.click();
+    }
+  });
+  // The button below the stage that begins slow motion opens what belongs to it.
+  root.addEventListener("click", event => {
+    if (!event.target.closest("[data-lab~=lab-at-slow] + div button")) return;
+    dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
+    setTimeout(() => {
+      const head = document.querySelector(`[data-lab~=lab-slow-fold] + div :is(${heads})`);
+      if (head?.getAttribute("aria-expanded") === "false") head.click();
+      head?.scrollIntoView({block: "nearest"});
+    }, 300);
+  });
+  let waiting = false;
+  new MutationObserver(() => {
+    if (waiting) return;
+    waiting = true;
+    setTimeout(() => { waiting = false; look(); }, 100);
+  }).observe(root, {childList: true, subtree: true, attributes: true, attributeFilter: ["inert", "data-lab"]});
+})();

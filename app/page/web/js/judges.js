@@ -1,0 +1,33 @@
+// Fills the cards of the judges; a click on a name puts its errors on the stage. And a click on a picture of a method takes it.
+(() => {
+  const root = document.getElementById("root");
+  const write = (element, text) => { if (element && element.textContent !== text) element.textContent = text; };
+  let said = "", filled = null;
+
+  function look() {
+    const data = document.querySelector("i.lab-judged")?.dataset.said, first = document.querySelector(".lab-judge");
+    if (!data || (data === said && first === filled)) return;
+    [said, filled] = [data, first];
+    const {true: norm, stage, judges, known} = JSON.parse(data);
+    const truth = document.querySelector(".lab-judge-true");
+    write(truth?.querySelector("strong"), norm);
+    truth?.classList.toggle("lab-unknown", !known);
+    for (const card of document.querySelectorAll(".lab-judge")) {
+      const judge = judges[card.dataset.judge], gauge = card.querySelector(".lab-gauge");
+      card.classList.toggle("lab-off", !judge);
+      card.classList.toggle("lab-silent", Boolean(judge?.says));
+      card.classList.toggle("lab-on-stage", card.dataset.judge === stage && Boolean(judge));
+      write(card.querySelector(".lab-index strong"), judge?.index || "");
+      write(card.querySelector(".lab-why"), judge?.says || "");
+      if (judge?.at != null) gauge.style.setProperty("--at", judge.at); else gauge.removeAttribute("style");
+    }
+  }
+
+  root.addEventListener("click", event => {
+    const tell = detail => dispatchEvent(new CustomEvent("lab-tell", {detail}));
+    const name = event.target.closest(".lab-judge-name"), method = event.target.closest(".lab-method");
+    if (name) tell({judge: name.closest(".lab-judge").dataset.judge});
+    if (method) tell({method: method.dataset.method});
+  });
+  new MutationObserver(look).observe(root, {childList: true, subtree: true});
+})();

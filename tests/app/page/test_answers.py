@@ -1,0 +1,101 @@
+"""What is said under the control that was changed last: that its wish is compiled, or why it cannot be met."""
+
+from __future__ import annotations
+
+import re
+from types import SimpleNamespace
+
+import pytest
+
+from app.page.panels import answers
+from app.page.panels.answers import REST, TO_BE_READ, Answers
+from tests.processes import until
+from tests.raw import Raw
+
+
+class Clock:
+    """Time that goes on when the test says so."""
+
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def said(clock):
+    """The answers, with a page that keeps what it shows."""
+    html = SimpleNamespace(content="")
+    told = Answers(SimpleNamespace(add_html=lambda _: html), clock)
+    told.shown = lambda: tuple(re.findall(r"data-(?:of|kind|says)='([^']*)'", html.content))
+    return told
+
+
+def widget(name):
+    return SimpleNamespace(_impl=SimpleNamespace(removed=False, uuid=name))
+
+
+def test_compiling_stands_under_the_last_control_and_goes(said):
+    method, cells = widget("method"), widget("cells")
+    said.refresh(compiling=True)  # what compiles is the first scene
+    assert said.shown() == ()
+    said.changed(method)
+    said.refresh(compiling=True)
+    assert said.shown() == ("method", "compiling", "compiling …")
+    said.changed(cells)
+    said.refresh(compiling=True)
+    assert said.shown()[0] == "cells"
+    said.refresh(compiling=False)
+    assert said.shown() == ()
+
+
+def test_a_refused_control_goes_back_once_the_hand_rests(said, clock):
+    """A slider that is dragged further is not put back under the hand; the sentence stays to be read."""
+    amplitude, back = widget("amplitude"), []
+    for _ in range(3):
+        said.changed(amplitude)
+        said.refuse(amplitude, "too much", lambda: back.append(clock.now))
+        clock.now += 0.8 * REST
+        said.refresh(compiling=False)
+        assert back == [] and said.shown() == ("amplitude", "refused", "Too much.")
+    clock.now += 0.3 * REST
+    said.refresh(compiling=False)
+    said.refresh(compiling=False)
+    assert len(back) == 1 and said.shown()
+    clock.now += TO_BE_READ
+    said.refresh(compiling=False)
+    said.refresh(compiling=False)
+    assert said.shown() == ()
+
+
+def test_a_removed_control_is_left_alone(said, clock):
+    """Those of a problem go with it."""
+    method, back = widget("method"), []
+    said.changed(method)
+    said.refuse(method, "no", lambda: back.append(0))
+    method._impl.removed = True
+    clock.now += 2 * REST
+    said.refresh(compiling=True)
+    assert said.shown() == () and back == []
+
+
+def test_what_is_refused_goes_back_on_the_page(here, monkeypatch):
+    """An amplitude beyond the exact bar, as a slider and as text, and text that is no number: slider and text show what
+    runs, and under the control it says why."""
+    monkeypatch.setattr(answers, "REST", 0.05)
+    with Raw(here[1]) as visitor:
+        slider, text = visitor.find("Amplitude A"), visitor.find("Amplitude A, typed")
+        at, words = (visitor.widgets[one]["value"] for one in (slider, text))
+        for one, value, why in ((slider, visitor.widgets[slider]["props"]["max"], "0.159"), (text, "0.3 m", "0.159"),
+                                (text, "a lot", "is not a number above 0 in m")):
+            visitor.set(one, value)
+            until(lambda w=why: any("lab-answer" in html and w in html for html in visitor.html.values()), why)
+            until(lambda: visitor.widgets[text]["value"] == words, "the text from before")
+            until(lambda: visitor.widgets[slider]["value"] == pytest.approx(at), "the slider from before")
+        visitor.set(text, "24mm")
+        until(lambda: visitor.widgets[slider]["value"] != pytest.approx(at), "another amplitude")
