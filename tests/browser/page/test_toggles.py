@@ -11,7 +11,7 @@ from tests.browser.driving import choose, engine_processes, readout, scene, step
 from tests.listening import PATIENCE
 from tests.processes import children, held, starving
 
-COMPILING = "[data-answer-kind=compiling]"  # what the last changed control is called then, below which it says so
+COMPILING = "[data-waits^=compiling]"  # beside the name of the control that was changed last
 LONGEST = 1.0  # seconds that the stage may stand still, whatever has to be compiled
 #: Notes when the stage moves: frames reach the page from a worker of the viewer's.
 NOTE_MOVES = """

@@ -2,22 +2,36 @@
 // cannot be met. And who is done with typing says so: Enter, or going elsewhere.
 (() => {
   const root = document.getElementById("root");
-  let shown = null, key = "", since = 0;
+  let shown = [], key = "", since = 0;
 
-  const row = id => {  // of a number of any size it is the text's, which stands below its slider's
-    const own = document.getElementById(id)?.closest(".mantine-Flex-root:has(label)")?.parentElement;
-    return own?.matches("[data-lab~=lab-logarithmic] + div") ? own.nextElementSibling.nextElementSibling : own;
-  };
+  // Of a number of any size the row is the text's, which stands below its slider's; of a judge it is the card.
+  function places(id) {
+    const flex = document.getElementById(id)?.closest(".mantine-Flex-root:has(label)"), own = flex?.parentElement;
+    if (!own) return [null, null];
+    if (own.matches("[data-lab~=lab-switch] + div")) return Array(2).fill(own.nextElementSibling.querySelector(".lab-judge"));
+    const below = own.matches("[data-lab~=lab-logarithmic] + div") ? own.nextElementSibling.nextElementSibling : own;
+    return [below, flex.querySelector("label")];
+  }
+
+  function write(element, name, text) {
+    if (!element) return;
+    shown.push([element, name]);
+    if (element.dataset[name] !== text) element.dataset[name] = text;
+  }
 
   function say() {
-    const data = document.querySelector("i.lab-answer")?.dataset, place = data && row(data.of);
-    if (shown && shown !== place) { delete shown.dataset.answer; delete shown.dataset.answerKind; }
-    shown = place || null;
-    if (!shown) { key = ""; return; }
-    if (key !== data.of + data.kind) [key, since] = [data.of + data.kind, performance.now()];
-    const seconds = Math.floor((performance.now() - since) / 1000);
-    const text = data.kind === "compiling" && seconds > 0 ? `${data.says} ${seconds} s` : data.says;
-    if (shown.dataset.answer !== text) Object.assign(shown.dataset, {answer: text, answerKind: data.kind});
+    const data = document.querySelector("i.lab-answer")?.dataset, before = shown;
+    shown = [];
+    if (data) {
+      if (key !== data.of + data.kind) [key, since] = [data.of + data.kind, performance.now()];
+      const seconds = Math.floor((performance.now() - since) / 1000), [below, label] = places(data.of);
+      if (data.kind === "compiling") {
+        write(label, "waits", seconds > 0 ? `${data.says} ${seconds} s` : data.says);
+        write(below, "waiting", "yes");
+      } else write(below, "answer", data.says);
+    } else key = "";
+    for (const [element, name] of before)
+      if (!shown.some(other => other[0] === element && other[1] === name)) delete element.dataset[name];
   }
 
   setInterval(() => key && say(), 500);
