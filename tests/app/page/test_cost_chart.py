@@ -11,9 +11,9 @@ import pytest
 
 from app.colours import GROUNDS, METHOD_COLOURS
 from app.page.features.cost.axes import LogAxis, around
-from app.page.features.cost.front import cheapest, comparable, front
+from app.page.features.cost.front import cheapest, comparable, front, staged
 from app.page.features.cost.headline import headline, line
-from app.page.features.cost.picture import axes, names, picture
+from app.page.features.cost.picture import axes, names, picture, unnamed
 from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs
 from app.page.features.cost.words import percent, seconds
 from app.page.panels.head import WEB
@@ -78,7 +78,7 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert found[4][0] == {"lab-dot", "lab-broken"} and found[4][2] == 0 and "too long" in found[4][3]
     assert found[5][0] == {"lab-dot", "lab-judged"} and "as companion estimates" in found[5][3]
     assert drawing.count("class='lab-curve'") == 2 and "hollow: as companion estimates" in drawing
-    assert [words for _, words in names(runs)] == ["uGIMP", "B-spline"]
+    assert [words for _, words in names(runs)] == ["uGIMP"] and [run.method for run in unnamed(runs)] == ["bspline"]
     assert drawn([]) == ""
 
 
@@ -166,6 +166,15 @@ def test_axis_holds_its_values_and_has_ticks(values):
 def test_several_curves_of_a_method_are_told_apart():
     rows = [(made_up("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
     assert [words for _, words in names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
+
+
+def test_run_on_the_stage_is_marked():
+    """Whatever else is computed beside it, and where it was timed alone, if so; the step may be said either way."""
+    runs = numbered((made_up("ugimp", 20, estimate=None, key="live"), LIVE), *sweep("ugimp"))
+    assert staged(runs, replace(SCENE, cfl=0.05, estimators=(), effects=())) is runs[2]
+    assert staged(runs[:1], SCENE) is runs[0] and "on the stage</span>" in drawn(runs[:1])
+    assert staged(runs, replace(SCENE, cells=40)) is runs[3] and staged(runs, replace(SCENE, cells=41)) is None
+    assert staged(runs, replace(SCENE, cfl=0.1)) is None and staged(runs, replace(SCENE, amplitude=0.01)) is None
 
 
 def test_what_a_visitor_may_have_written_is_escaped():

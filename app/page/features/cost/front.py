@@ -32,6 +32,17 @@ def comparable(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
             and question(replace(run.scene, remedies=())) == asked]
 
 
+def staged(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
+    """The one that computes the very scene, whatever else is asked of it: where it was timed alone, if so."""
+    own = [run for run in runs if run.drawable and _computed(run.scene) == _computed(scene)]
+    return next((run for run in own if run.alone), own[0] if own else None)
+
+
+@functools.lru_cache(maxsize=1000)
+def _computed(scene: Scene) -> tuple[Scene, float]:
+    return replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None), scene.time_step
+
+
 def measured(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
     """Those that have an error or an estimate, and a time that was taken alone."""
     return [run for run in runs if run.alone and run.drawable and not run.broken]

@@ -9,7 +9,7 @@ from time import monotonic
 import viser
 
 from app.page.features.cost import words
-from app.page.features.cost.front import comparable, question
+from app.page.features.cost.front import comparable, question, staged
 from app.page.features.cost.headline import headline, line
 from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, search, small_sweep, timings
 from app.page.features.cost.picture import Axes, axes, picture
@@ -64,7 +64,7 @@ class CostTab:
         self._quiet.follow(status.running)
         self._drop_what_is_old()
         scene, stage = self._session.scene, self._stage_word(status)
-        charted = (self.runs.version, question(scene))
+        charted = (self.runs.version, question(scene), staged(self.runs.all(), scene))
         if charted != self._charted and (not status.running or monotonic() >= self._next):
             self._charted, self._next = charted, monotonic() + STREAM_SECONDS
             self._show_runs(scene)

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from app.colours import METHOD_MARKS
 from app.page.features.cost.axes import LogAxis, around
-from app.page.features.cost.front import front, measured
+from app.page.features.cost.front import front, measured, staged
 from app.page.features.cost.runs import SWEEP, NumberedRun
 from app.page.features.cost.words import percent, seconds, sentence, whole
 from app.words import method_name
@@ -61,7 +61,8 @@ def axes(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = No
 
 
 def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
-    """The drawing of the runs of the scene's problem; those that are not among the ones ``like`` it are faint."""
+    """The drawing of the runs of the scene's problem; those that are not among the ones ``like`` it are faint, and its
+    own is marked."""
     numbers = {run.number for run in like}
     dots = [run for run in runs if run.drawable]
     best = front(like)
@@ -69,12 +70,15 @@ def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Sce
     drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in curves(like)]
     under = _path(best, inside, "class='lab-front'")
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
-    texts = "".join([*(_name(run, words, inside) for run, words in names(like)), *(
-        _beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*_on_curves(like), *best])])
+    texts = [_beside(run, inside, "lab-name", words, _colour(run)) for run, words in names(like)]
+    texts += [_at_edge(run, inside) for run in unnamed(like)]
+    texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*_on_curves(like), *best]]
+    if own := staged(like, scene):
+        texts.append(_beside(own, inside, f"lab-on-stage{' lab-untimed' * (not own.alone)}", "on the stage"))
     # What is drawn last is on top: those that count.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
     words = _titles(scene) + (_keys(dots, best, scene.DIMENSIONS) if inside.times else "")
-    return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{texts}"
+    return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{''.join(texts)}"
             f"{''.join(_dot(run, inside, run.number not in numbers) for run in last)}")
 
 
@@ -88,8 +92,7 @@ def curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
 
 
 def names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
-    """What stands where: each curve's method at its finest run, and where several curves are of one method what they
-    differ in; a method without a curve at the most accurate of its runs."""
+    """Each curve's method at its finest run, and where several curves are of one method what they differ in."""
     ends = [curve[-1] for curve in curves(runs)]
     found = []
     for end in ends:
@@ -97,21 +100,23 @@ def names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
         told = [words for words, of in ((f"{end.scene.ppc} per cell", lambda run: run.scene.ppc),
                                         (f"CFL {end.scene.courant_number:.3g}", lambda run: run.scene.courant_number))
                 if any(of(other) != of(end) for other in others)]
-        found.append((end, ", ".join([_method(end), *told])))
-    named = {end.method for end in ends}
+        preserving = ["linearity-preserving"] * end.scene.linearity_preserving
+        found.append((end, ", ".join([method_name(end.method), *preserving, *told])))
+    return found
+
+
+def unnamed(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """The most accurate run of each method that has no curve."""
+    named = {curve[0].method for curve in curves(runs)}
+    best: dict[str, NumberedRun] = {}
     for run in sorted(measured(runs), key=lambda run: run.size):
         if run.method not in named:
-            named.add(run.method)
-            found.append((run, _method(run)))
-    return found
+            best.setdefault(run.method, run)
+    return list(best.values())
 
 
 def _on_curves(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
     return [run for curve in curves(runs) for run in curve]
-
-
-def _method(run: NumberedRun) -> str:
-    return method_name(run.method) + " (linearity-preserving)" * run.scene.linearity_preserving
 
 
 def _colour(run: NumberedRun) -> str:
@@ -184,8 +189,11 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
             f"<svg viewBox='-8 -8 16 16'><path d='{shape}'/></svg></button>")
 
 
-def _name(run: NumberedRun, words: str, inside: Axes) -> str:
-    return _beside(run, inside, "lab-name", words, _colour(run))
+def _at_edge(run: NumberedRun, inside: Axes) -> str:
+    """The name of a method whose runs are a cloud: at the right, as high as the most accurate of them."""
+    mark = f"<svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
+    return (f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
+            f"aria-hidden='true'>{mark}{escape(method_name(run.method))}</span>")
 
 
 def _beside(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = "") -> str:

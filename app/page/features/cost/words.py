@@ -6,7 +6,7 @@ from html import escape
 
 from app.page.features.cost.jobs import JobStatus
 from app.page.features.cost.runs import MOST_RUNS, NumberedRun
-from app.words import NOTHING, method_name, moving, number, on_page, per_cell, power_text, with_unit
+from app.words import NOTHING, method_name, moving, on_page, per_cell, power_text, with_unit
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
@@ -177,9 +177,9 @@ def found(advice: dict) -> str:
     scene = Task(**advice["task"]).scene()
     size = scene.size_of("x")
     error = "no usable error" if advice["error"] is None else \
-        f"error {number(advice['error'])} m, {number(advice['error'] / size)} of A"
+        f"an error of {with_unit(advice['error'], 'm')}, {percent(advice['error'] / size)} of {whole(scene)}"
     known = "by its own estimate" if advice["measured"] else "expected, not run"
     run = f"{setting(scene)}: {error} ({known}), {seconds(advice['seconds'])} for the bare run"
     runner_up = f"Runner-up: {on_page(advice['why'])}." if advice["why"] else ""
     start = "Take" if advice["met"] else "Nothing within reach meets that. The closest is"
-    return f"{start} {run}. {runner_up} ({advice['looks']} runs were tried.)"
+    return f"{start} {run}. {runner_up} {advice['looks']} runs were tried."

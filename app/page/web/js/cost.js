@@ -48,6 +48,7 @@
     const [first, ...rest] = dot.getAttribute("aria-label").split("; ");
     const line = (kind, text) => Object.assign(document.createElement(kind), {textContent: text});
     tip.replaceChildren(line("b", first), ...rest.map(text => line("div", text)));
+    tip.dataset.run = dot.dataset.run;
     tip.style.left = dot.style.left;
     tip.style.top = dot.style.top;
     tip.classList.toggle("lab-left", parseFloat(dot.style.left) > 55);
@@ -56,9 +57,10 @@
   }
 
   for (const [event, shows] of [["pointerover", true], ["focusin", true], ["pointerout", false], ["focusout", false]])
-    dots.addEventListener(event, ({target}) => {
-      const dot = target.closest(".lab-dot");
-      if (dot && shows) say(dot); else tip.classList.remove("lab-shown");
+    dots.addEventListener(event, ({target, pointerType}) => {
+      const dot = pointerType !== "touch" && target.closest(".lab-dot");
+      if (dot && shows && (pointerType || dot.matches(":focus-visible"))) say(dot);
+      else if (pointerType !== "touch" && !shows) tip.classList.remove("lab-shown");
     });
   dots.addEventListener("keydown", event => {
     const way = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key], from = event.target;
@@ -72,6 +74,12 @@
       next.focus();
     }
     event.preventDefault();
+    event.stopPropagation();
+  });
+  dots.addEventListener("click", event => {  // a finger cannot rest on a dot: its first tap says the numbers
+    const dot = event.target.closest(".lab-dot"), said = tip.dataset.run === dot?.dataset.run;
+    if (event.pointerType !== "touch" || !dot || (said && tip.classList.contains("lab-shown"))) return;
+    say(dot);
     event.stopPropagation();
   });
   document.addEventListener("click", ({target}) => {

@@ -14,11 +14,14 @@
     const marks = all(".lab-dot").map(box).map(({left, top, right, bottom}) => (  // less what is empty around them
       {left: left + 5, right: right - 5, top: top + 5, bottom: bottom - 5}));
     if (marks.length < FEW) taken.push(...marks);
+    const wish = box(section.querySelector(".lab-wish span"));
+    if (wish.width) taken.push(wish);
     for (const name of names) {
       name.style.translate = "";
       name.classList.remove("lab-left");
     }
-    for (const name of names.filter(name => box(name).right > edge)) name.classList.add("lab-left");
+    const wide = names.filter(name => name.matches(":not(.lab-at-edge)") && box(name).right > edge);
+    for (const name of wide) name.classList.add("lab-left");
     for (const [name, at] of names.map(name => [name, box(name)]).sort((one, other) => one[1].top - other[1].top)) {
       const moved = down => ({left: at.left, right: at.right, top: at.top + down, bottom: at.bottom + down});
       let down = 0;
@@ -34,6 +37,10 @@
   }
 
   addEventListener("lab-cost-drawn", settle);
-  addEventListener("lab-cost-wished", settle);
+  let due = 0;
+  addEventListener("lab-cost-wished", () => {
+    cancelAnimationFrame(due);
+    due = requestAnimationFrame(settle);
+  });
   new ResizeObserver(settle).observe(dots);
 })();

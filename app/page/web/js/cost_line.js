@@ -26,6 +26,7 @@
       plot.style.setProperty("--best-y", dot.style.top);
       price.textContent = said().price;
     }
+    dispatchEvent(new Event("lab-cost-wished"));
   }
 
   function move(power) {
@@ -38,11 +39,9 @@
 
   function look() {
     if (!lines[0] || lines[0] === line) return;
-    const before = said().best;
     line = lines[0];
     if (!dragged && said().value) value = Number(said().value);
     put();
-    if (before !== said().best) dispatchEvent(new Event("lab-cost-wished"));
   }
 
   wish.addEventListener("keydown", event => {
