@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
-from tests.browser.conftest import visit
-from tests.browser.driving import click, coloured, readout, row, stage, stage_box, steps, to_the_ring, unfold, until
+from tests.browser.driving import click, coloured, readout, stage, stage_box, steps, to_the_ring, unfold, until
 
 LARGE, LAPTOP, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (800, 1100), (390, 844)
 
@@ -116,47 +115,6 @@ def test_a_folded_panel_gives_its_room_to_the_stage(own_page):
     until(lambda: stage_box(own_page)["width"] > before + 150, "a broader stage")
 
 
-def a_presenter_sees_stage_and_one_plot(page):
-    """No controls, one plot, large text; Escape brings all back, and so does the button."""
-    until(lambda: coloured(stage(page)) > 0.002, "a stage with colours")
-
-    def plots():
-        return page.evaluate("() => [...document.querySelectorAll('.lab-heading')].filter(e => e.offsetParent).length")
-
-    def text():
-        return page.locator("#lab-summary").evaluate("e => parseFloat(getComputedStyle(e).fontSize)")
-
-    usual = text()
-    click(page, "Present")
-    until(lambda: plots() == 1, "one plot")
-    for size in (LAPTOP, LARGE, UPRIGHT):
-        resize(page, size)
-        until(lambda size=size: seen_whole(page, ".lab-presented", size) and seen_whole(page, ".uplot-container", size),
-              "the plot and its title in the window")
-    resize(page, LAPTOP)
-    assert text() > 1.4 * usual and stage_box(page)["width"] >= 0.6 * LAPTOP[0]
-    assert not row(page, "Method").first.is_visible()
-    page.keyboard.press("Escape")
-    until(lambda: plots() == 3, "three plots")
-    assert text() == usual and row(page, "Method").first.is_visible()
-
-
-def seen_whole(page, selector, size):
-    """Whether the first of these that has a size lies in the window, below the sentence."""
-    least = page.locator("#lab-summary").bounding_box()
-    boxes = [box for box in (e.bounding_box() for e in page.locator(selector).all()) if box and box["width"] > 0]
-    return bool(boxes) and boxes[0]["width"] > 0.2 * size[0] and boxes[0]["x"] + boxes[0]["width"] <= size[0] \
-        and boxes[0]["y"] >= least["y"] + least["height"] and boxes[0]["y"] + boxes[0]["height"] <= size[1]
-
-
-@pytest.mark.slow
-def test_an_address_asks_for_the_presenters_view(server, chromium):
-    with visit(chromium, server[0], "&present") as page:
-        until(lambda: page.get_by_role("button", name="End", exact=True).is_visible(), "the presenter's view")
-        click(page, "End")
-        until(lambda: row(page, "Method").first.is_visible(), "the controls")
-
-
 def axe_finds_nothing_serious(page):
     """In the page as it comes, with all folders open, and in the tab of costs."""
     unfold(page, "Method details", "Effects: compute")
@@ -184,6 +142,5 @@ def test_windows_that_change(page):
     a_phone_finds_the_measurements(page)
 
 
-def test_a_presenter_and_those_who_do_not_see(page):
-    a_presenter_sees_stage_and_one_plot(page)
+def test_those_who_do_not_see(page):
     axe_finds_nothing_serious(page)
