@@ -50,8 +50,8 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
             beside: str = "") -> Said:
     """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
-    A run that plays is told as it has been so far, one that stands as it is now: of each, its error and its estimate
-    alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame
+    A run that plays is told as it has been so far, one that stands or is lost as it is now: of each, its error and its
+    estimate alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame
     was, ``beside`` what is to be said of a pinned run (:func:`compared`).
     """
     if report is None or arrays is None or view is None:
@@ -60,11 +60,12 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:
         return Said((("bad", fill(UNSTABLE, time=when)),), (*_reason(report), LAST), moment)
-    of_now = not report.playing
+    lost = report.status == soundness.LOST
+    of_now = not report.playing or lost
     true, estimate = (_norm(series, name, of_now) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
     words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
                         view.right.silence if view.true is None else "")
-    before = fill(BACK, ago=f"{ago:.2f}") if ago else fill(PAUSED, time=when) if of_now else SO_FAR
+    before = fill(BACK, ago=f"{ago:.2f}") if ago else fill(PAUSED, time=when) if not report.playing else "" if lost else SO_FAR
     index = estimate / true if true else math.nan
     said = errors(words, QUANTITIES[quantity].unit, true, estimate,
                   index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
@@ -73,8 +74,8 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     if beside:  # in place of what it is compared with
         facts[:1] = [*said.facts[1:], beside]
     headline = said.headline
-    if report.status == soundness.LOST:
-        facts = [*_reason(report), *facts]
+    if lost:
+        facts = _reason(report) or facts
         headline = ("bad", fill(LOST, since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
     return Said(headline, tuple(filter(None, facts)), moment)
 

@@ -12,7 +12,8 @@ from solvers.scene.scene import AUTO, Scene
 
 BEFORE = 0.01  # periods before a run broke, to which one goes back
 #: Methods that bear more than hat functions do, the first choice first, and what they are.
-OTHERS = {"ugimp": "particles as intervals", "cpdi": "boxes that deform", "bspline": "smooth functions"}
+OTHERS = {"ugimp": "small intervals", "cpdi": "boxes that deform", "bspline": "smooth functions"}
+SHORT = {COUPLED: "coupled F"}  # where a label is too long for a button
 TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies that go together, and what there is where they do not
 
 
@@ -60,7 +61,7 @@ def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
         return "Take a step that holds", "Auto step: what the motion bears", {"dt": AUTO, "cfl": None}
     names = TWO if all(name in scene.REMEDIES for name in TWO) else ONE
     missing = tuple(name for name in names if name not in scene.remedies)
-    hint = ", ".join(REMEDIES[name].label for name in names)
+    hint = ", ".join(SHORT.get(name, REMEDIES[name].label) for name in names)
     title = "Switch on two remedies" if len(names) > 1 else "Switch on a remedy"
     return title, hint if missing else "it is on already", {"remedies": names} if missing else {}
 

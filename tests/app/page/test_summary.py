@@ -95,7 +95,7 @@ def test_with_neither():
 
 
 def test_lost_and_unstable_come_first():
-    assert said(status=LOST, since=0.2).startswith("The run is lost from t = 0.2 s on: so far the displacement is ")
+    assert said(status=LOST, since=0.2).startswith("The run is lost from t = 0.2 s on: the displacement is 16 % wrong; ")
     assert said(status=UNSTABLE, playing=False) == \
         "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
 
