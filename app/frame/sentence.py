@@ -21,6 +21,8 @@ SO_FAR, NOW, PAUSED, BACK = "so far ", "now ", "at t = {time} s ", "{ago} period
 LESS, MORE = "finds {share} of it", "says {factor} times as much"
 ALL_OF_IT = 1.005  # index up to which an estimate finds what there is
 
+ENDS = (".", "?", "!")  # of a sentence
+
 Span = tuple[str, str]  # a kind, "" or one of KINDS, and a text
 #: What a text in a place is, by the place's name: for the eye only, the words say it too.
 KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad"}
@@ -49,12 +51,12 @@ class Said:
             return []
         (kind, first), *rest = self.headline
         spans = [(kind, _capital(first)), *rest]
-        return spans if spans[-1][1].endswith(".") else [*spans, ("", ".")]
+        return spans if spans[-1][1].endswith(ENDS) else [*spans, ("", ".")]
 
     @property
     def sentences(self) -> list[str]:
         """The facts as sentences."""
-        return [_capital(fact).removesuffix(".") + "." for fact in self.facts]
+        return [_capital(fact) + "." * (not fact.endswith(ENDS)) for fact in self.facts]
 
     def __str__(self) -> str:
         return " ".join(["".join(text for _, text in self.shown), *self.sentences])

@@ -51,10 +51,24 @@ class Controls:
         self._judges = Judges(gui, session, self._stage, self._bound, store)
         store.heard["entered"] = self._enter
 
+    def open_on(self, state: State) -> None:
+        """Begin with a state whose scene the session has, before there are widgets of its scene."""
+        self._stage.show(state.quantity, state.estimator, state.magnified)
+        self._session.show(plotted=state.quantity)
+        if state.pinned is not None:
+            self._transport.pin(state.pinned)
+            self._transport.refresh()
+
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Make the widgets of the tab, within it."""
         self._tab = tab
         self._build()
+
+    def usual_speed(self) -> None:
+        """Go on at the problem's own speed."""
+        with self._turn:
+            self._session.set_speed(VIEWS[self._session.scene.problem].speed)
+            self._transport.show()
 
     def begin(self) -> None:
         """The page is made: from now on another problem may be chosen, or has been meanwhile. Before, its widgets would

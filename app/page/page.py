@@ -9,6 +9,7 @@ import viser
 
 from app import state
 from app.frame.scale import ColourScale
+from app.frame.sentence import Said
 from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
@@ -29,9 +30,11 @@ from app.page.panels.texts import add_about
 from app.page.panels.window import LETTERS, Size, Window
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
+from app.page.story import Story
 from app.page.summary import Speaker
+from app.page.visit.opening import OPENING
 from app.page.visit.recent import Recent
-from app.page.visit.session import FIRST_SCENE, PageLinks, Session
+from app.page.visit.session import PageLinks, Session
 from app.page.visit.trace import Trace
 from app.viewer.widgets import number
 from solvers.engine.frames import FrameArrays
@@ -61,9 +64,9 @@ class Page:
         self._store = BrowserStore(client.gui)
         self._presenter = Presenter(client.gui)
         self._notice, self._speaker = client.gui.add_html(""), Speaker(client.gui)
-        self._canvas = Canvas(client, self._scale, self._trace, FIRST_SCENE.problem)
+        self._canvas = Canvas(client, self._scale, self._trace, OPENING.scene.problem)
         self._measurements = Measurements(client)
-        self._session = Session(pool, FIRST_SCENE, self._on_frame)
+        self._session = Session(pool, OPENING.scene, self._on_frame, OPENING.speed)
         self._slow = SlowMotion(client, self._canvas, self._session, self._redraw)
         self._own = OwnCode(client, self._session, self._redraw, self._slow.end,
                             lambda scene: self._controls.load(scene))
@@ -73,6 +76,10 @@ class Page:
         self._controls.begin()
         self._sparks = Sparks(client.gui, self._session, lambda: self._controls.state, self._controls.show,
                               self._looking.back_to)
+        self._story = Story(client.gui, self._session, lambda: self._controls.show(OPENING),
+                            self._controls.usual_speed)
+        self._store.heard["story"] = self._story.hear
+        self._replay.on_click(lambda _: self._story.hear("play"))
         if classroom.lesson:
             self._player.open(classroom.lesson)
         self._window = Window(self._store, self._fit, self._shade)
@@ -110,6 +117,7 @@ class Page:
         self._controls = Controls(client.gui, self._session, self._scale, self._redraw, looking, self._slow,
                                   self._store)
         self._measurements.build(client.gui)
+        self._controls.open_on(OPENING)
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
             self._controls.build(explore)
@@ -121,6 +129,8 @@ class Page:
         with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
             self._cost = CostTab(client, self._session, self._controls.load)
         with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
+            client.gui.add_html("<i class='lab-replay'></i>")
+            self._replay = client.gui.add_button("Replay the story", hint="what the page opens on, in four beats")
             add_about(client.gui)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
@@ -213,9 +223,12 @@ class Page:
         notice = self._own.notice() or source.notice()
         self._notice.content = "" if notice is None else notice.html
         if canvas.picture is not None:
-            self._speaker.say(source.sentence(choice, canvas.picture), source.at_once)
+            told = self._story.said(self._recent.shown) if isinstance(source, LiveRun) else Said()
+            self._speaker.say(told or source.sentence(choice, canvas.picture), source.at_once)
         self._presenter.name(self._session.scene)
-        self._sparks.refresh(isinstance(source, LiveRun) and not self._player.name)
+        mine = isinstance(source, LiveRun) and not self._player.name
+        self._story.follow(mine)
+        self._sparks.refresh(mine and not self._story.beat)
         self._controls.refresh()
         self._problems.show(self._session.scene.problem, self._controls.offers_problems)
         self._keep()

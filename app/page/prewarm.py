@@ -1,8 +1,9 @@
 """What visitors usually ask for, the likeliest first: compiled before they do.
 
-A visitor begins with a problem as it is at first, and clicks: what one click among the open controls makes of that
-comes first, in each problem; then what the lessons put on the stage, for there it is known; then what takes two clicks
-or an open folder. Two changes at once that no lesson makes are not usual: they are many, and compiled when asked for.
+A visitor begins with the opening, goes on to a problem as it is at first, and clicks: what one click among the open
+controls makes of that comes first, in each problem; then what the lessons put on the stage, for there it is known; then
+what takes two clicks or an open folder. Two changes at once that no lesson makes are not usual: they are many, and
+compiled when asked for.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -12,6 +13,7 @@ from typing import Any
 
 from app import state
 from app.lessons.lesson import Lesson, filled
+from app.page.visit.opening import OPENING
 from app.page.visit.session import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
@@ -28,8 +30,10 @@ def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]
     def of_each(change: Callable[[Scene], Iterator[Scene]]) -> list[Scene]:
         return [scene for first in firsts for scene in change(first)]
 
-    return [*firsts, *taught.get(opened, ()), *of_each(_clicks), *(scene for some in taught.values() for scene in some),
-            *of_each(_alone), *of_each(_details), *of_each(_effects)]
+    opening = [scene for scene in (OPENING.scene, OPENING.pinned) if scene]
+    return [*opening, *firsts, *taught.get(opened, ()), *of_each(_clicks),
+            *(scene for some in taught.values() for scene in some), *of_each(_alone), *of_each(_details),
+            *of_each(_effects)]
 
 
 def _clicks(first: Scene) -> Iterator[Scene]:

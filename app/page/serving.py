@@ -22,7 +22,8 @@ from app.lessons import shelf
 from app.page.features.lesson.marking import Classroom
 from app.page.prewarm import usual_scenes
 from app.page.visit.health import Tally
-from app.page.visit.session import FIRST_SCENE, PageLinks
+from app.page.visit.opening import OPENING
+from app.page.visit.session import PageLinks
 from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 
@@ -153,7 +154,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     code = code or ("" if addresses.private else made_up())
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
-    pool, server = EnginePool(FIRST_SCENE, _engine_count(), 1 / frames), None
+    pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:

@@ -51,8 +51,8 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
     A run that plays is told as it has been so far, one that stands or is lost as it is now: of each, its error and its
-    estimate alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the frame
-    was, ``beside`` what is to be said of a pinned run (:func:`compared`).
+    estimate alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the
+    frame was, ``beside`` what is to be said of a pinned run (:func:`compared`).
     """
     if report is None or arrays is None or view is None:
         return WAITING
@@ -62,10 +62,13 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
         return Said((("bad", fill(UNSTABLE, time=when)),), (*_reason(report), LAST), moment)
     lost = report.status == soundness.LOST
     of_now = not report.playing or lost
-    true, estimate = (_norm(series, name, of_now) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
+    true, estimate = map(_norm, (view.true, view.estimated)) if of_now else (
+        _mean(series, name) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
     words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
                         view.right.silence if view.true is None else "")
-    before = fill(BACK, ago=f"{ago:.2f}") if ago else fill(PAUSED, time=when) if not report.playing else "" if lost else SO_FAR
+    before = "" if lost else SO_FAR
+    if not report.playing:
+        before = fill(BACK, ago=f"{ago:.2f}") if ago else fill(PAUSED, time=when)
     index = estimate / true if true else math.nan
     said = errors(words, QUANTITIES[quantity].unit, true, estimate,
                   index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
@@ -115,9 +118,10 @@ def _reason(report: FrameReport) -> list[str]:
     return [on_page(report.reason.partition(": ")[2] or report.reason)] if report.reason else []
 
 
-def _norm(series: dict[str, np.ndarray], name: str, of_now: bool) -> float:
-    """A norm now, or its mean so far."""
-    return _last(series, name) if of_now else _mean(series, name)
+def _norm(sizes: np.ndarray | None) -> float:
+    """The root of the mean square of errors' sizes (P,)."""
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        return math.nan if sizes is None else float(np.sqrt(np.mean(sizes.astype(float) ** 2)))
 
 
 def _mean(series: dict[str, np.ndarray], name: str) -> float:

@@ -13,6 +13,8 @@ from contextlib import ExitStack, closing, contextmanager
 import pytest
 from playwright.sync_api import sync_playwright
 
+from app import state
+from app.page.visit.session import FIRST_SCENE
 from solvers.workers.processes import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
@@ -47,6 +49,7 @@ FEW_FRAMES = """
 FEW = 10  # frames a second
 SIZE = {"width": 1280, "height": 720}
 PHONE = {"width": 390, "height": 844}
+HOME = f"#{state.write(state.State(FIRST_SCENE))}"  # a link: who comes without one sees the opening and its story
 FAILED = pytest.StashKey[bool]()
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 
@@ -98,7 +101,7 @@ def visit(chromium, address, query="", script="", size=SIZE):
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.add_init_script(FEW_FRAMES + script)
     try:
-        page.goto(f"{address}/?fixedDpr=0.5{query}")
+        page.goto(f"{address}/?fixedDpr=0.5{query}" + ("" if "#" in query else HOME))
         until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
         yield page
     finally:
@@ -154,7 +157,7 @@ class Place:
         before = page.get_by_label("Problem", exact=True).get_attribute("id")
         page.evaluate("localStorage.clear()")
         self._relay.cut()
-        page.evaluate("history.replaceState(null, '', location.pathname + location.search);"
+        page.evaluate(f"history.replaceState(null, '', location.pathname + location.search + '{HOME}');"
                       "dispatchEvent(new HashChangeEvent('hashchange'))")  # else it asks for what it has seen last
         problem = page.get_by_label("Problem", exact=True)
         until(lambda: problem.count() == 1 and problem.get_attribute("id") != before, "controls of its own")

@@ -1,6 +1,7 @@
 """A class at work: many visitors without a browser on a server of this machine, and what each of them gets."""
 
 import asyncio
+import json
 import math
 import os
 import random
@@ -26,6 +27,7 @@ JOINING = 5.0  # seconds within which all come
 LATEST = 60.0  # seconds after which frames are counted though some have had none yet: a machine can be that busy
 PAUSES = (2.0, 6.0)  # seconds between two moves of a slider, least and most
 SLIDERS = ("Cells", "Particles / cell", "Amplitude A", "Modulus E", "CFL number")  # beginnings of their labels
+STORE, SCENE = "kept by the browser", "bar;estimators=recovered,transport"  # a run that moves for as long as it is seen
 GOODBYE = 10.0  # seconds that the server may take to end
 MEGABYTE = 1e6
 FRAME = "/field/particles"  # the end of the name of what every frame of every problem sets
@@ -201,10 +203,14 @@ async def _attend(address: str, server: int, load: Load, on_progress: Callable[[
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
-    """Come within a few seconds, then move a slider now and then."""
+    """Come within a few seconds by a link to a run that goes on, then move a slider now and then."""
     await asyncio.sleep(JOINING * dice.random())
     stay = asyncio.create_task(visitor.stay())
     try:
+        while not (store := visitor.find(STORE)) and not stay.done():
+            await asyncio.wait([stay], timeout=0.05)
+        if store:
+            await visitor.move(store, json.dumps({"link": SCENE}))
         while not stay.done():
             await asyncio.wait([stay], timeout=dice.uniform(*PAUSES))
             if visitor.frames and not stay.done():

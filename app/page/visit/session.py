@@ -57,7 +57,8 @@ class PageLinks(ExitStack):
 class Session:
     """Holds the wished scene (the latest wins), the last frame and the run's history."""
 
-    def __init__(self, pool: PageLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None]):
+    def __init__(self, pool: PageLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None],
+                 speed: float | None = None):
         self._lock = threading.RLock()
         self._on_frame = on_frame
         self._refused: tuple[str, str] | None = None
@@ -69,7 +70,7 @@ class Session:
         self.watched, self._rests = True, False
         self._number = self._compiled_for = 0
         self._pace, self._frame = Pace(), FrameOptions(plotted=QUANTITIES[0])
-        self._start(scene)
+        self._start(scene, speed)
         self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
         self.pinned: PinnedRun | None = None

@@ -19,8 +19,8 @@ from app.words import per_cent
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
 
-ERROR = np.full(20, 0.1)
-ERROR[6] = 0.4  # the worst place, X = 0.325
+ERROR = np.full(20, 0.001)
+ERROR[6] = 0.004  # the worst place, X = 0.325
 
 
 SERIES = {"time": [0.0, 0.35], "error_x": [0.001, 0.004], "transport/estimate_x": [0.0005, 0.0017],
@@ -49,8 +49,8 @@ def test_how_wrong_comes_first_then_whether_it_is_known_then_where():
 
 
 def test_of_a_run_that_stands_both_are_of_the_moment():
-    assert said(playing=False).startswith("At t = 0.35 s the displacement is 16 % wrong; transport finds 42 % of it. 4")
-    assert said(playing=False, ago=0.25).startswith("0.25 periods back the displacement is 16 % wrong; transport finds")
+    assert said(playing=False).startswith("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. ")
+    assert said(playing=False, ago=0.25).startswith("0.25 periods back the displacement is 5.3 % wrong; transport")
 
 
 def test_the_eye_gets_the_same_in_spans():
@@ -95,7 +95,8 @@ def test_with_neither():
 
 
 def test_lost_and_unstable_come_first():
-    assert said(status=LOST, since=0.2).startswith("The run is lost from t = 0.2 s on: the displacement is 16 % wrong; ")
+    lost = said(status=LOST, since=0.2)
+    assert lost.startswith("The run is lost from t = 0.2 s on: the displacement is 5.3 % wrong; transport finds 50 % ")
     assert said(status=UNSTABLE, playing=False) == \
         "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
 

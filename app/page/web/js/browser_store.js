@@ -29,6 +29,7 @@
   const tellLink = () => tell({link, here: location.origin + location.pathname});
 
   read();
+  document.documentElement.classList.toggle("lab-linked", link !== "");
   history.replaceState(null, "", location.pathname + location.search);
 
   function look() {

@@ -1,0 +1,143 @@
+"""The story of the opening (:mod:`app.page.visit.opening`) in four beats, whose numbers are the runs' own; and the
+pause at its end, also for those who are told none."""
+
+import math
+from collections.abc import Callable
+from time import monotonic
+from typing import Any
+
+import numpy as np
+import viser
+
+from app.frame.sentence import Said
+from app.page.visit.opening import OPENING, QUARTER
+from app.page.visit.pinned import PinnedRun
+from app.page.visit.session import Session
+from app.words import METHODS, per_cent, with_unit
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
+from solvers.solver import samples
+
+NEAR = 0.1 * (OPENING.speed or 0.0)  # periods, half of those between two looks
+HALF_WAY = 0.125  # periods, of the first beat
+BEAT = 10.0  # seconds of each of the last two
+LAST = 4
+SIGMA = samples.QUANTITIES.index("sigma")
+WIDE = 1.0 + 1e-6  # cells from a particle that has crossed, within which an error is told as its
+
+Frame = tuple[FrameReport, FrameArrays]
+
+
+class Story:
+    """One visitor's. ``open_on`` puts the opening on the stage, ``hurry`` asks for the usual speed; the browser
+    (``story.js``) asks for the story, or that it be left."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, open_on: Callable[[], None], hurry: Callable[[], None],
+                 clock: Callable[[], float] = monotonic):
+        self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
+        self._mark = gui.add_html("")
+        self._opened = True  # the opening is on the stage, and has not come to its quarter
+        self.beat = 0  # 1 to LAST while the story is told
+        self._since = 0.0
+
+    def hear(self, said: Any) -> None:
+        """The browser asks for the story, or the visitor wants to leave it."""
+        if said == "play":
+            self._open_on()
+            self._opened, self.beat = True, 1
+        elif said == "skip" and self.beat:
+            self._end()
+
+    def follow(self, playable: bool) -> None:
+        """Go on with it, now and then; anything else on the stage ends it. Nothing is ``playable`` over a lesson."""
+        session, report = self._session, self._session.report
+        pinned = session.pinned.scene if session.pinned else None
+        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not playable:
+            self._opened = False
+            self._end()
+        if report is None or report.scene != OPENING.scene:
+            return
+        periods = report.time / report.scene.period
+        if self._opened and periods >= QUARTER - NEAR and session.playing:
+            self._opened = False
+            session.play(False, single_steps=1)  # whose errors are measured, wherever the last sample was
+            self._hurry()
+        if self.beat == 1 and periods >= HALF_WAY:
+            self._go(2)
+        elif (self.beat == 2 and not session.playing) or (self.beat == 3 and self._clock() > self._since + BEAT):
+            self._go(self.beat + 1)
+        elif self.beat == LAST and self._clock() > self._since + BEAT:
+            self._end()
+        self._show()
+
+    def said(self, frame: Frame | None) -> Said:
+        """What the present beat says of the runs; nothing where none is told."""
+        if not self.beat or frame is None or frame[0].scene != OPENING.scene:
+            return Said()
+        headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
+        said = Said.of(headline, *facts, **places)
+        return Said(said.headline, said.facts, ("beat", self.beat))
+
+    def _go(self, beat: int) -> None:
+        self.beat, self._since = beat, self._clock()
+
+    def _end(self) -> None:
+        if self.beat:
+            self.beat = 0
+            if self._opened:  # the rest of the quarter at once
+                self._hurry()
+        self._show()
+
+    def _show(self) -> None:
+        content = f"<i class='lab-story' data-beat='{self.beat}'></i>"
+        if self._mark.content != content:
+            self._mark.content = content
+
+
+def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
+          ) -> tuple[str, list[str], dict[str, str]]:
+    """A beat's headline, its facts, and what is in the headline's places."""
+    scene, size = report.scene, report.scene.size_of("sigma")
+    error = arrays.error[:, SIGMA].astype(float)
+    wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0
+    if beat == 1:
+        return ("We know the exact stress of every point of this bar: the blue line.",
+                [f"The bar swings by {with_unit(scene.amplitude, 'm')}. What is computed are dots; will they stay on the "
+                 "line?"], {})
+    if beat == 2 and not crossed.any():
+        return ("{by}, the oldest way: does the stress stay on the line?",
+                ["No particle has changed its cell yet. Watch for the magenta dots."],
+                {"by": str(METHODS[scene.method])})
+    if beat == 2:
+        return ("The stress is {wrong} {off}: it leaves the line where a particle changes its cell.",
+                [f"{_particles(crossed)} changed {'its' if crossed.sum() == 1 else 'their'} cell: {_share(arrays)} of "
+                 "the squared error lies within a cell's width."], {"wrong": per_cent(wrong), "off": "wrong"})
+    if beat == 3:
+        estimate = arrays.estimate.get("recovered", np.full_like(arrays.error, np.nan))[:, SIGMA].astype(float)
+        index = math.sqrt(np.mean(estimate**2)) / (wrong * size) if wrong else math.nan
+        return ("{by} that does not know the line finds {wrong} of that error.",
+                ["It is called recovered, and smooths the particles' own motion. Upper lane: what it says; lower "
+                 "lane: the truth."], {"by": "An estimator", "wrong": per_cent(index)})
+    if pinned is None or pinned.last is None:
+        return "The same bar with B-splines is being prepared.", [], {}
+    other = pinned.last[1]
+    its = math.sqrt(np.mean(other.error[:, SIGMA].astype(float)**2)) / size
+    same = int((other.steps_since_crossing >= 0).sum())
+    too = f"{same} particles have changed their cell there, too" if same != 1 else "a particle has, too"
+    return ("{by}: {wrong} {off}, though {count}.",
+            ["At what price? Ask one of the questions that come now, or open Cost."],
+            {"by": "B-splines", "wrong": per_cent(its), "off": "wrong",
+             "count": too})
+
+
+def _particles(crossed: np.ndarray) -> str:
+    count = int(crossed.sum())
+    return f"{count} particle{'s' * (count != 1)} {'have' if count != 1 else 'has'}"
+
+
+def _share(arrays: FrameArrays) -> str:
+    """The share of the squared error of the stress within a cell's width of particles that have changed their cell."""
+    x, square = arrays.position[:, 0].astype(float), arrays.error[:, SIGMA].astype(float) ** 2
+    there = x[arrays.steps_since_crossing >= 0]
+    near = np.abs(x[:, None] - there[None, :]).min(axis=1) <= WIDE * OPENING.scene.spacing
+    return per_cent(float(square[near].sum() / square.sum())) if square.sum() else "all"
