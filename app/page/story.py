@@ -19,6 +19,7 @@ from solvers.engine.messages import FrameReport
 from solvers.solver import samples
 
 NEAR = 0.1 * (OPENING.speed or 0.0)  # periods, half of those between two looks
+SOON = 0.1  # periods a second, of what is left of the quarter when the story is left
 HALF_WAY = 0.125  # periods, of the first beat
 BEAT = 10.0  # seconds of each of the last two
 LAST = 4
@@ -84,8 +85,8 @@ class Story:
     def _end(self) -> None:
         if self.beat:
             self.beat = 0
-            if self._opened:  # the rest of the quarter at once
-                self._hurry()
+            if self._opened:
+                self._session.set_speed(SOON)
         self._show()
 
     def _show(self) -> None:
@@ -102,8 +103,8 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
     wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0
     if beat == 1:
         return ("We know the exact stress of every point of this bar: the blue line.",
-                [f"The bar swings by {with_unit(scene.amplitude, 'm')}. What is computed are dots; will they stay on the "
-                 "line?"], {})
+                [f"The bar swings by {with_unit(scene.amplitude, 'm')}. What is computed are dots: will they stay on "
+                 "the line?"], {})
     if beat == 2 and not crossed.any():
         return ("{by}, the oldest way: does the stress stay on the line?",
                 ["No particle has changed its cell yet. Watch for the magenta dots."],

@@ -10,6 +10,7 @@ from app import state
 from app.lessons import shelf
 from app.lessons.lesson import filled
 from app.page.prewarm import usual_scenes
+from app.page.visit.opening import OPENING
 from app.page.visit.session import first_scene
 from solvers.problems import PROBLEMS
 from solvers.scene.switches import combination
@@ -35,18 +36,18 @@ def test_every_scene_of_a_lesson_is_usual(lessons):
 
 
 def test_the_likeliest_come_first(lessons):
-    """Each problem as it is at first, then one click, and last what no lesson does; the lesson that a class is opened
-    on comes before any click."""
+    """The opening, each problem as it is at first, then one click, and last what no lesson does; the lesson that a
+    class is opened on comes before any click."""
     first = [first_scene(problem) for problem in PROBLEMS]
     usual = usual_scenes(lessons)
-    assert usual[:len(first)] == first
+    assert usual[:2 + len(first)] == [OPENING.scene, OPENING.pinned, *first]
     places = {combination(scene): k for k, scene in reversed(list(enumerate(usual)))}
     click, box = replace(first[0], method="mpm"), replace(first[0], effects=first[0].effects[1:])
     assert places[combination(click)] < places[combination(first[0].__class__(estimators=()))] \
         < places[combination(box)]
     name = list(lessons)[-1]
     opened = usual_scenes(lessons, name)
-    some = len(first) + 2 * len(lessons[name].steps)
+    some = 2 + len(first) + 2 * len(lessons[name].steps)
     assert taught(lessons[name]) <= set(map(combination, opened[:some]))
 
 

@@ -1,0 +1,124 @@
+"""The opening: what its story says is true of its scene, in numbers of the runs themselves; it ends as it should."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.page.story import BEAT, Story
+from app.page.visit.opening import OPENING, QUARTER
+from app.words import per_cent
+from solvers.running.run import build
+from tests.app.frame.test_view import report_of
+from tests.app.page.test_recent import engine_frame
+
+
+def frame(scene, periods):
+    """A run after so many periods."""
+    solver = build(scene)
+    solver.advance(round(periods * scene.period / scene.time_step))
+    return replace(report_of(scene), step=solver.step, time=solver.time), engine_frame(solver)
+
+
+class Visit:
+    """A session that does what it is asked to, and the story told there."""
+
+    def __init__(self):
+        self.now, self.asked, self.report, self.playing = 0.0, [], None, True
+        self.scene = OPENING.scene
+        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None)
+        self.html = SimpleNamespace(content="")
+        gui = SimpleNamespace(add_html=lambda _: self.html)
+        self.story = Story(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),
+                           lambda: self.now)
+
+    def play(self, playing, single_steps=0):
+        self.playing = playing
+        self.asked.append(("play", playing, single_steps))
+
+    def set_speed(self, speed):
+        self.asked.append(speed)
+
+    def at(self, periods):
+        """The frame after so many periods."""
+        shown = frame(self.scene, periods)
+        self.report = replace(shown[0], playing=self.playing)
+        self.story.follow(True)
+        return str(self.story.said(shown))
+
+
+@pytest.fixture(scope="module")
+def quarter():
+    """Both runs after a quarter of a period: the share of the errors and their sizes, computed here anew."""
+    shown, pinned = (frame(scene, QUARTER) for scene in (OPENING.scene, OPENING.pinned))
+    return shown, pinned
+
+
+def test_four_beats_in_the_runs_own_numbers(quarter):
+    """The stress is several per cent wrong, most of it within a cell of the particles that have crossed; recovered
+    finds most of that; B-splines, whose particles cross as well, are better by a factor of ten."""
+    (_, arrays), (_, other) = quarter
+    size, error, crossed = OPENING.scene.size_of("sigma"), arrays.error[:, 2], arrays.steps_since_crossing >= 0
+    x, square = arrays.position[:, 0], error.astype(float) ** 2
+    near = np.abs(x[:, None] - x[crossed]).min(axis=1) <= OPENING.scene.spacing * (1 + 1e-6)
+    wrong, share = math.sqrt(square.mean()), square[near].sum() / square.sum()
+    found = math.sqrt(np.mean(arrays.estimate["recovered"][:, 2].astype(float) ** 2)) / wrong
+    splines = math.sqrt(np.mean(other.error[:, 2].astype(float) ** 2))
+    assert wrong / size > 0.05 and share > 0.8 and near.mean() < 0.35 and 0.85 < found < 1
+    assert splines < 0.1 * wrong and (other.steps_since_crossing >= 0).sum() == crossed.sum() == 10
+
+    visit = Visit()
+    visit.story.hear("play")
+    assert visit.asked == ["open"] and "exact stress" in visit.at(0.01) and "data-beat='1'" in visit.html.content
+    assert "No particle has changed its cell yet" in visit.at(0.15) and "data-beat='2'" in visit.html.content
+    visit.pinned.last = quarter[1]
+    assert f"The stress is {per_cent(wrong / size)} wrong" in (said := visit.at(QUARTER)) or "An estimator" in said
+    assert ("play", False, 1) in visit.asked and "hurry" in visit.asked
+    visit.story.beat = 2
+    said = str(visit.story.said(quarter[0]))
+    assert f"The stress is {per_cent(wrong / size)} wrong" in said
+    assert f"10 particles have changed their cell: {per_cent(share)} of the squared error" in said
+    assert f"finds {per_cent(found)} of that error" in visit.at(QUARTER)
+    visit.now += BEAT + 1
+    assert f"B-splines: {per_cent(splines / size)} wrong, though 10 particles" in visit.at(QUARTER)
+    visit.now += BEAT + 1
+    assert visit.at(QUARTER) == "" and "data-beat='0'" in visit.html.content
+
+
+def test_it_can_be_left_and_anything_else_ends_it():
+    """Left, it hurries to the quarter; with another scene it does nothing more. Over a lesson it is not told."""
+    visit = Visit()
+    visit.story.hear("skip")
+    assert visit.asked == []
+    visit.story.hear("play")
+    visit.at(0.01)
+    visit.story.hear("skip")
+    assert visit.story.beat == 0 and isinstance(visit.asked[-1], float)
+    visit.at(QUARTER)
+    assert visit.asked[-2:] == [("play", False, 1), "hurry"]
+    for change in (lambda v: setattr(v, "scene", replace(v.scene, cells=20)), lambda v: setattr(v, "pinned", None)):
+        other = Visit()
+        other.story.hear("play")
+        other.at(0.01)
+        change(other)
+        other.at(QUARTER)
+        assert other.story.beat == 0 and other.asked == ["open"]
+    lesson = Visit()
+    lesson.story.hear("play")
+    lesson.story.follow(False)
+    assert lesson.story.beat == 0
+    lesson.story.hear({"no": "word"})
+
+
+def test_without_a_story_it_pauses_at_its_quarter_all_the_same():
+    visit = Visit()
+    visit.at(0.2)
+    assert visit.asked == []
+    visit.at(QUARTER)
+    visit.playing = True  # the visitor goes on
+    visit.at(0.3)
+    assert visit.asked == [("play", False, 1), "hurry"]
