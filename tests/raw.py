@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 import uuid
 from collections import Counter
@@ -40,6 +41,10 @@ class Raw:
 
     def set(self, widget, value, **others):
         self.say({"type": "GuiUpdateMessage", "uuid": widget, "updates": {"value": value, **others}})
+
+    def follow(self, link):
+        """Say, as a browser does, which scene its address has: who has none sees the opening, beside a pinned run."""
+        self.set(self.find("kept by the browser"), json.dumps({"link": link}))
 
     def find(self, label):
         """The id of the widget with this label, once it is there."""

@@ -9,6 +9,8 @@ from dataclasses import fields
 
 import pytest
 
+from app import state
+from app.page.visit.session import FIRST_SCENE
 from app.words import CHOICES
 from solvers.scene.effects import ALL
 from solvers.scene.registry import ESTIMATORS
@@ -49,6 +51,8 @@ class Driver:
         self.visitor, self.asked = visitor, asked
         title, cells = BEGINNINGS[problem]
         visitor.find("Download CSV")  # the last of the controls
+        visitor.follow(state.write(state.State(FIRST_SCENE)))
+        until(lambda: asked and asked[-1] == FIRST_SCENE, "the first scene")
         if problem != "bar":
             visitor.set(visitor.find("Problem"), title)
         visitor.find(cells)

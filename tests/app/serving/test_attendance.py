@@ -68,8 +68,10 @@ def test_what_nobody_sees_rests(server):
 def test_health(server):
     until(lambda: json.loads(get(server, "health")[1])["sessions"] == 0, "those of other tests gone")
     with Raw(server[0]) as visitor:
+        visitor.follow("bar")
         until(lambda: visitor.frames > 3, "frames")
         until(lambda: json.loads(get(server, "health")[1])["frames_per_second"] > 0, "a rate")
+        until(lambda: json.loads(get(server, "health")[1])["playing"] == 1, "the opening and its pinned run gone")
         found = json.loads(get(server, "health")[1])
     assert found.keys() == {"ready", "sessions", "places", "engines", "playing", "frames_per_second"}
     assert (found["ready"], found["sessions"], found["places"], found["playing"]) == (True, 1, 40, 1)
