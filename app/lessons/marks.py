@@ -6,9 +6,11 @@ from typing import Any
 from app.lessons.claims import decide, said, value
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, filled
 from app.lessons.outcomes import Outcomes
+from app.words import with_unit
 
 LONGEST = 500  # characters of a text
 MOST = 1e300
+BARE, DIGITS = ("m", "m/s", "m/s²", "Pa", "N", "s"), 4
 TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 
@@ -62,7 +64,9 @@ def expressions(asked: Question, numbers: Numbers) -> list[str]:
 
 
 def in_unit(asked: Question, found: float | str) -> str:
-    """A value in words, with the question's unit."""
+    """A value in words, with the question's unit; as the page writes it, with a prefix, where that has none."""
+    if asked.unit in BARE and not isinstance(found, str):
+        return with_unit(found, asked.unit, DIGITS)
     return f"{said(found)} {asked.unit}".strip()
 
 
@@ -98,7 +102,7 @@ def shown(asked: Question, answer: Any) -> str:
     if asked.kind == CHOICE:
         return asked.options[answer - 1]
     if asked.kind == INTERVAL:
-        return f"{said(float(answer[0]))} to {said(float(answer[1]))} {asked.unit}".strip()
+        return " to ".join(in_unit(asked, float(end)) for end in answer)
     return answer if asked.kind == TEXT else in_unit(asked, float(answer))
 
 

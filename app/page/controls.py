@@ -28,6 +28,8 @@ from solvers.scene.effects import ALL
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
 
+ELSEWHERE = "<p class='lab-elsewhere'>A lesson is open: its controls are in <b>Lessons</b>, below its text.</p>"
+
 
 class Controls:
     """Widgets of one visitor, bound to the session. Those that are there whatever tab is open are made at once, before
@@ -61,7 +63,8 @@ class Controls:
 
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Make the widgets of the tab, within it."""
-        self._tab = tab
+        self._home = self._tab = tab
+        self._elsewhere = self._gui.add_html(ELSEWHERE, visible=False)
         self._build()
 
     def usual_speed(self) -> None:
@@ -94,11 +97,13 @@ class Controls:
             self._session.choose(scene)
             self._rebuild()
 
-    def offer(self, controls: tuple[str, ...]) -> None:
-        """Show only these controls, or all where there are none: ``app.lessons.lesson.CONTROLS`` names them."""
+    def offer(self, controls: tuple[str, ...], tab: viser.GuiTabHandle | None = None) -> None:
+        """Show only these controls, or all where there are none: ``app.lessons.lesson.CONTROLS`` names them; in another
+        ``tab`` than their own, if any."""
         with self._turn:
-            if controls != self._offered:
-                self._offered = controls
+            if controls != self._offered or (tab or self._home) is not self._tab:
+                self._offered, self._tab = controls, tab or self._home
+                self._elsewhere.visible = tab is not None
                 self._problem.visible = self._problem_mark.visible = not controls or "problem" in controls
                 self._stage.offer(controls)
                 self._transport.offer(controls)
@@ -120,6 +125,34 @@ class Controls:
             self._looking.trace(state.traced)
             self._rebuild()
         self._on_view()
+
+    def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
+        """Set a field of the scene to what a lesson has ``said``, which may mean nothing in another scene."""
+        with self._turn:
+            scene = self._session.scene
+            try:
+                value = meant(scene)
+            except ValueError:
+                value = None
+            if value is None or (scene.choices(field) and value not in scene.choices(field)):
+                self._session.refuse(f"{said}: not of the {scene.TITLE}; press On the stage first")
+                return
+            self._session.set(**{field: value}, **({"dt": None} if field == "cfl" else {}))
+            self._rebuild()
+
+    def look(self, quantity: str = "", estimator: str = "") -> None:
+        """Show the error of a quantity, or as an estimator that runs sees it."""
+        with self._turn:
+            if quantity:
+                self._stage.measure(quantity)
+            elif estimator in self._session.scene.estimators:
+                self._stage.put(estimator)
+            else:
+                self._session.refuse(f"{estimator} does not run here; press On the stage first")
+
+    def press(self, name: str) -> None:
+        """What the button of this name in the deck does."""
+        self._transport.acts[name]()
 
     def next_method(self) -> None:
         """The next of the methods that the problem has, and that can be at the present settings."""

@@ -124,8 +124,7 @@ class Page:
             self._sharing = Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
         with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
-            self._player = Player(client, lessons, self._classroom, self._controls.show, self._controls.offer,
-                                  self._keep)
+            self._player = Player(client, lessons, self._classroom, self._controls, self._store, self._keep)
         with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
             self._cost = CostTab(client, self._session, self._controls.load)
         with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):

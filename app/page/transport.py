@@ -24,11 +24,11 @@ class Transport:
     def __init__(self, gui: viser.GuiApi, session: Session, looking: Looking, slow: SlowMotion, bound: BoundWidgets,
                  on_view: Callable[[], None]):
         self._session, self._slow, self._on_view = session, slow, on_view
-        acts = {"Play": lambda: session.play(True), "Pause": lambda: session.play(False),
-                "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
+        self.acts = {"Play": lambda: session.play(True), "Pause": lambda: session.play(False),
+                     "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
         gui.add_html("<i class='lab-at-run'></i>")
-        buttons = gui.add_button_group("Run", tuple(acts))
-        buttons.on_click(lambda event: acts[event.target.value]())
+        buttons = gui.add_button_group("Run", tuple(self.acts))
+        buttons.on_click(lambda event: self.acts[event.target.value]())
         self._speed = SizeControl(gui, bound, self._pace, session.speed, session.set_speed)
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(PIN, hint="keep the run on the stage beside what you change: both begin at t = 0 "

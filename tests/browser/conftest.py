@@ -88,12 +88,13 @@ def serving(environment=None, arguments=(), coded=False, log=None, frames=FEW):
 
 
 @contextmanager
-def visit(chromium, address, query="", script="", size=SIZE):
-    """A fresh visitor with a window of this size, more in the address, and a script that runs before the page's.
+def visit(chromium, address, query="", script="", size=SIZE, touch=False):
+    """A fresh visitor with a window of this size, more in the address, and a script that runs before the page's; with a
+    finger instead of a mouse, perhaps.
 
     Any error in the browser's console fails the test.
     """
-    page = chromium.new_page(viewport=size)
+    page = chromium.new_page(viewport=size, has_touch=touch, is_mobile=touch)
     # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
     errors = []

@@ -14,6 +14,7 @@ SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?
                   r"|\*\*(norm|index|distance)\*\* of \*\*([\w-]+)\*\*", re.MULTILINE)
 PART = re.compile(r"(norm|index|distance) of ([\w-]+)")
 RECKONED = re.compile(r"`([^`]*(?:norm|index|distance) of [^`]*)`")
+ON_COST = ("Tolerance / A", "Find the cheapest run")  # all else stands below the lesson's text, or on the stage
 COLUMNS = {"norm": 1, "index": 2, "distance": 3}
 SOON = 8.0  # seconds in which a change of scene is on the stage
 LONG = 120.0  # seconds in which a lesson's run comes to its end
@@ -24,15 +25,17 @@ def tab(page, name):
 
 
 def act(page, verb, name, value):
-    """One act, on the tab where its widget is."""
-    if (verb, name) == ("Press", "On the stage"):
-        click(page, name)
+    """One act: by the button that the lesson has for it, else on the tab where its widget is."""
+    to = f"{verb} {name}{' to' * (verb == 'Set')} {value}" if value else f"{verb} {name}"
+    offered = page.get_by_role("button", name=name if name == "On the stage" and verb == "Press" else to, exact=True)
+    if offered.count():
+        offered.first.click()
+        page.wait_for_timeout(600)
         return
     if page.get_by_role("tab", name=name, exact=True).count():
         tab(page, name)
         return
-    tab(page, "Explore")
-    if not page.get_by_text(name).locator("visible=true").count():  # the lesson's own words are on a hidden tab
+    if name in ON_COST:
         tab(page, "Cost")
     if verb == "Press":
         named = page.get_by_role("button", name=name, exact=True).or_(page.get_by_text(name, exact=True))
@@ -83,8 +86,7 @@ def answer(page, step, text):
     """Answer a question: a choice by its first option, a number by ``text``."""
     asked = step.question
     if asked.options:
-        page.get_by_label("Answer", exact=True).first.click()
-        page.get_by_role("option").nth(1).click()
+        page.get_by_role("radiogroup", name="Answer").get_by_role("radio").first.check()
     elif asked.kind == "interval":
         page.get_by_label(re.compile("^At least")).fill("0")
         page.get_by_label(re.compile("^At most")).fill("1")

@@ -87,15 +87,21 @@ class StageChoice:
         self._magnify.value = _NAMES[self.magnified]  # type: ignore[misc]
         self._on_view()
 
+    def measure(self, quantity: str) -> None:
+        """Show the error of a quantity, by its key."""
+        self.quantity = quantity
+        if self._quantity.value != self._shown_quantity:
+            self._quantity.value = self._shown_quantity  # type: ignore[misc]
+        self._session.show(plotted=quantity)
+        self._scale.forget()
+        self._on_view()
+
     @property
     def _shown_quantity(self) -> str:
         return str(words.QUANTITIES[self.quantity])
 
     def _choose_quantity(self) -> None:
-        self.quantity = self._quantities[self._quantity.value]
-        self._session.show(plotted=self.quantity)
-        self._scale.forget()
-        self._on_view()
+        self.measure(self._quantities[self._quantity.value])
 
     def _choose_estimator(self) -> None:
         self.estimator = None if self._estimator.value == NONE else self._estimator.value

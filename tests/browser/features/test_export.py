@@ -25,7 +25,7 @@ from app.lessons.lesson import drawn
 from app.lessons.marks import mark
 from app.lessons.outcomes import Outcomes
 from app.lessons.reading import parse
-from app.page.features.lesson.answer import _number
+from app.page.features.lesson.answer import number
 from app.problems.views import VIEWS
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import SIZE
@@ -213,7 +213,7 @@ def test_a_run_gone_bad_counts_what_has_no_number(chromium, tmp_path):
 def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_path):
     path, outcomes = lesson_file
     numbers = drawn(lesson, "Ada")
-    right = mark(lesson, lesson.steps[2], 0.0, numbers, outcomes).expected.split()[0]
+    right = mark(lesson, lesson.steps[2], 0.0, numbers, outcomes).expected.partition(" (")[0]
     with opened(chromium, path) as page:
         onward, check = (page.get_by_role("button", name=name) for name in ("Next", "Check my answer"))
         page.get_by_label("Your name").fill("Ada")
@@ -269,7 +269,7 @@ def test_an_answer_is_read_as_on_the_page(chromium):
     found = page.evaluate(read, asked)
     page.close()
     for (text, unit), value in zip(asked, found, strict=True):
-        meant = _number(text, unit)
+        meant = number(text, unit)
         assert value == (meant if meant is None else pytest.approx(meant, rel=1e-11)), (text, unit)
 
 

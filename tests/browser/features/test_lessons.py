@@ -114,24 +114,53 @@ def test_a_lesson_opens_on_a_phone(class_room, chromium):
         page.get_by_role("tab", name="Explore", exact=True).click()
         until(lambda: selected("Explore"), "the controls")
         page.set_viewport_size(SIZE)
-        until(page.locator("[data-dock-region=left]").count, "another layout")
+        until(page.locator("[data-dock-region=right]").count, "another layout")
         until(lambda: selected("Explore"), "the controls again")
         page.get_by_role("tab", name="Lessons", exact=True).click()
         until(page.locator(".lab-lesson-head").is_visible, "the lesson again")
 
 
-def test_a_lesson_leaves_the_controls_that_it_needs(class_room, chromium):
+def test_a_lessons_controls_stand_below_its_text(class_room, chromium):
+    """Those that it needs; and what its text says to do is a button that does it."""
     lesson = shelf.lesson(NAME)
+    first = next(k for k, step in enumerate(lesson.steps, 1) if step.stage)
     with visit(chromium, class_room[0]) as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
-        page.get_by_role("tab", name="Explore").click()
-        until(page.get_by_text("Cells, h").count, "the controls")
+        until(page.get_by_text("Cells, h").is_visible, "its controls")
         assert "cells" in lesson.controls and "modulus" not in lesson.controls
         assert not page.get_by_text("Modulus E", exact=True).is_visible()
+        click(page, "Next")
+        for number in range(1, first):
+            answer(page, lesson.steps[number - 1], "1")
+            click(page, "Next")
+            at_step(page, number + 1, lesson)
+        click(page, "On the stage")
+        until(lambda: scene(page)["body_force"] == "node", "the step's run")
+        click(page, "Set Cells to 160")
+        until(lambda: scene(page)["cells"] == 160, "what the text says")
+        until(lambda: "160" in page.get_by_text("Cells, h").inner_text(), "the control that follows")
+        page.get_by_role("tab", name="Explore").click()
+        until(page.get_by_text("A lesson is open").is_visible, "where the controls are")
         page.get_by_role("tab", name="Lessons").click()
         click(page, "Close the lesson")
         page.get_by_role("tab", name="Explore").click()
         until(page.get_by_text("Modulus E", exact=True).is_visible, "all controls")
+
+
+def test_lessons_are_opened_by_a_finger_with_how_far_one_has_come(class_room, chromium):
+    """On a phone, from a list of buttons; chosen answers are said by radio buttons, and the next lesson is offered."""
+    lesson = shelf.lesson(NAME)
+    with visit(chromium, class_room[0], size=PHONE, touch=True) as page:
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+        page.get_by_role("button", name="Next", exact=True).tap()
+        at_step(page, 1, lesson)
+        page.get_by_role("button", name="Close the lesson").tap()
+        until(page.locator(".lab-shelf").is_visible, "the list")
+        come = page.locator(f".lab-open[data-lesson='{NAME}'][data-steps] .lab-come")
+        until(lambda: come.inner_text() == f"1 of {len(lesson.steps)}", "how far one has come")
+        assert page.get_by_role("button", name=f"Continue: {lesson.title}").is_visible()
+        page.locator(".lab-open[data-steps]").nth(1).tap()
+        until(lambda: shelf.lesson(shelf.names()[1]).title in page.locator(".lab-lesson-head").inner_text(), "another")
 
 
 def test_a_link_can_be_copied_and_shown_as_a_code(own_page):

@@ -1,80 +1,121 @@
 """The widgets by which a question of a lesson is answered."""
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
-from html import escape
-from string import ascii_lowercase
 from typing import Any
 
 import viser
 
-from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NAMES, POWERS, REACH, TEXT, Numbers, Question, filled
-from app.words import PREFIXES, SYMBOLS, size_in
+from app.lessons.lesson import (
+    CHOICE,
+    DRAG,
+    INTERVAL,
+    NAMES,
+    POWERS,
+    PREDICT,
+    REACH,
+    TEXT,
+    Numbers,
+    Question,
+    Step,
+    filled,
+)
+from app.page.features.lesson import html as page
+from app.words import PREFIXES, SYMBOLS, size_in, with_unit
+from solvers.scene.scene import Scene
 
-UNANSWERED = "choose one"
+SHORT = 4  # digits of a number that is read beside a stage
+LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box would show a logarithm, and is hidden
 
 
 class AnswerWidgets:
-    """Made where the gui stands. ``value`` is what they say now: None, or a text, where it is no answer yet."""
+    """Made where the gui stands. ``value`` is what they say now: None, or a text, where it is no answer yet. A control
+    that has been moved on the stage is answered with what the ``stage`` has."""
 
-    def __init__(self, gui: viser.GuiApi, asked: Question, numbers: Numbers, answer: Any, fixed: bool):
-        self._asked = asked
+    def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
+                 stage: Callable[[], Scene]):
+        self._asked, self._stage = step.asked, stage
+        self._chosen: int | None = answer if self._asked.kind == CHOICE else None
         self.texts: list[viser.GuiTextHandle] = []
-        label = f"Answer, {asked.unit}" if asked.unit else "Answer"
+        self._said: viser.GuiHtmlHandle | None = None
+        self._slider: Any = None
+        asked = self._asked
         if asked.kind == CHOICE:
-            options = tuple(f"{letter}) {filled(option, numbers)}"
-                            for letter, option in zip(ascii_lowercase, asked.options, strict=False))
-            rows = "".join(f"<li>{escape(option)}</li>" for option in options)  # a box may be too narrow for them
-            gui.add_html(f"<div class='lab-lesson'><ul class='lab-options'>{rows}</ul></div>")
-            self._choices = {option: k for k, option in enumerate(options, 1)}
-            self._widget: Any = gui.add_dropdown("Answer", (UNANSWERED, *options), disabled=fixed,
-                                                 initial_value=options[answer - 1] if answer else UNANSWERED)
+            options = [filled(option, numbers) for option in asked.options]
+            gui.add_html(page.choices_html(options, answer, fixed, step.key))
         elif asked.kind == DRAG:
-            self._build_slider(gui, answer, fixed)
+            self._said = gui.add_html("")
+            if step.kind == PREDICT:  # of a run that has not been yet
+                self._build_slider(gui, answer, fixed)
+            self.refresh()
         elif asked.kind == INTERVAL:
             ends = answer or ("", "")
-            self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _shown(end), disabled=fixed)
+            self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _shown(end), disabled=fixed,
+                                       hint=_hint(asked))
                           for side, end in zip(("At least", "At most"), ends, strict=True)]
         else:
-            hint = f"a number in {asked.unit}; as the page writes it, with its unit, will do" if asked.unit else ""
+            label = f"Answer, {asked.unit}" if asked.unit else "Answer"
             self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == TEXT, disabled=fixed,
-                                       hint=hint or None)]
+                                       hint=_hint(asked))]
 
     @property
     def value(self) -> Any:
         asked = self._asked
         if asked.kind == CHOICE:
-            return self._choices.get(self._widget.value)
+            return self._chosen
         if asked.kind == DRAG:
-            return self._dragged(float(self._widget.value))
-        found = [text.value if asked.kind == TEXT else _number(text.value, asked.unit) for text in self.texts]
+            return self._there
+        found = [text.value if asked.kind == TEXT else number(text.value, asked.unit) for text in self.texts]
         return found if asked.kind == INTERVAL else found[0]
+
+    def choose(self, option: Any) -> None:
+        """The visitor has chosen an option, counted from 1: believed only as far as there is one."""
+        if self._asked.kind == CHOICE and type(option) is int and 1 <= option <= len(self._asked.options):
+            self._chosen = option
+
+    def refresh(self) -> None:
+        """Say what the stage has now."""
+        if self._said is None:
+            return
+        there, name = self._there, f"{NAMES[self._asked.control]} {SYMBOLS.get(self._asked.control, '')}".strip()
+        where = "You say" if self._slider else "The stage has"
+        told = f"The stage has no {name}: put the run there first." if there is None else \
+            f"{where} {name} = <b>{in_unit(there, self._asked.unit)}</b>"
+        content = f"<div class='lab-lesson lab-there'>{told}</div>"
+        if self._said.content != content:
+            self._said.content = content
+
+    @property
+    def _there(self) -> float | None:
+        """The control's value, in the question's unit, which is the scene's own."""
+        control = self._asked.control
+        if self._slider is not None:
+            at = float(self._slider.value)
+            return float(f"{10**at:.3g}") if control in POWERS else round(at)
+        scene = self._stage()
+        if control == "amplitude" and not scene.swings:
+            return None
+        found = scene.courant_number if control == "cfl" else getattr(scene, control)
+        return None if found is None else float(found)
 
     def _build_slider(self, gui: viser.GuiApi, answer: Any, fixed: bool) -> None:
         control = self._asked.control
         low, high, step = REACH[control]
         start = 0.5 * (low + high) if answer is None else math.log10(answer) if control in POWERS else answer
         start = low + step * round((start - low) / step)
-        name = SYMBOLS.get(control, "")
-        self._shown = gui.add_html("")
-        self._widget = gui.add_slider(f"{NAMES[control]} {name}".strip(), low, high, step, start, disabled=fixed)
-        self._widget.on_update(lambda _: self._say())
-        self._say()
-
-    def _say(self) -> None:
-        value = self._dragged(float(self._widget.value))
-        self._shown.content = f"<div class='lab-lesson'>{NAMES[self._asked.control]}: <b>{value:g}</b> " \
-                              f"{self._asked.unit}</div>"
-
-    def _dragged(self, at: float) -> float:
-        return float(f"{10**at:.3g}") if self._asked.control in POWERS else round(at)
+        if control in POWERS:
+            gui.add_html(LOGARITHMIC)
+        self._slider = gui.add_slider(f"{NAMES[control]} {SYMBOLS.get(control, '')}".strip(), low, high, step, start,
+                                      disabled=fixed)
+        self._slider.on_update(lambda _: self.refresh())
 
 
-def _shown(answer: Any) -> str:
-    return "" if answer is None else answer if isinstance(answer, str) else f"{answer:g}"
+def in_unit(value: float, unit: str) -> str:
+    return with_unit(value, unit, SHORT) if unit else f"{value:.{SHORT}g}"
 
 
-def _number(text: str, unit: str) -> float | None:
+def number(text: str, unit: str) -> float | None:
     """A number, also with a decimal comma, or a size as the page writes it: 2.75 mm/s."""
     plain = text.strip().replace(",", ".").replace("−", "-")
     with suppress(ValueError):
@@ -84,3 +125,11 @@ def _number(text: str, unit: str) -> float | None:
             if unit.startswith(prefix) and unit != prefix:
                 return size_in(plain, unit.removeprefix(prefix)) / 1000.0**power
     return None
+
+
+def _shown(answer: Any) -> str:
+    return "" if answer is None else answer if isinstance(answer, str) else f"{answer:g}"
+
+
+def _hint(asked: Question) -> str | None:
+    return f"a number in {asked.unit}; as the page writes it, with its unit, will do" if asked.unit else None

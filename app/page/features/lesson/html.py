@@ -1,33 +1,42 @@
 """Html of a lesson's steps. What a visitor has written is escaped here, and nowhere is it put in otherwise."""
 
+import re
 from collections.abc import Mapping, Sequence
 from html import escape
+from string import ascii_lowercase
 
 from app.lessons import shelf
 from app.lessons.lesson import TEXT, Lesson, Numbers, Step, filled
 from app.lessons.marks import AnswerMark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
+from app.page.features.lesson import acts
 
+FIGURE = re.compile(r"(<img [^>]*>)")
 SIGNS = {True: ("right", "✓", "right"), False: ("wrong", "✗", "not so"), None: ("unmarked", "", "")}
 
 
 def shelf_html(lessons: Mapping[str, Lesson]) -> str:
-    """What there is to choose from."""
-    rows = "".join(f"<li><b>{escape(lesson.title)}</b> <span>{lesson.minutes} min</span></li>"
-                   for lesson in lessons.values())
-    return f"<div class='lab-lesson'><p>Each takes 10 to 20 minutes: you predict, run, observe, and then read why." \
-           f"</p><ol>{rows}</ol></div>"
+    """What there is to choose from. How far one has come in each only the browser knows (``js/lessons.js``)."""
+    rows = "".join(
+        f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
+        f"data-fingerprint='{lesson.fingerprint}'><span class='lab-number'>{k}</span><b>{escape(lesson.title)}</b>"
+        f"<small>{lesson.minutes} min</small><small class='lab-come'></small></button></li>"
+        for k, (name, lesson) in enumerate(lessons.items(), 1))
+    return "<div class='lab-lesson lab-shelf'><p>You predict, run, observe, and then read why.</p>" \
+           f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
 
 
 def head_html(lesson: Lesson, progress: Progress) -> str:
     """Title, and how far one has come."""
-    total = len(lesson.steps)
-    at = progress.step
+    total, at = len(lesson.steps), progress.step
     where = "introduction" if at == 0 else f"step {at} of {total}" if at <= total else "the end"
-    bar = f"<progress max='{total + 1}' value='{at}' aria-label='progress'></progress>"
+    segments = "".join(f"<i class='{'lab-now' if k == at else 'lab-past' if k < at else ''}'></i>"
+                       for k in range(1, total + 1))
+    bar = f"<div class='lab-segments' role='progressbar' aria-label='progress' aria-valuemin='0' " \
+          f"aria-valuemax='{total}' aria-valuenow='{min(at, total)}'>{segments}</div>"
     return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i><b>{escape(lesson.title)}</b>" \
-           f"<div>{where}{bar}</div></div>"
+           f"<div>{where}</div>{bar}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
@@ -37,14 +46,26 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     before = [known[name].title if name in known else name for name in lesson.prerequisites]
     needs = f"<p>Do before: {escape('; '.join(before))}.</p>" if before else ""
     return f"<div class='lab-lesson'><p>{lesson.minutes} minutes. Afterwards you can</p><ul>{goals}</ul>{needs}" \
-           f"{html(filled(lesson.intro, numbers), shelf.FOLDER)}{_notes(lesson.notes, teacher)}</div>"
+           f"{text_html(lesson.intro, numbers)}{_notes(lesson.notes, teacher)}</div>"
 
 
-def step_html(step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
-    """A step's text, below what is said ``before`` it, which is html."""
-    return f"<div class='lab-lesson'><h3><span class='lab-kind-{step.kind}'>{step.kind.capitalize()}</span> " \
-           f"{escape(filled(step.title, numbers))}</h3>{before}{html(filled(step.text, numbers), shelf.FOLDER)}" \
-           f"{_notes(step.notes, teacher)}</div>"
+def step_html(step: Step, number: int, numbers: Numbers, before: str, teacher: bool) -> str:
+    """A step's text, below what is said ``before`` it, which is html. What it asks for is a button that does it."""
+    text = acts.with_buttons(text_html(step.text, numbers))
+    if step.stage and acts.PUT not in text:
+        text += f"<p>The run that this is about:</p>{acts.PUT}"
+    kind = f"<span class='lab-kind lab-kind-{step.kind}'>{step.kind.capitalize()}</span>"
+    return f"<div class='lab-lesson' data-step='{number}'>{kind}<h3>{escape(filled(step.title, numbers))}</h3>" \
+           f"{before}{text}{_notes(step.notes, teacher)}</div>"
+
+
+def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str) -> str:
+    """A question's options, of which one is ``chosen``, counted from 1; ``key`` tells them from those of another."""
+    rows = "".join(
+        f"<label class='lab-choice'><input type='radio' name='lab-answer' value='{k}' data-question='{escape(key)}'"
+        f"{' checked' * (k == chosen)}{' disabled' * fixed}><span><b>{letter})</b> {escape(option)}</span></label>"
+        for k, (letter, option) in enumerate(zip(ascii_lowercase, options, strict=False), 1))
+    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='Answer'>{rows}</div>"
 
 
 def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: Mapping[str, AnswerMark | str],
@@ -84,6 +105,13 @@ def end_html(table: str, missing: int) -> str:
            "</p>" if missing else ""
     return f"<div class='lab-lesson'><h3>The end</h3>{left}{table}<p><b>Hand in</b> saves a file with your answers " \
            "and times, and your name if you have given one. Nothing is sent to anybody.</p></div>"
+
+
+def text_html(markdown: str, numbers: Numbers) -> str:
+    """Of a lesson, its figures as buttons that show them large."""
+    return FIGURE.sub(r"<button type='button' class='lab-enlarge' aria-label='enlarge the figure'>\1"
+                      "<span aria-hidden='true'>enlarge</span></button>",
+                      html(filled(markdown, numbers), shelf.FOLDER))
 
 
 def _notes(notes: str, teacher: bool) -> str:

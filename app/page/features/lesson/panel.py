@@ -12,32 +12,42 @@ from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
 from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
+from app.page.features.lesson import acts
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
+from app.page.features.lesson.hands import Hands
 from app.page.features.lesson.marking import Classroom, Marker, asked_since
+from app.page.panels.browser_store import BrowserStore
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import allow, is_removed
 
-NO_LESSON = "choose a lesson"
+FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
+BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
+MAIN, LINK = "<i class='lab-main'></i>", "<i class='lab-link'></i>"  # the button that is meant, and one that is less
+KEPT = "Your answers stay in this browser."
+FIRST_PREDICT = f"You predict first: Next opens when your answer is recorded. {KEPT}"
 
 
 class Player:
-    """One visitor's, in a ``tab``. ``put`` puts a state on the stage, ``offer`` shows only some controls; ``on_change``
-    is called when what the browser should keep has changed."""
+    """One visitor's, in a ``tab``, where the ``controls`` that a lesson needs stand below its text; ``on_change`` is
+    called when what the browser should keep has changed. What it says through its ``store`` may be anything."""
 
-    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
-                 put: Callable[[state.State], None], offer: Callable[[tuple[str, ...]], None],
-                 on_change: Callable[[], None]):
+    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom, controls: Hands,
+                 store: BrowserStore, on_change: Callable[[], None]):
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
-        self._put, self._offer, self._on_change = put, offer, on_change
+        self._controls, self._on_change = controls, on_change
         self._lock = threading.RLock()
         self._marker = Marker(classroom.outcomes)
         self._lesson: Lesson | None = None
         self._progress = kept.Progress("", "")  # of the lesson that is open
         self._restored = False  # whether the browser has said what it keeps of this lesson
         self._shown_at = monotonic()
-        self._widgets = self._gui.add_folder(None)
+        self._answer: AnswerWidgets | None = None  # of the question that is shown
+        self._acts: list[acts.Act] = []  # that the step's text has buttons for
+        self._widgets = self._gui.add_folder(None, order=FIRST)
         self._build()
+        store.heard |= {"open": lambda name: self.open(name) if isinstance(name, str) else None,
+                        "choice": self._choose, "do": self._act}
 
     @property
     def name(self) -> str:
@@ -63,9 +73,15 @@ class Player:
             self._lesson, self._restored = lesson, False
             self._progress = kept.Progress(lesson.name, lesson.fingerprint)
             self._marker.forget()
-        self._offer(lesson.controls)
+        self._controls.offer(lesson.controls, self._tab)
         self._rebuild()
         self._on_change()
+
+    def refresh(self) -> None:
+        """Call now and then: what a question says of the stage follows it."""
+        with self._lock:
+            if self._answer is not None:
+                self._answer.refresh()
 
     def restore(self, name: str, text: str) -> None:
         """The browser has said what it keeps of a lesson, perhaps nothing."""
@@ -89,7 +105,7 @@ class Player:
     def _leave(self) -> None:
         with self._lock:
             self._lesson = None
-        self._offer(())
+        self._controls.offer(())
         self._rebuild()
         self._on_change()
 
@@ -105,14 +121,14 @@ class Player:
         with self._lock:
             self._widgets.remove()
             with self._tab:
-                self._widgets = self._gui.add_folder(None)
+                self._widgets = self._gui.add_folder(None, order=FIRST)
                 self._build()
 
     def _build(self) -> None:
-        self._shown_at = monotonic()
+        self._shown_at, self._answer, self._acts = monotonic(), None, []
         with self._widgets:
             if self._lesson is None:
-                self._build_shelf()
+                self._gui.add_html(page.shelf_html(shelf.lessons()))
             else:
                 self._gui.add_html(page.head_html(self._lesson, self._progress))
                 at, steps = self._progress.step, self._lesson.steps
@@ -122,13 +138,6 @@ class Player:
                     self._build_step(self._lesson, steps[at - 1])
                 else:
                     self._build_end(self._lesson)
-
-    def _build_shelf(self) -> None:
-        lessons = shelf.lessons()
-        titles = {lesson.title: name for name, lesson in lessons.items()}
-        self._gui.add_html(page.shelf_html(lessons))
-        choice = self._gui.add_dropdown("Lesson", (NO_LESSON, *titles), hint="opens it here, beside the stage")
-        choice.on_update(lambda _: self.open(titles.get(choice.value, "")))
 
     def _build_intro(self, lesson: Lesson) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
@@ -148,29 +157,29 @@ class Player:
         text = self._gui.add_html(self._explained(lesson, step))
         if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
             self._mark_all(lesson, step, text)
-        if step.stage:
-            stage = self._gui.add_button("On the stage", icon=viser.Icon.PLAYER_PLAY, hint="begins this run beside the "
-                                         "lesson")
-            stage.on_click(lambda _: self._put(state.read(filled(step.stage, self._numbers))))
+        self._acts = acts.found(page.text_html(step.text, self._numbers))
         if step.question is None:
             self._buttons(back=True, onward=True)
             return
         self._ask(lesson, step)
 
     def _ask(self, lesson: Lesson, step: Step) -> None:
-        asked, answered = step.asked, self._progress.answers.get(step.key)
+        answered = self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
-        widgets = AnswerWidgets(self._gui, asked, self._numbers, answered.last if answered else None, fixed)
+        widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
+                                lambda: self._controls.state.scene)
+        self._answer = None if fixed else widgets
         for text in widgets.texts:
             allow(text, LONGEST)
         self._said = self._gui.add_html("" if answered is None else self._taken(step, None))
+        self._gui.add_html(MAIN)
         record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
                                       disabled=fixed)
-        onward = self._buttons(back=True, onward=answered is not None)
+        onward = self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
-            if why := trouble(asked, answer):
+            if why := trouble(step.asked, answer):
                 self._said.content = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
                 return
             with self._lock:
@@ -184,6 +193,32 @@ class Player:
                 self._check(lesson, step)
 
         record.on_click(take)
+
+    def _choose(self, option: object) -> None:
+        """The visitor has chosen one of the answers: that of a question, and its number."""
+        with self._lock:
+            if self._answer is not None and isinstance(option, list) and len(option) == 2 \
+                    and self._step is not None and option[0] == self._step.key:
+                self._answer.choose(option[1])
+
+    def _act(self, said: object) -> None:
+        """The visitor has pressed what a step's text tells him to do: a step's number, and that of the act."""
+        with self._lock:
+            step, number = self._step, said[1] if isinstance(said, list) and len(said) == 2 else None
+            if step is None or not isinstance(said, list) or said[0] != self._progress.step:
+                return
+            act = self._acts[number] if type(number) is int and 0 <= number < len(self._acts) else None
+            stage = filled(step.stage, self._numbers) if number == "stage" else ""
+        if stage:
+            self._controls.show(state.read(stage))
+        elif act is not None:
+            acts.do(act, self._controls)
+
+    @property
+    def _step(self) -> Step | None:
+        """That is shown."""
+        at = self._progress.step
+        return self._lesson.steps[at - 1] if self._lesson and 0 < at <= len(self._lesson.steps) else None
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
@@ -209,7 +244,7 @@ class Player:
         """The step's text; where it explains, below what was said and what came out."""
         before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
-        return page.step_html(step, self._numbers, before, self._room.teacher)
+        return page.step_html(step, self._progress.step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Mark what a step looks back on, or everything at the end, and show it there."""
@@ -226,9 +261,19 @@ class Player:
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
         self._mark_all(lesson, None, text)
+        following = next(iter(self._following(lesson)), None)
+        if following:
+            self._gui.add_html(MAIN)
+            onward = self._gui.add_button(f"Next lesson: {following.title}")
+            onward.on_click(lambda _: self.open(following.name))
         hand_in = self._gui.add_button("Hand in", icon=viser.Icon.DOWNLOAD, hint="save your answers as a file")
         hand_in.on_click(lambda _: self._hand_in(lesson))
         self._buttons(back=True, onward=False)
+
+    def _following(self, lesson: Lesson) -> list[Lesson]:
+        """The lessons after this one."""
+        every = list(shelf.lessons().values())
+        return every[every.index(lesson) + 1:] if lesson in every else []
 
     def _end(self, lesson: Lesson) -> str:
         steps = [step for step in lesson.steps if step.question]
@@ -241,14 +286,17 @@ class Player:
             self._client.send_file_download(f"{lesson.name}-{called}.json", self._progress.text().encode(),
                                             save_immediately=True)
 
-    def _buttons(self, back: bool, onward: bool) -> viser.GuiButtonHandle:
-        """Back, next and leave; returns the one for next."""
+    def _buttons(self, back: bool, onward: bool, main: bool = True) -> viser.GuiButtonHandle:
+        """Back, next and leave; returns the one for next, which is the ``main`` one where no answer is asked for."""
         self._gui.add_html(BESIDE)
         self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: self._go(-1))
-        self._gui.add_html(BESIDE)
-        following = self._gui.add_button("Next", icon=viser.Icon.ARROW_RIGHT, disabled=not onward)
+        self._gui.add_html(BESIDE_MAIN if main else BESIDE)
+        following = self._gui.add_button("Next", icon=viser.Icon.CHEVRON_RIGHT, disabled=not onward)
         following.on_click(lambda _: self._go(1))
-        leave = self._gui.add_button("Close the lesson", color="gray", hint="your answers stay in this browser")
+        first = self._step is not None and self._step.kind == PREDICT and not onward
+        self._gui.add_html(f"<p class='lab-lesson lab-kept-here'>{FIRST_PREDICT if first else KEPT}</p>")
+        self._gui.add_html(LINK)
+        leave = self._gui.add_button("Close the lesson")
         leave.on_click(lambda _: self._leave())
         return following
 

@@ -24,7 +24,6 @@
       set(plot, "aria-label", `plot over time: ${heading || ""}`);
     });
     all("[data-scrollarea-viewport], pre", area => set(area, "tabindex", "0"));
-    all(".lab-lesson img", figure => { set(figure, "tabindex", "0"); set(figure, "title", "enlarge"); });
     set(document.querySelector("[data-dock-root] > div:first-child"), "role", "main");
     all("[data-dock-region=left]", area => { set(area, "role", "region"); set(area, "aria-label", "measurements"); });
     all("[data-dock-region=right]", area => { set(area, "role", "region"); set(area, "aria-label", "controls"); });

@@ -1,0 +1,66 @@
+// Lessons: the list with how far one has come, which only this browser knows, answers that are chosen, what a step's text
+// has one do, and figures that a click shows as large as the window.
+(() => {
+  const STORE = "mpm-lab/", LAST = "mpm-lab-last-lesson";
+  const tell = said => dispatchEvent(new CustomEvent("lab-tell", {detail: said}));
+  const stored = (act, fallback) => { try { return act(localStorage); } catch { return fallback; } };  // may be forbidden
+  const chosen = {};  // answers by their questions: the viewer puts html in anew
+  let last = "", seen = "";
+
+  function progress(button) {  // in a lesson that has been changed since one begins again
+    try {
+      const kept = JSON.parse(stored(store => store.getItem(STORE + button.dataset.lesson), "null"));
+      return kept && kept.fingerprint === button.dataset.fingerprint ? kept.step : 0;
+    } catch { return 0; }
+  }
+
+  function shelf(list) {
+    if (list.dataset.filled) return;
+    list.dataset.filled = "yes";
+    for (const button of list.querySelectorAll(".lab-open[data-steps]")) {
+      const at = progress(button), steps = Number(button.dataset.steps), come = button.querySelector(".lab-come");
+      if (!(at > 0)) continue;
+      come.textContent = at > steps ? "done" : `${at} of ${steps}`;
+      button.classList.toggle("lab-done", at > steps);
+      if (at > steps || button.dataset.lesson !== stored(store => store.getItem(LAST), "")) continue;
+      const on = document.createElement("button");
+      Object.assign(on, {type: "button", className: "lab-open lab-continue"});
+      on.dataset.lesson = button.dataset.lesson;
+      on.textContent = `Continue: ${button.querySelector("b").textContent}`;
+      list.querySelector(".lab-go-on").append(on);
+    }
+  }
+
+  function look() {
+    document.querySelectorAll(".lab-shelf").forEach(shelf);
+    for (const radio of document.querySelectorAll(".lab-choice input"))
+      if (chosen[radio.dataset.question] === radio.value && !radio.disabled) radio.checked = true;
+    const open = document.querySelector(".lab-kept")?.dataset.lesson || "";
+    if (open && open !== last) stored(store => store.setItem(LAST, open));
+    last = open;
+    const head = document.querySelector(".lab-lesson-head, .lab-shelf"), now = head?.textContent || "";
+    if (now !== seen) head?.closest("[data-scrollarea-viewport], .mantine-ScrollArea-viewport")?.scrollTo(0, 0);
+    seen = now;
+  }
+
+  const back = () => document.querySelectorAll(".lab-enlarge.lab-large").forEach(one => one.classList.remove("lab-large"));
+  addEventListener("keydown", event => { if (event.key === "Escape") back(); });
+  document.addEventListener("click", event => {
+    const at = selector => event.target.closest?.(selector);
+    at(".lab-enlarge")?.classList.toggle("lab-large");
+    if (at(".lab-open")) tell({open: at(".lab-open").dataset.lesson});
+    const act = at(".lab-act");
+    if (!act) return;
+    act.classList.add("lab-did");
+    const number = act.dataset.act;
+    tell({do: [Number(act.closest("[data-step]").dataset.step), number === "stage" ? number : Number(number)]});
+  });
+  document.addEventListener("change", event => {
+    const {question} = event.target.dataset || {};
+    if (!question) return;
+    chosen[question] = event.target.value;
+    tell({choice: [question, Number(event.target.value)]});
+  });
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true, attributes: true,
+    attributeFilter: ["data-lesson"]});
+})();
