@@ -1,0 +1,135 @@
+"""The error over time: its axes, what is said round the curves, and finding a frame by its time. No web server."""
+
+from __future__ import annotations
+
+import json
+import re
+from html import unescape
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.page.panels.timeline import BINS, Now, Timeline
+from app.page.panels.window import Size, Window
+from solvers.problems.bar.scene import BarScene
+from tests.app.page.test_recent import frame, recent_of, shown
+
+SCENE = BarScene()
+
+
+class Gui:
+    """Of the viewer's only what the timeline needs."""
+
+    def add_html(self, content):
+        return SimpleNamespace(content=content)
+
+    def add_folder(self, label):
+        return SimpleNamespace(__enter__=lambda: None)
+
+    def add_uplot(self, data, series, **options):
+        return SimpleNamespace(data=data, series=series, visible=True, **options)
+
+
+class Folder:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        return None
+
+
+class Past:
+    """A run until ``end``: an error that grows evenly to 100 µm in a second, particles that cross all the time."""
+
+    def __init__(self, end, scene=SCENE):
+        time = np.linspace(0, end, 200)
+        self.scene = scene
+        self.series = self.latest = {"time": time, "error_x": 1e-4 * time, "transport/estimate_x": 2e-4 * time}
+
+    def crossings_per_second(self, series):
+        return series["time"][1:], np.full(len(series["time"]) - 1, 600.0)
+
+
+def timeline(monkeypatch):
+    gui = Gui()
+    monkeypatch.setattr(gui, "add_folder", lambda label: Folder(), raising=False)
+    line = Timeline(gui)
+    line.have(("transport",), False)
+    return line
+
+
+def said(line):
+    return json.loads(unescape(re.search("data-said='(.*)'", line._html.content)[1]))
+
+
+def show(line, end, now=None, scene=SCENE):
+    line.show(Past(end, scene), ("transport",), "x", False, None, "transport",
+              now or Now(end, (0.5 * end, end), True))
+    return said(line)
+
+
+def test_axes_only_grow_within_a_run_and_end_at_round_numbers(monkeypatch):
+    """Twice an error of 100 µm a second; in another run they begin anew."""
+    line = timeline(monkeypatch)
+    show(line, 0.9)
+    assert line._plot.scales["x"]["range"] == [0.0, 1.0] and line._plot.scales["y"]["range"] == [0.0, pytest.approx(2e-4)]
+    show(line, 1.2)
+    assert line._plot.scales["x"]["range"] == [0.0, 1.5] and line._plot.scales["y"]["range"] == [0.0, pytest.approx(3e-4)]
+    show(line, 0.3)
+    assert line._plot.scales["x"]["range"] == [0.0, 1.5]
+    show(line, 0.3, scene=BarScene(cells=20))
+    assert line._plot.scales["x"]["range"] == [0.0, pytest.approx(0.3)]
+
+
+def test_what_is_said_round_the_curves(monkeypatch):
+    """Places are parts of the axis, sizes have a unit with a prefix, said once on the time's axis."""
+    at = show(timeline(monkeypatch), 0.9)
+    assert at["symbol"] == "x" and at["top"] == [0.5, "100 µm"] and at["start"] == "0"
+    assert at["ticks"] == [[0.5, "0.5"], [1.0, "1 s"]]
+    assert at["now"] == 0.9 and at["reach"] == [0.45, 0.9] and at["lost"] is None and at["clock"] == "900 ms"
+    assert at["strip"] == "9" * round(0.9 * BINS)
+
+
+def test_a_lost_run_says_since_when(monkeypatch):
+    at = show(timeline(monkeypatch), 0.9, Now(0.9, (0.0, 0.9), False, 0.6))
+    assert (at["lost"], at["says"], at["playing"]) == (0.6, "lost from 600 ms on", False)
+    at = show(timeline(monkeypatch), 0.9, Now(0.9, (0.0, 0.9), False, 0.6, unstable=True))
+    assert at["says"] == "unstable from 600 ms on"
+
+
+def test_a_part_of_the_axis_is_a_time(monkeypatch):
+    line = timeline(monkeypatch)
+    show(line, 1.2)
+    assert line.time_at(0.5) == pytest.approx(0.75)
+
+
+def test_a_frame_is_found_by_its_time():
+    recent = recent_of(20)
+    step = recent.shown[0].scene.time_step
+    assert recent.seek(7.4 * step) and shown(recent) == 7
+    assert recent.seek(0.0) and shown(recent) == 0
+    assert recent.seek(1e9) and shown(recent) == 20
+    assert recent.span == (0.0, 20 * step)
+
+
+def test_while_it_moves_a_frame_is_shown_as_soon_as_the_run_stands():
+    recent = recent_of(20)
+    recent.add(*frame(21))
+    step = recent.shown[0].scene.time_step
+    assert not recent.seek(7 * step) and shown(recent) == 21
+    recent.add(*frame(22, playing=False))
+    assert shown(recent) == 7
+
+
+@pytest.mark.parametrize("wrong", [None, [], [1, 2, 3, 4, 5], [1, 2, 3, 4, 5, "6"], [1, 2, 3, 4, 5, -1],
+                                   [1, 2, 3, 4, 5, 1e9], [1, 2, 3, 4, 5, float("nan")], [True] * 6, {"a": 1}])
+def test_what_a_browser_says_of_its_window_is_believed_in_nothing(wrong):
+    store, sizes = SimpleNamespace(heard={}), []
+    window = Window(store, sizes.append, sizes.append)
+    store.heard["room"](wrong)
+    store.heard["dark"]("yes")
+    assert not sizes and window.size == Size()
+    store.heard["room"]([700, 300, 144, 700, 60, 12])
+    store.heard["dark"](True)
+    assert sizes == [Size(700.0, 300.0, 144.0, 700.0, 60.0, 12.0), True]
