@@ -63,6 +63,11 @@ def said(line):
     return json.loads(unescape(re.search("data-said='(.*)'", line._html.content)[1]))
 
 
+def ends(line):
+    """Of the axes of time and of the error."""
+    return tuple(line._plot.scales[axis]["range"] for axis in "xy")
+
+
 def show(line, end, now=None, scene=SCENE):
     line.show(Past(end, scene), ("transport",), "x", False, None, "transport",
               now or Now(end, (0.5 * end, end), True))
@@ -73,9 +78,9 @@ def test_axes_only_grow_within_a_run_and_end_at_round_numbers(monkeypatch):
     """Twice an error of 100 µm a second; in another run they begin anew."""
     line = timeline(monkeypatch)
     show(line, 0.9)
-    assert line._plot.scales["x"]["range"] == [0.0, 1.0] and line._plot.scales["y"]["range"] == [0.0, pytest.approx(2e-4)]
+    assert ends(line) == ([0.0, 1.0], [0.0, pytest.approx(2e-4)])
     show(line, 1.2)
-    assert line._plot.scales["x"]["range"] == [0.0, 1.5] and line._plot.scales["y"]["range"] == [0.0, pytest.approx(3e-4)]
+    assert ends(line) == ([0.0, 1.5], [0.0, pytest.approx(3e-4)])
     show(line, 0.3)
     assert line._plot.scales["x"]["range"] == [0.0, 1.5]
     show(line, 0.3, scene=BarScene(cells=20))

@@ -1,13 +1,23 @@
-"""Room: the stage is the largest thing in every window, nothing lies over anything else, and a projector is served."""
+"""Room: in every window all has a place of its own, what is written is sharp and stays with what it names."""
 
 from __future__ import annotations
 
+import io
+import os
+import signal
+
+import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from PIL import Image
 
-from tests.browser.driving import click, coloured, readout, stage, stage_box, steps, to_the_ring, unfold, until
+from tests.browser.conftest import visit
+from tests.browser.driving import choose, click, coloured, readout, stage, stage_box, steps, to_the_ring, unfold, until
 
-LARGE, LAPTOP, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (800, 1100), (390, 844)
+LARGE, LAPTOP, SMALL, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (1024, 768), (800, 1100), (390, 844)
+#: What may lie over nothing else: the head, what is said, the stage, the deck and the controls.
+PARTS = ("#lab-head", "#lab-summary", "#lab-stage", "#lab-deck", "[data-dock-region=right]",
+         ".mantine-Paper-root[style*='position: fixed']")
 
 
 def resize(page, size):
@@ -15,11 +25,10 @@ def resize(page, size):
 
 
 def boxes(page):
-    """Stage, sentence and panels that are to be seen, as (left, top, right, bottom)."""
-    return page.evaluate("""() => ["[data-dock-root] > div:first-child", "#lab-summary", "[data-dock-region=left]",
-        "[data-dock-region=right]", ".mantine-Paper-root[style*='position: fixed']"]
-        .map(s => document.querySelector(s)).filter(e => e && e.getBoundingClientRect().width > 0)
-        .map(e => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; })""")
+    """Head, sentence, stage, deck and panel, as (left, top, right, bottom)."""
+    return page.evaluate("""parts => parts.map(s => document.querySelector(s))
+        .filter(e => e && e.getBoundingClientRect().width > 0)
+        .map(e => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; })""", PARTS)
 
 
 def overlap(a, b):
@@ -27,58 +36,59 @@ def overlap(a, b):
     return min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
 
 
+def fitted(page):
+    """The stage's box is where the canvas is, and as large as there is room in one direction: 1.5 pixels of rounding,
+    and a hundredth of the height to which the stage is drawn."""
+    return page.evaluate("""() => {
+        const box = e => e.getBoundingClientRect(), room = box(document.getElementById("lab-room"));
+        const stage = box(document.getElementById("lab-stage"));
+        const canvas = box(document.querySelector("[data-dock-root] > div:first-child"));
+        const same = ["left", "top", "right", "bottom"].every(side => Math.abs(stage[side] - canvas[side]) < 1.5);
+        const wide = stage.width / 1.03 > 0.985 * room.width, high = stage.height > 0.96 * room.height;
+        return same && stage.bottom < room.bottom + 8 && (wide || high); }""")
+
+
 def everything_has_a_place_of_its_own(page):
-    """The stage has three fifths of the width or all of it, and 400 pixels where the window has as many. Names of
-    controls stand in one line, and no panel has more to its right than can be seen."""
-    to_the_ring(page)  # its labels are the longest
-    for size in (LARGE, LAPTOP, UPRIGHT, PHONE):
+    """No part lies over another or out of the window, and no panel has more to its right than can be seen."""
+    for problem in ("expanding ring", "vibrating bar"):
+        for size in (LAPTOP, LARGE, SMALL, UPRIGHT, PHONE):
+            resize(page, size)
+            until(lambda: fitted(page), f"the stage fitted into {size}")
+            until(lambda: coloured(stage(page)) > 0.002, "a stage with colours")
+            places = boxes(page)
+            assert len(places) == 5
+            for k, a in enumerate(places):
+                assert a[0] >= -1 and a[1] >= -1 and a[2] <= size[0] + 1 and a[3] <= size[1] + 1
+                assert not any(min(overlap(a, b)) > 1 for b in places[:k])
+            assert page.evaluate("""() => [...document.querySelectorAll('.mantine-ScrollArea-viewport')]
+                .filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1).length""") == 0
+        resize(page, LAPTOP)
+        if problem == "expanding ring":
+            choose(page, "Problem", "vibrating bar")
+
+
+def nothing_written_lies_over_anything_else_written(page):
+    """Of labels on the stage, the names beside it, the deck's and the boxes laid among them."""
+    for size in (LAPTOP, LARGE, SMALL, UPRIGHT, PHONE):
         resize(page, size)
-        until(lambda size=size: stage_box(page)["width"] >= 0.6 * size[0], "a broad stage")
-        until(lambda: coloured(stage(page)) > 0.002, "a stage with colours")
-        assert stage_box(page)["height"] >= min(0.38 * size[1], 400)
-        places = boxes(page)
-        assert len(places) == (3 if size == PHONE else 4)
-        for k, a in enumerate(places):
-            assert a[0] >= -1 and a[1] >= -1 and a[2] <= size[0] + 1 and a[3] <= size[1] + 1
-            assert not any(min(overlap(a, b)) > 1 for b in places[:k])
-        until(lambda: labels_that_wrap(page) == [], "labels in one line")
-        assert page.evaluate("""() => [...document.querySelectorAll('.mantine-ScrollArea-viewport')]
-            .filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1).length""") == 0
+        until(lambda: fitted(page), f"the stage fitted into {size}")
+        until(lambda: written_over(page) == [], f"no text over another in {size}: {written_over(page)}")
 
 
-def the_word_beside_a_control_that_waits_takes_no_room(page):
-    """Beside the name, in the place of the plain words: nothing moves, and it stays in the name's column."""
-    unfold(page, "Method details", "Effects: compute")
-    for size in (LAPTOP, PHONE):
-        resize(page, size)
-        until(lambda: labels_that_wrap(page) == [], "labels in one line")
-        assert page.evaluate("""() => [...document.querySelectorAll('.mantine-Flex-root label')]
-            .filter(e => e.offsetParent && e.parentElement.parentElement.offsetWidth > 1)
-            .filter(e => {
-                const row = e.closest('.mantine-Flex-root'), column = e.parentElement.parentElement;
-                const high = row.offsetHeight;
-                e.dataset.waits = 'compiling … 12 s';
-                const bad = row.offsetHeight !== high
-                    || e.getBoundingClientRect().right > column.getBoundingClientRect().right + 1;
-                delete e.dataset.waits;
-                return bad; }).map(e => e.innerText)""") == []
-
-
-def labels_that_wrap(page):
-    return page.evaluate("""() => [...document.querySelectorAll('label, .mantine-Button-label')]
-        .filter(e => e.offsetParent && e.innerText.trim())
-        .filter(e => e.matches('.mantine-Button-label')
-                     || !e.closest(':is([data-lab~=lab-typed], [data-lab~=lab-bare]) + div'))
-        .filter(e => { const range = document.createRange(); range.selectNodeContents(e);
-                       return new Set([...range.getClientRects()].map(r => Math.round(r.top / 8))).size > 1; })
-        .map(e => e.innerText)""")
-
-
-def a_phone_finds_the_measurements(page):
-    """Folded below the controls, they open."""
-    resize(page, PHONE)
-    page.get_by_role("button", name="Expand panel Measurements").click()
-    until(page.get_by_text("periods/s").first.is_visible, "the readout")
+def written_over(page):
+    """Pairs of texts that share more than two pixels in both directions."""
+    return page.evaluate("""() => {
+        const range = document.createRange();
+        const all = [...document.querySelectorAll(".lab-label, .lab-names > *, .lab-axis > span, #lab-clock, "
+            + "[data-lab~=lab-at-quantity] + div input, [data-lab~=lab-at-estimator] + div input, "
+            + "[data-lab~=lab-at-magnify] + div input, #lab-summary > span")]
+            .filter(e => e.checkVisibility() && (e.textContent.trim() || e.value)).map(e => {
+                if (!e.value) range.selectNodeContents(e);
+                const r = e.value ? e.getBoundingClientRect() : range.getBoundingClientRect();
+                return [(e.textContent.trim() || e.value).slice(0, 40), r.left, r.top, r.right, r.bottom]; })
+            .filter(r => r[3] > r[1]);
+        return all.flatMap((a, k) => all.slice(0, k).filter(b => Math.min(a[3], b[3]) - Math.max(a[1], b[1]) > 2
+            && Math.min(a[4], b[4]) - Math.max(a[2], b[2]) > 2).map(b => `${a[0]} / ${b[0]}`)); }""")
 
 
 def the_open_tab_stays_open_when_the_window_changes(page):
@@ -91,7 +101,7 @@ def the_open_tab_stays_open_when_the_window_changes(page):
         page.get_by_role("tab", name=tab, exact=True).click()
         until(lambda tab=tab: opened(tab), f"{tab} opened")
         resize(page, size)
-        until(lambda size=size: page.locator("[data-dock-region=left]").count() == (size != PHONE), "another layout")
+        until(lambda size=size: page.locator("[data-dock-region=right]").count() == (size != PHONE), "another layout")
         until(lambda tab=tab: opened(tab), f"{tab} open again")
 
 
@@ -103,44 +113,94 @@ def the_run_goes_on_when_the_window_changes(page):
     at = steps(page)
     for size in (PHONE, LAPTOP):
         resize(page, size)
-        until(lambda size=size: page.locator("[data-dock-region=left]").count() == (size != PHONE), "another layout")
-    until(page.locator(".lab-readout").is_visible, "the readout")
+        until(lambda size=size: page.locator("[data-dock-region=right]").count() == (size != PHONE), "another layout")
+    until(page.locator(".lab-readout").count, "the readout")
     assert "paused" in readout(page) and steps(page) == at
-
-
-@pytest.mark.slow
-def test_a_folded_panel_gives_its_room_to_the_stage(own_page):
-    before = stage_box(own_page)["width"]
-    own_page.get_by_role("button", name="Collapse panel area").first.click()
-    until(lambda: stage_box(own_page)["width"] > before + 150, "a broader stage")
-
-
-def axe_finds_nothing_serious(page):
-    """In the page as it comes, with all folders open, and in the tab of costs."""
-    unfold(page, "Method details", "Effects: compute")
-    until(lambda: serious(page) == [], "names for all in Explore")
-    for tab in ("Lessons", "Cost", "About"):
-        page.get_by_role("tab", name=tab).click()
-        until(lambda: serious(page) == [], f"names for all in {tab}")
-
-
-def serious(page):
-    found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
-    return [(violation["id"], [node["html"][:160] for node in violation["nodes"]]) for violation in found
-            if violation["impact"] in ("serious", "critical")]
 
 
 def test_places(page):
     """One visitor for both: a page of their own would cost each more than what is looked at. So below."""
+    to_the_ring(page)
     everything_has_a_place_of_its_own(page)
-    the_word_beside_a_control_that_waits_takes_no_room(page)
+    nothing_written_lies_over_anything_else_written(page)
 
 
 def test_windows_that_change(page):
     the_run_goes_on_when_the_window_changes(page)
     the_open_tab_stays_open_when_the_window_changes(page)
-    a_phone_finds_the_measurements(page)
 
 
-def test_those_who_do_not_see(page):
-    axe_finds_nothing_serious(page)
+def test_the_stage_follows_a_window_without_the_server(server, chromium):
+    """Its process stands still meanwhile: what is written stays where it was on the picture."""
+    with visit(chromium, server[0]) as page:
+        until(lambda: fitted(page) and page.locator("#lab-stage .lab-label").count() > 5, "labels on the stage")
+        click(page, "Pause")
+
+        def places():
+            return page.evaluate("""() => {
+                const box = document.querySelector("[data-dock-root] > div:first-child").getBoundingClientRect();
+                return Object.fromEntries([...document.querySelectorAll("#lab-stage .lab-label:not(.lab-role-gutter)")]
+                    .map(e => { const r = e.getBoundingClientRect();
+                        const dx = {"lab-to-center": 0.5, "lab-to-right": 1}[[...e.classList].find(
+                            c => ["lab-to-center", "lab-to-right"].includes(c))] || 0;
+                        return [e.dataset.key, [(r.left + dx * r.width - box.left) / box.width, box.width]]; })); }""")
+
+        before = places()
+        os.kill(server[1], signal.SIGSTOP)
+        try:
+            resize(page, (1100, 640))
+            until(lambda: stage_box(page)["width"] < 0.95 * next(iter(before.values()))[1], "a smaller stage")
+            after = places()
+            assert fitted(page)
+        finally:
+            os.kill(server[1], signal.SIGCONT)
+        assert before.keys() == after.keys()
+        assert all(abs(before[key][0] - after[key][0]) < 2e-3 for key in before)  # a pixel
+
+
+def test_what_is_written_is_sharp_on_a_fine_screen(server, chromium):
+    """At two pixels of the screen for one of the window an upright stroke turns from ink to ground within two of them;
+    enlarged from a picture it would take four and more."""
+    page = chromium.new_page(viewport={"width": LAPTOP[0], "height": LAPTOP[1]}, device_scale_factor=2)
+    try:
+        page.goto(server[0])
+        label = page.locator("#lab-stage .lab-role-number").first
+        label.wait_for(timeout=60_000)
+        until(lambda: fitted(page), "a stage that fits")
+        shot = np.asarray(Image.open(io.BytesIO(label.screenshot())).convert("L")).astype(float)
+    finally:
+        page.close()
+    ink, ground = shot.min(), shot.max()
+    assert ground - ink > 100
+    steepest = np.abs(shot[:, 2:] - shot[:, :-2]).max()  # over two pixels
+    assert steepest > 0.75 * (ground - ink)
+
+
+@pytest.mark.slow
+def test_an_address_asks_for_the_presenters_view(server, chromium):
+    with visit(chromium, server[0], "&present") as page:
+        until(lambda: page.locator("body.lab-presented-view").count(), "the presenter's view")
+        page.keyboard.press("Escape")
+        until(lambda: not page.locator("body.lab-presented-view").count(), "the usual view")
+
+
+def serious(page):
+    found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
+    return [(violation["id"], [node["html"][:160] for node in violation["nodes"]]) for violation in found]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(server, chromium, scheme):
+    """In the page as it comes, with folders open, and in every tab."""
+    page = chromium.new_page(viewport={"width": LAPTOP[0], "height": LAPTOP[1]}, color_scheme=scheme)
+    try:
+        page.goto(server[0])
+        page.locator("body.lab-to-see").wait_for(timeout=60_000)
+        until(lambda: page.locator("body.lab-dark").count() == (scheme == "dark"), scheme)
+        unfold(page, "Method details", "Effects: compute")
+        until(lambda: serious(page) == [], f"names for all in Explore: {serious(page)}")
+        for tab in ("Lessons", "Cost", "About"):
+            page.get_by_role("tab", name=tab).click()
+            until(lambda: serious(page) == [], f"names for all in {tab}: {serious(page)}")
+    finally:
+        page.close()
