@@ -3,22 +3,21 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from app.frame.captions import captions, field_caption, marks_note
+from app.frame.captions import captions, field_words, marks_note
 from app.frame.sentence import error_words
 from app.frame.silences import not_estimated, why_no_estimate, why_no_numbers, why_no_truth
 from app.problems.views import VIEWS
-from app.words import MAGNIFICATIONS
 from solvers.scene.scene import Scene
 
 
 def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
           difference: bool) -> dict[str, Any]:
-    """By quantity: why a row of the readout has no number, captions of the field plot by magnification, and by
+    """By quantity: why a row of the readout has no number, words of the field plot, and by
     estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
     said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
     component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": why_no_numbers(scene, not_valid, key, silent[key]),
-                  "field": [field_caption(scene, component, key, magnified) for magnified in MAGNIFICATIONS],
+                  "field": vars(field_words(scene, component, key)),
                   "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
                          for name in scene.estimators or ("",)}} for key in silent}
 

@@ -6,25 +6,31 @@ from dataclasses import asdict
 from typing import Any
 
 from app import words
-from app.colours import PINNED, TRUTH, colour_table
+from app.colours import PALETTE, PINNED, colour_table
 from app.export import quantise
-from app.frame import colour_bar, field, marks, scale, sentence, silences
-from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE, counting
-from app.frame.stage import Seat, Stage, Words
+from app.frame import colour_bar, crossings, field, layout, scale, sentence, silences
+from app.frame.captions import ALIKE, DIFFERENCE, SIDE_BY_SIDE, FieldWords, counting
+from app.frame.layout import Seat
+from app.frame.marks import Label, Room
+from app.frame.palette import LIGHT
+from app.frame.stage import Stage, Words
 from app.problems.views import VIEWS
 from solvers.scene.registry import ESTIMATORS
+
+#: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
+ROOMS = {"wide": Room(720.0, high=0.5, gutter=0.18), "narrow": Room(336.0, high=0.84)}
 
 
 def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
     """All of it as a JSON object, with the stages of some problems."""
     return {"formats": formats(), "codes": quantise.CODES,
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
-                      "memory": scale.MEMORY, "smallest": scale.SMALLEST,
-                      "bar": {"middle": colour_bar.MIDDLE, "height": colour_bar.HEIGHT, "gap": colour_bar.TICK_GAP}},
-            "axis": {"steps": field.STEPS, "room": field.ROOM},
-            "colours": _colours(), "flash_seconds": marks.FLASH_SECONDS,
+                      "smallest": scale.SMALLEST, "zero": scale.ZERO},
+            "axis": {"steps": field.STEPS, "room": field.ROOM, "stems": field.MOST_STEMS},
+            "crossings": {"window": crossings.WINDOW, "seconds": crossings.LEAST_SECONDS},
+            "colours": _colours(), "edge": layout.EDGE,
             "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
-            "compare": (SIDE_BY_SIDE, DIFFERENCE), "unknown": counting("{caption}", "{unknown}"),
+            "compare": (SIDE_BY_SIDE, DIFFERENCE), "unknown": counting("{remark}", "{unknown}"),
             "sentences": {"unstable": sentence.UNSTABLE, "last": sentence.LAST, "lost": sentence.LOST,
                           "now": sentence.NOW, "paused": sentence.PAUSED, "less": sentence.LESS,
                           "more": sentence.MORE, "all": sentence.ALL_OF_IT, "not_counted": silences.NOT_COUNTED},
@@ -34,18 +40,27 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
 
 
 def stage_data(stage: type[Stage]) -> dict[str, Any]:
-    """What of a stage is the same in every frame: the rectangle of all that is drawn, images of the body, seconds that
-    a crossing is marked, the field plot and all labels but the scale's.
+    """What of a stage is the same in every frame: images of the body, the axis of the field plot, and in each of the
+    ``ROOMS`` where things are, with all labels.
 
-    A label's text is "" where it comes with a run or a frame; x and y are on the stage (``marks``), where the
-    ``anchors`` are known places: lanes, or the middle of the body and how far it reaches.
+    A label's text is "" where it comes with a run or a frame; x and y are on the stage (``marks``).
     """
-    plot, said = asdict(stage.PLOT), Words(crossings=stage.MARKED)
-    labels = [*stage.labels(said, Seat.ALONE), *field.labels(stage.PLOT, 0.0, "", "", "")]
-    return {"rectangle": stage.RECTANGLE, "mirrors": stage.MIRRORS, "outlined": stage.OUTLINED,
-            "mark_seconds": stage.MARK_SECONDS, "lines": stage.LINES, "anchors": stage.ANCHORS,
-            "plot": {name: plot[name] for name in ("middle", "height", "start", "end")},
-            "labels": [asdict(label) for label in labels]}
+    return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
+            "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
+            "alike": ALIKE.format(stage.HALVES),
+            "rooms": {name: _laid_out(stage, room.settled()) for name, room in ROOMS.items()}}
+
+
+def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
+    """A stage in a room."""
+    places = stage.places(room, Seat.ALONE)
+    top = layout.top(room, room.high)
+    labels: list[Label] = [*stage.labels(Words(crossings=stage.MARKED), places),
+                           *field.labels(places, stage.PLOT.ends, FieldWords(""), 1, "", True)]
+    of = [label for label in colour_bar.labels(top, room.gutter > 0, "x", []) if label.text]
+    own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
+    return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
+            "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
 
 
 def formats() -> dict[str, Any]:
@@ -57,6 +72,9 @@ def formats() -> dict[str, Any]:
 
 def _colours() -> dict[str, Any]:
     """The map as bytes, and the colours that have a meaning."""
-    greys = {"dot": marks.DOT, "faint": marks.FAINT, "cell": marks.CELL, "unknown": (marks.UNKNOWN,) * 3}
-    return {"map": base64.b64encode(colour_table().tobytes()).decode(), "truth": TRUTH, "pinned": PINNED,
-            "flash": marks.FLASH, **{name: f"rgb{grey}" for name, grey in greys.items()}}
+    marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
+    tones = {"plain": "ink2", "bold": "ink", "faint": "ink3", "estimate": "estimate-ink", "truth": "truth-ink",
+             "crossing": "cross"}
+    return {"map": base64.b64encode(colour_table().tobytes()).decode(), "pinned": PINNED, **marks,
+            "fading": (LIGHT.crossing, LIGHT.ground),
+            "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}

@@ -1,13 +1,15 @@
 """The scale that estimate and truth share, at the top of the stage, with its numbers."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from app.frame.marks import Dots, Label, Sheet, in_plane
+from app.frame.layout import Top, top
+from app.frame.marks import Dots, Label, Room, Sheet, in_plane
 from app.frame.scale import MOST_TICKS, ColourScale
-from app.words import power_text
+from app.words import QUANTITIES
 
-MIDDLE, HEIGHT = 1.015, 0.024
-TICK_GAP = 0.024  # labels have a white ground, which must stay clear of the colours
+POINTS = 256
 
 
 class ColourBar:
@@ -15,20 +17,29 @@ class ColourBar:
 
     def __init__(self, sheet: Sheet, scale: ColourScale):
         self.sheet, self._scale = sheet, scale
-        self._drawn: tuple[str, str, float, bool, bool] | None = None
-        ends = HEIGHT / 2
-        sheet.show(Dots("bar", in_plane(np.linspace(ends, 1 - ends, 256), MIDDLE), scale.gradient(256), HEIGHT,
-                        "square"))
+        self._drawn: tuple[Room, float, str, float, bool, bool] | None = None
 
-    def draw(self, measures: str, unit: str) -> None:
-        """Show the scale as it is now, with what it measures."""
-        scale = self._scale
-        if (now := (measures, unit, scale.top, scale.logarithmic, scale.exceeded)) == self._drawn:
+    def draw(self, quantity: str, high: float) -> None:
+        """Show the scale as it is now, with the key of the quantity whose error it measures, on a stage so ``high``."""
+        scale, room = self._scale, self.sheet.room
+        now = (room, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
+        if now == self._drawn:
             return
+        if self._drawn is None or now[:2] != self._drawn[:2]:
+            place = top(room.settled(), high)
+            ends = place.high / 2
+            self.sheet.show(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
+                                 scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        ticks = scale.ticks() + [(0.0, "")] * MOST_TICKS
-        self.sheet.show(
-            Label("title", f"{measures} / {power_text(scale.power)}{unit}", 0.0, MIDDLE + TICK_GAP, "bottom-left",
-                  "caption"),
-            *(Label(f"tick{k}", text, at, MIDDLE - TICK_GAP, "top-center", "number", 0.85)
-              for k, (at, text) in enumerate(ticks[:MOST_TICKS])))
+        place, unit = top(room.settled(), high), QUANTITIES[quantity].unit
+        self.sheet.show(*labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
+
+
+def labels(place: Top, gutter: bool, quantity: str, ticks: list[tuple[float, str]]) -> Iterator[Label]:
+    """What the bar measures, beside it in a ``gutter`` or above it, and its numbers."""
+    for name, text, (x, y, anchor) in (("title", "Error of", place.title),
+                                       ("quantity", str(QUANTITIES[quantity]), place.quantity)):
+        yield Label(name, text, x, y, anchor, "gutter" if gutter else "caption", bold=True)
+    for k, (at, text) in enumerate(ticks + [(0.5, "")] * (MOST_TICKS - len(ticks))):
+        anchor = "top-left" if at == 0 else "top-right" if at == 1 else "top-center"
+        yield Label(f"tick{k}", text, at, place.numbers, anchor, "number")

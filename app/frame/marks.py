@@ -1,26 +1,22 @@
 """Marks: what is drawn on a stage, as data. A renderer draws them: the viewer, the offline player, a picture.
 
-The stage is a plane in which x goes from 0 to 1 along the colour bar and y goes up; every problem fits ``RECTANGLE``.
-What has a higher z lies on top.
+The stage is a plane in which x goes from 0 to 1 along the colour bar and y from 0 up, as high as there is room
+(:class:`Room`). What has a higher z lies on top.
 """
 
 import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal, Protocol
 
 import numpy as np
 
+from app.frame.palette import DARK, LIGHT, Colour, Palette
 from app.frame.scale import ColourScale
 
-Colour = tuple[int, int, int]
-RECTANGLE = (-0.105, 1.055, -0.11, 1.09)  # x0, x1, y0, y1 of all that is drawn
-FLASH_SECONDS = 0.25  # how long a crossing stays marked on the screen
-DOT, FAINT, CELL, FLASH = (24, 28, 34), (190, 197, 206), (168, 176, 187), (204, 0, 120)
-UNKNOWN = 225  # grey of a particle whose error nobody knows
 AWAY = -50.0  # where points that cannot be shown are, far outside the view
 LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size
-LINE_HEIGHT = 15.0  # of a line of such letters, with what is around it
+LINE_HEIGHT = 16.0  # of a line of such letters, with what is around it
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
                  "bottom-center", "bottom-right"]
@@ -109,6 +105,26 @@ class Room:
     gutter: float = 0.0
     dark: bool = False
 
+    @property
+    def palette(self) -> Palette:
+        """The colours that go with the ground."""
+        return DARK if self.dark else LIGHT
+
+    @property
+    def pixel(self) -> float:
+        """A pixel's length on the stage, of a screen on which letters have their usual size."""
+        return self.lettering / self.pixels
+
+    @property
+    def line(self) -> float:
+        """The height that a line of words takes on the stage."""
+        return LINE_HEIGHT * self.pixel
+
+    def settled(self) -> "Room":
+        """The room in steps that can just be seen: a stage laid out for it is not laid out anew for a hair."""
+        return replace(self, pixels=max(8.0, 8 * round(self.pixels / 8)), high=round(self.high, 2),
+                       gutter=round(self.gutter, 2))
+
     def letters(self, length: float, size: float = 1.0) -> int:
         """How many letters of a size there is room for in a length of the stage."""
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
@@ -133,17 +149,17 @@ class Sheet(Protocol):
         """A sheet that is seen with this one."""
 
 
-def shades(scale: ColourScale, sizes: np.ndarray | None, count: int) -> np.ndarray:
+def shades(scale: ColourScale, sizes: np.ndarray | None, count: int, unknown: Colour) -> np.ndarray:
     """Colours (P, 3) of error sizes; plain grey where nothing is known."""
     if sizes is None or not np.isfinite(sizes).any():
-        return np.full((count, 3), UNKNOWN, np.uint8)
+        return np.full((count, 3), unknown, np.uint8)
     return scale.colours(sizes)
 
 
-def flash_colours(seconds_ago: np.ndarray) -> np.ndarray:
-    """Colours (P, 3) that fade from the flash to the white of the ground."""
-    fade = np.clip(seconds_ago / FLASH_SECONDS, 0, 1)[:, None]
-    return (np.array(FLASH) + fade * (255 - np.array(FLASH))).astype(np.uint8)
+def faded(ages: np.ndarray, palette: Palette) -> np.ndarray:
+    """Colours (n, 3) that fade from a crossing's to the ground's, for ages (n,) from 0 to 1."""
+    ground, crossing = np.array(palette.ground, np.float32), np.array(palette.crossing, np.float32)
+    return (crossing + (0.85 * ages)[:, None] * (ground - crossing)).astype(np.uint8)
 
 
 def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:

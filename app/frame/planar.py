@@ -1,25 +1,24 @@
-"""What the stages of plane problems share: a body on its cells, its domains, and the field plot below."""
+"""What the stages of plane problems share: a body on its cells, its domains, and the field plot beside it."""
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.marks import CELL, FLASH, RECTANGLE, Dots, Label, Lines, Mark, in_plane, joined
-from app.frame.stage import Seat, Stage, Words
+from app.frame.layout import EDGE, Seat
+from app.frame.marks import Dots, Label, Lines, Mark, Room, in_plane, joined
+from app.frame.planar_places import AROUND, PlanarPlaces, planar_labels, planar_places
+from app.frame.stage import Stage, Words, Worst
 from solvers.engine.frames import FrameArrays
 from solvers.problems.planar.layout import half_edges, particle_layout
 from solvers.problems.planar.scene import PlanarScene
 
-RADIUS = 0.44  # of the outermost the body should come, on the stage
 FARTHEST = 2.0  # metres from the middle, out of view: where particles of a run gone bad are drawn at most
-#: Middles of the body, and how much smaller it is than one alone.
-PLACES = {Seat.ALONE: ((0.5, 0.44), 1.0), Seat.FIRST: ((0.185, 0.52), 0.58), Seat.SECOND: ((0.765, 0.52), 0.58)}
-RAISED = 0.24  # is the field plot below two bodies
-LOW = -0.41  # the lowest of what is drawn
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
-GRID, OUTLINE, CROSSING = (225, 229, 234), (120, 125, 132), np.array(FLASH, np.uint8)
+#: The shape of a particle, and its size over that at rest: so large that those of a body tile it.
+FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06)}
+CROSSED, HALO = 5.0, 7.5  # pixels across: a particle that crossed a cell boundary, and around it
 PlaneScene = TypeVar("PlaneScene", bound=PlanarScene)
 Mirrors = tuple[tuple[int, int], ...]
 
@@ -31,12 +30,7 @@ class PlanarStage(Stage[PlaneScene]):
     OUTLINED: ClassVar[Mirrors] = ((1, 1),)
     DOMAINS_HINT = "outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to " \
                    f"{MOST_DOMAINS:,} particles"
-    RECTANGLE = (*RECTANGLE[:2], LOW, RECTANGLE[3])
-    PAIR_RECTANGLE = (*RECTANGLE[:2], LOW + RAISED, RECTANGLE[3])
-    PLOT_DOT, PAIR_PLOT = 0.005, RAISED
-    MARK_SECONDS = 0.04  # less than elsewhere: there are many at once
-    ANCHORS: ClassVar = {"middle": PLACES[Seat.ALONE][0], "outermost": (0.5 + RADIUS, 0.44)}
-    MOST_MARKED, MARKED = 320, "magenta: crossing a cell boundary"
+    MOST_MARKED, HALVES = 48, "Halves"
 
     @staticmethod
     @abstractmethod
@@ -49,19 +43,12 @@ class PlanarStage(Stage[PlaneScene]):
         return half_edges(scene, F, particle_layout(scene).edges)
 
     @staticmethod
-    def labels(words: Words, seat: Seat) -> Iterator[Label]:
-        (x, y), size = PLACES[seat]
-        side, high = 0.5 if seat == Seat.ALONE else 0.47, 0.515  # the body, at its largest, stays below
-        yield Label("estimate-title", words.titles[0], x - size * side, y + size * high, "top-left", "title")
-        yield Label("truth-title", words.titles[1], x + size * side, y + size * high, "top-right", "title")
-        # These stand in the hole of a ring.
-        yield Label("estimate-silence", words.silences[0], x - 0.015, y, "center-right", "silence", 0.85, 22)
-        yield Label("truth-silence", words.silences[1], x + 0.015, y, "center-left", "silence", 0.85, 22)
-        yield Label("run", words.run, x, y + size * 0.55, "bottom-center", "name", width=40)
-        yield Label("size-note", words.note, x - 0.5 * size, y - 0.5 * size, "bottom-left", "note", 0.85)
-        if seat != Seat.SECOND:
-            low = y - 0.5 + 0.15 * (seat == Seat.FIRST)
-            yield Label("crossings-note", words.crossings, x + 0.5, low, "bottom-right", "note", 0.85)
+    def places(room: Room, seat: Seat) -> PlanarPlaces:
+        return planar_places(room, seat)
+
+    @staticmethod
+    def labels(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+        return planar_labels(words, places)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""
@@ -71,21 +58,23 @@ class PlanarStage(Stage[PlaneScene]):
     def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = in_view(arrays.position[particles])
         return np.concatenate([self._images(x, self.MIRRORS).reshape(len(self.MIRRORS), -1, 3),
-                               self._plot.places(particles, len(x))[None]])
+                               self._field.places(particles, len(x))[None]])
 
     def _still(self, scene: PlaneScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        reach, (self._middle, size) = self.outermost(scene), PLACES[self._seat]
-        self._per_metre = size * RADIUS / reach
-        end = 1.05 * reach
+        reach, places, colours = self.outermost(scene), self._places, self._places.room.palette
+        self._middle, self._per_metre = places.middle, places.radius / reach
+        end = AROUND * reach
         start = self.first_line(scene)
         at = np.arange(np.ceil((-end - start) / scene.spacing), np.floor((end - start) / scene.spacing) + 1)
         at = at * scene.spacing + start
         upright = np.stack([np.repeat(at, 2), np.tile([-end, end], len(at))], axis=1)
-        yield Lines("cells", self._place(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3), GRID,
-                    1.0)
-        axes = np.array([[-end, 0], [end, 0], [0, -end], [0, end]])
-        yield Lines("planes", self._place(axes, -0.01).reshape(2, 2, 3), CELL, 1.5)
-        self._width = scene.spacing / scene.ppc * self._per_metre  # of a particle at rest, on the stage
+        yield Lines("cells", self._place(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3),
+                    colours.grid, 1.0)
+        axes = np.array([[0, -end], [0, end]])
+        yield Lines("planes", self._place(axes, 0.012).reshape(1, 2, 3), colours.dot, 1.2)
+        self._shape, size = self.tile(scene)
+        self._width = size * self._per_metre
+        self._ink = [np.array(colour, np.uint8) for colour in (colours.ground, colours.crossing)]
         self._edges = None
         if at_rest is None:
             layout = particle_layout(scene)
@@ -94,22 +83,53 @@ class PlanarStage(Stage[PlaneScene]):
         else:
             self._radii = np.linalg.norm(at_rest, axis=1)
 
-    def _moving(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
-                t: float, speed: float) -> Iterator[Mark]:
+    @classmethod
+    def tile(cls, scene: Any) -> tuple[Literal["circle", "square"], float]:
+        shape, size = FILLED[scene.layout]
+        return shape, size * scene.spacing / scene.ppc * cls.stretched(scene)
+
+    @staticmethod
+    def stretched(scene: Any) -> float:
+        """How much wider than at rest a particle's domain becomes, about."""
+        return 1.0
+
+    def _along(self, arrays: FrameArrays) -> np.ndarray:
+        return self._radii
+
+    def _moving(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                age: np.ndarray) -> Iterator[Mark]:
         x = in_view(arrays.position)
         yield from self._halves(x, estimated, true)
-        steps = arrays.steps_since_crossing
-        just_crossed = (steps >= 0) & (steps < self.MARK_SECONDS * speed / scene.time_step) & self._marked
-        yield Dots("crossings", self._images(x[just_crossed], self.MIRRORS, 0.02), CROSSING,
-                   max(0.44 * self._width, 0.005))
+        crossed = self._images(x[age <= 1], self.MIRRORS, 0.018)
+        around, pixel = crossed.copy(), self._places.room.pixel
+        around[:, 2] = 0.016
+        yield Dots("around", around, self._ink[0], HALO * pixel)
+        yield Dots("crossings", crossed, self._ink[1], CROSSED * pixel)
         yield self._domains(scene, arrays, x)
-        if self.plotted:
-            yield from self._field.draw(scene, self.plotted, self.magnified, self._radii, arrays.plotted, t,
-                                        just_crossed)
+
+    def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
+        """A line from the worst place of each half to words beside it."""
+        places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
+        room, (x, y), wanted = places.room, places.middle, places.seat == Seat.ALONE and places.room.gutter > 0
+        for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
+            text, edge = "", x + AROUND * places.radius + 4 * room.pixel if sign > 0 else -EDGE
+            at = in_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))
+            height = y
+            if found and len(at):
+                upright = (1, 1) if len(self.MIRRORS) == 1 else (sign, 1)
+                place = self._images(at.mean(axis=0, keepdims=True), (upright,), 0.02)
+                height = float(np.clip(place[0, 1], y + 3.2 * room.line, places.end - room.line))
+                bend = in_plane(np.array([edge - (8 * room.pixel if sign > 0 else 0), edge]), np.full(2, height), 0.02)
+                corners = np.concatenate([place, bend])
+                segments.append(joined(corners[:-1], corners[1:]))
+                text = f"worst: {found.size}"
+            yield Label(f"{name}-worst", text, edge + 3 * sign * room.pixel, height,
+                        "center-left" if sign > 0 else "center-right", "note", bold=True)
+        yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
 
     @abstractmethod
-    def _halves(self, x: np.ndarray, estimated: np.ndarray | None, true: np.ndarray | None) -> Iterator[Mark]:
-        """The particles at ``x`` (P, 2) in metres, with the sizes of the two errors as colours."""
+    def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
+        """The particles at ``x`` (P, 2) in metres, in the colours (P, 3) of the two errors."""
 
     def _domains(self, scene: PlaneScene, arrays: FrameArrays, x: np.ndarray) -> Lines:
         """Outlines of what each particle stands for: a box for GIMP, a parallelogram for CPDI."""
@@ -120,7 +140,7 @@ class PlanarStage(Stage[PlaneScene]):
             corners = [x - first - second, x + first - second, x + first + second, x - first + second]
             placed = [self._images(corner, self.OUTLINED, 0.01) for corner in corners]
             outlines = np.concatenate([joined(placed[k - 1], placed[k]) for k in range(4)])
-        return Lines("domains", outlines, OUTLINE, 0.8)
+        return Lines("domains", outlines, self._places.room.palette.outline, 1.2)
 
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Positions in metres (n, 2) as points of the stage (n, 3)."""

@@ -1,20 +1,24 @@
 """The colour scale that estimate and truth share: from sizes of errors to colours, and its numbers."""
 
 import math
-from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
+from time import monotonic
 
 import numpy as np
 
 from app.colours import colour_table
-from app.words import number, power_of_ten
+from app.words import PREFIXES, number, with_unit
 
 #: Tops between two powers of ten, each with the number of parts into which ticks divide it, so that these are round
 #: too. Neighbours are so close that the largest error reaches three quarters of the scale or more.
 TOPS = {1.0: 4, 1.2: 4, 1.5: 3, 2.0: 4, 2.5: 5, 3.0: 3, 4.0: 4, 5.0: 5, 6.0: 3, 8.0: 4}
 MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
-MEMORY = 1.0  # periods for which the largest error is kept in mind: errors come and go within one, and the top must not
+GROWTH = 1.5  # times the top that it becomes at least where it grows: a colour should mean the same for long
+CALM_SECONDS = 1.0  # for which the top stays, once it has grown ...
+HIDDEN = 3.0  # ... unless errors are so many times as large: they would all look alike
+ZERO = "0, exact"
+REMEMBERED = 64  # runs whose largest error is known when they are shown again
 SMALLEST = 1e-300
 #: Where nothing should happen, of a quantity's size: the colours' top at least, for coloured round-off would say that
 #: something does, and what the axis of a plot shows at least.
@@ -23,11 +27,13 @@ BEYOND = 10  # times the largest true error, from which on an estimate no longer
 
 
 class ColourScale:
-    """Maps sizes of errors to colours. The top follows the largest error of the last period, in round numbers."""
+    """Maps sizes of errors to colours. The top is a round number that holds the largest error of a run so far; it only
+    grows. A run that is shown again begins with what it has come to before."""
 
-    def __init__(self) -> None:
-        self._table = colour_table()
-        self._peaks: deque[tuple[float, float]] = deque()  # times and errors, each larger than all that came after it
+    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+        self._table, self._clock = colour_table(), clock
+        self._largest: dict[Hashable, float] = {}  # errors of runs, the last one seen last
+        self._begun, self._next = False, 0.0
         self.logarithmic = False
         self.held = False
         self.top, self._parts = 1.0, TOPS[1.0]
@@ -35,21 +41,33 @@ class ColourScale:
 
     def forget(self) -> None:
         """Another quantity or another run: begin anew, unless held."""
-        if not self.held:
-            self._peaks.clear()
+        self._begun = self._begun and self.held
 
-    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, periods: float,
+    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
-        """Take in the errors of a frame at a time in periods, and of a run ``beside`` it; move the top, unless held,
-        but never below ``least``."""
+        """Take in the errors of a frame of a ``run``, and of one ``beside`` it; move the top, unless held, but never
+        below ``least``."""
         truth, estimate = (max(map(largest, sizes)) for sizes in zip((true, estimated), beside[::-1], strict=True))
+        top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
+        known = self._largest.get(run, 0.0)
+        if run is not None and top > known:
+            self._largest[run] = known = top
+            if len(self._largest) > REMEMBERED:
+                del self._largest[next(iter(self._largest))]
         if not self.held:
-            top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
-            self._remember(max(top, least), periods)
-            if self._peaks[0][1] > SMALLEST:
-                self.top, step = round_up(self._peaks[0][1], TOPS)
-                self._parts = TOPS[step]
+            self._hold(max(top, known, least))
         self.exceeded = max(truth, estimate) > self.top
+
+    def _hold(self, size: float) -> None:
+        """Make the top no less than a size, if it is time to."""
+        now = self._clock()
+        if size <= SMALLEST or (self._begun and size <= self.top):
+            return
+        if self._begun and now < self._next and size < HIDDEN * self.top:
+            return
+        self.top, step = round_up(max(size, GROWTH * self.top) if self._begun else size, TOPS)
+        self._parts = TOPS[step]
+        self._begun, self._next = True, now + CALM_SECONDS
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
         """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top."""
@@ -62,28 +80,18 @@ class ColourScale:
         """(steps, 3) colours from the scale's bottom to its top, for the colour bar."""
         return self._table[np.linspace(0, 255, steps).astype(np.int32)]
 
-    def ticks(self) -> list[tuple[float, str]]:
-        """Positions 0 to 1 along the scale and the numbers there."""
+    def ticks(self, unit: str) -> list[tuple[float, str]]:
+        """Positions 0 to 1 along the scale and the numbers there: all in the unit of the last, which says it; on a
+        logarithmic scale each with its own."""
         if self.logarithmic:
-            ticks = [(k / DECADES, number(self.top * 10 ** (k - DECADES))) for k in range(DECADES + 1)]
+            ticks = [(k / DECADES, with_unit(self.top * 10.0 ** (k - DECADES), unit)) for k in range(DECADES + 1)]
         else:
-            n = self._parts
-            ticks = [(k / n, number(self.top * k / n / 10.0**self.power)) for k in range(n + 1)]
+            n, end = self._parts, with_unit(self.top, unit)
+            power = math.floor(math.log10(self.top) / 3 + 1e-9)
+            size = 1000.0**power if power in PREFIXES else self.top / float(end.split()[0])
+            ticks = [(0.0, ZERO), *((k / n, number(self.top * k / n / size)) for k in range(1, n)), (1.0, end)]
         at, text = ticks.pop()
         return [*ticks, (at, f"≥ {text}" if self.exceeded else text)]
-
-    @property
-    def power(self) -> int:
-        """The power of ten that the ticks are counted in."""
-        return 0 if self.logarithmic else power_of_ten(self.top)
-
-    def _remember(self, top: float, periods: float) -> None:
-        """Keep the largest errors of the last period; a frame drawn anew takes the place of what it was before."""
-        while self._peaks and (self._peaks[-1][0] >= periods or self._peaks[-1][1] <= top):
-            self._peaks.pop()
-        self._peaks.append((periods, top))
-        while self._peaks[0][0] < periods - MEMORY:
-            self._peaks.popleft()
 
 
 def largest(sizes: np.ndarray | None) -> float:

@@ -1,16 +1,17 @@
 """What the stages of all problems share: two halves, estimate and truth, each with a title or why it is empty."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from enum import Enum
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.captions import marks_note
-from app.frame.field import FieldPlot, PinnedField, PlotPlace
-from app.frame.marks import FLASH_SECONDS, RECTANGLE, Label, Mark, Sheet
+from app.frame.captions import ALIKE, ALIKE_LOST, marks_note
+from app.frame.crossings import ages
+from app.frame.field import FieldPlot, Plotted
+from app.frame.layout import Rectangle, Seat
+from app.frame.marks import Label, Mark, Room, Sheet, shades
 from app.frame.scale import ColourScale
 from app.frame.view import Half
 from app.words import brief
@@ -18,26 +19,44 @@ from solvers.engine.frames import FrameArrays
 from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
-Rectangle = tuple[float, float, float, float]  # x0, x1, y0, y1
 TOUCH = 0.03  # of the stage, within which a click means a particle: as much as a finger needs
-
-
-class Seat(Enum):
-    """Where a run is drawn: alone, or as the first or second of two."""
-
-    ALONE, FIRST, SECOND = range(3)
+Names = tuple[str, str]  # of the estimate and of the truth
 
 
 @dataclass(frozen=True)
 class Words:
-    """What is said on a stage: titles and silences of the estimate and the truth, which run it is where there are two,
-    a note on how large things are, and what the marks at crossings mean."""
+    """What is said on a stage: titles, whose it is and silences of the estimate and the truth, which run it is where
+    there are two, a note on how large things are, what the marks at crossings mean, and what halves that are alike
+    say."""
 
-    titles: tuple[str, str] = ("", "")
-    silences: tuple[str, str] = ("", "")
+    titles: Names = ("", "")
+    by: Names = ("", "")
+    silences: Names = ("", "")
     run: str = ""
     note: str = ""
     crossings: str = ""
+    alike: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Worst:
+    """Where the error is largest: which particles (P,) those are, and how large it is, in words."""
+
+    particles: np.ndarray
+    size: str
+
+
+@dataclass(frozen=True, eq=False)
+class Remarks:
+    """What is written into a picture a few times a second: where the estimate and the truth are worst, if known,
+    whether the run is lost, and whether the estimate is right."""
+
+    worst: tuple[Worst | None, Worst | None] = (None, None)
+    lost: bool = False
+    right: bool = False
+
+
+NOTHING = Remarks()
 
 
 class Stage(ABC, Generic[AnyScene]):
@@ -45,19 +64,15 @@ class Stage(ABC, Generic[AnyScene]):
 
     ``domains`` says whether the particles' domains are outlined, on a stage that can; ``plotted`` is the quantity whose
     field the frames hold, if any, and ``magnified`` how many times its deviation from the exact one is drawn. A pinned
-    run has a stage of its own, ``beside`` the first, which lends it its field plot.
+    run has a stage of its own, ``beside`` the first, whose axis its field plot shares.
     """
 
-    RECTANGLE: ClassVar[Rectangle] = RECTANGLE  # of all that is drawn
-    PAIR_RECTANGLE: ClassVar[Rectangle]  # with a pinned run beside it
-    PLOT: ClassVar[PlotPlace]  # of the field
-    PLOT_DOT: ClassVar[float]  # size of a particle in it
-    PAIR_PLOT: ClassVar[float]  # how much higher the plot is with a pinned run
+    HIGH: ClassVar[tuple[float, float]] = (0.3, 0.9)  # the least and the most that the stage is
+    PLOT: ClassVar[Plotted]  # what the plot of the field is of
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
-    MARK_SECONDS: ClassVar[float] = FLASH_SECONDS  # on the screen that a crossing is marked
     LINES: ClassVar[int] = 0  # of material, drawn as the exact solution has them
-    MARKED: ClassVar[str]  # what is said of the marks
-    ANCHORS: ClassVar[Mapping[str, tuple[float, float]]]  # what is where on the stage, of a run alone
+    MARKED: ClassVar[str] = "crosses an edge"  # what is said of the marks
+    HALVES: ClassVar[str]  # what estimate and truth are drawn as
     MIRRORS: ClassVar[tuple[tuple[int, int], ...]] = ()  # signs of x and y in each image of a body in the plane
     OUTLINED: ClassVar[tuple[tuple[int, int], ...]] = ()  # images whose domains are drawn
     DOMAINS_HINT: ClassVar[str] = ""  # what it is to outline domains, on a stage that can
@@ -67,28 +82,42 @@ class Stage(ABC, Generic[AnyScene]):
         self.plotted: str | None = None
         self.magnified = 1
         self._drawn_scene: AnyScene | None = None
-        self._foreign = self._paired = False
+        self._foreign = False
         self._seat = Seat.SECOND if beside else Seat.ALONE
         self._second: Stage[AnyScene] | None = None
-        self._words, self._said = Words(), (Words(), Seat.ALONE)
-        self._plot: FieldPlot = beside._plot if beside else FieldPlot(self.PLOT, self.PLOT_DOT)
-        self._field: FieldPlot | PinnedField = self._plot.lent if beside else self._plot
+        self._words, self._said = Words(), (Words(), None)
+        self._remarks: Remarks | None = None
+        self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Find places for everything in the room that there is now."""
+        self._room = self.sheet.room
+        room = self._room.settled()
+        low, high = self.HIGH
+        self._places = self.places(replace(room, high=min(max(room.high, low), high)), self._seat)
+        self._drawn_scene, self._remarks = None, None
 
     def pair(self, wanted: bool) -> "Stage | None":
         """Make room for a pinned run, or take it back; returns the stage of that run where it is wanted."""
-        if wanted != self._paired:
-            self._paired, self._seat = wanted, Seat.FIRST if wanted else Seat.ALONE
-            self._drawn_scene = None
+        if wanted != (self._seat == Seat.FIRST):
+            self._seat = Seat.FIRST if wanted else Seat.ALONE
+            self._lay_out()
             self._second = self._second or type(self)(self.sheet.child("pinned"), self._scale, self)
-            self._second._paired = self._second.sheet.visible = wanted
-            self._plot.raised = self.PAIR_PLOT * wanted
-            self._second.sheet.show(self._plot.lent.forget())
+            self._second.sheet.visible = wanted
         return self._second if wanted else None
 
     @property
     def rectangle(self) -> Rectangle:
-        """Of all that is drawn now."""
-        return self.PAIR_RECTANGLE if self._paired else self.RECTANGLE
+        """Of all that is drawn now, but for names in the gutter."""
+        if self.sheet.room != self._room:
+            self._lay_out()
+        return self._places.rectangle
+
+    @property
+    def outdated(self) -> bool:
+        """Whether it must be drawn again, for what was drawn beside it has moved the axis that they share."""
+        return self._field.outdated
 
     def name(self, text: str) -> None:
         """Say which run this is, where there are two."""
@@ -96,8 +125,19 @@ class Stage(ABC, Generic[AnyScene]):
 
     def caption(self, estimate: Half, truth: Half) -> None:
         """Title the halves, and say in an empty one why it is."""
-        self._say(titles=(estimate.title, truth.title),
-                  silences=tuple(brief(half.silence) if self._paired else half.silence for half in (estimate, truth)))
+        alone = self._seat == Seat.ALONE
+        self._say(titles=(estimate.title, truth.title), by=(estimate.by, truth.by),
+                  silences=tuple(half.silence if alone else brief(half.silence) for half in (estimate, truth)))
+
+    def remark(self, remarks: Remarks, arrays: FrameArrays) -> None:
+        """Write remarks into the frame; those that are there already stay as they are."""
+        if remarks is self._remarks:
+            return
+        self._remarks = remarks
+        both = not any(self._words.silences)
+        told = ALIKE if not remarks.lost else ALIKE_LOST if remarks.right else ""
+        self._say(alike=told.format(self.HALVES) if both else "")
+        self.sheet.show(*self._worst(remarks.worst, arrays))
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float, foreign: bool = False) -> None:
@@ -114,13 +154,23 @@ class Stage(ABC, Generic[AnyScene]):
         foreign
             Whether particles began anywhere and may be others at any time.
         """
+        if self.sheet.room != self._room:
+            self._lay_out()
         if scene != self._drawn_scene or foreign or self._foreign:
             self._drawn_scene, self._foreign = scene, foreign
             at_rest = arrays.position - arrays.displacement if foreign else None
             self.sheet.show(*self._still(scene, len(arrays.position), at_rest))
             self._mark(len(arrays.position))
             self._say(note=self.note(scene))
-        self.sheet.show(*self._moving(scene, arrays, estimated, true, t, speed))
+        unknown, count = self._places.room.palette.unknown, len(arrays.position)
+        halves = [shades(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
+        age = ages(arrays.steps_since_crossing, scene, speed)
+        age[~self._marked] = np.inf
+        self.sheet.show(*self._moving(scene, arrays, halves[0], halves[1], t, age))
+        if self.plotted:
+            at = self._along(arrays)
+            self.sheet.show(*self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted, t,
+                                              age <= 1, halves[1] if true is not None else halves[0]))
 
     def _mark(self, particles: int) -> None:
         """Choose the particles whose crossings are marked, and say so: with marks of more, nothing else is seen."""
@@ -132,14 +182,19 @@ class Stage(ABC, Generic[AnyScene]):
         """Show the words that are others now, or elsewhere."""
         if any(getattr(self._words, name) != value for name, value in changes.items()):
             self._words = replace(self._words, **changes)
-        if (now := (self._words, self._seat)) != self._said:
+        if (now := (self._words, self._places)) != self._said:
             self._said = now
             self.sheet.show(*self.labels(*now))
 
     @staticmethod
     @abstractmethod
-    def labels(words: Words, seat: Seat) -> Iterator[Label]:
-        """All that is written on the stage but for the scale's and the plot's numbers."""
+    def places(room: Room, seat: Seat) -> Any:
+        """Where everything is (:class:`~app.frame.layout.Places`, or more) in a settled room."""
+
+    @staticmethod
+    @abstractmethod
+    def labels(words: Words, places: Any) -> Iterator[Label]:
+        """All that is written on the stage but for the scale's and the plot's numbers, and remarks."""
 
     @staticmethod
     def outermost(scene: AnyScene) -> float | None:
@@ -150,6 +205,11 @@ class Stage(ABC, Generic[AnyScene]):
     def note(scene: AnyScene) -> str:
         """How large things are, and what else the stage alone does not say."""
         return ""
+
+    @classmethod
+    def tile(cls, scene: AnyScene) -> tuple[Literal["circle", "square"], float] | None:
+        """The shape of a particle of a body in the plane and its size in metres, so large that they tile the body."""
+        return None
 
     @staticmethod
     def first_line(scene: AnyScene) -> float:
@@ -181,9 +241,18 @@ class Stage(ABC, Generic[AnyScene]):
         """What stays while a scene runs. Particles of a foreign one were ``at_rest`` (P, D)."""
 
     @abstractmethod
-    def _moving(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
-                t: float, speed: float) -> Iterator[Mark]:
-        """What moves."""
+    def _moving(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                age: np.ndarray) -> Iterator[Mark]:
+        """What moves, but for the plot: with colours (P, 3) of both errors, and shares (P,) of the window of crossings
+        that have gone by since each particle's last one, infinite where it is not marked."""
+
+    @abstractmethod
+    def _along(self, arrays: FrameArrays) -> np.ndarray:
+        """Where the particles (P,) are along the axis of the field plot, in metres."""
+
+    @abstractmethod
+    def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
+        """Marks at the places where the estimate and the truth are worst, the same ones whatever is known."""
 
 
 def one_in(particles: int, most: int) -> int:

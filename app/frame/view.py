@@ -13,9 +13,11 @@ from solvers.solver import samples
 
 @dataclass(frozen=True)
 class Half:
-    """One lane of the bar or half of the ring: ``sizes`` (P,) of errors, or None and the reason in ``silence``."""
+    """One lane of the bar or half of the ring, and whose it is: ``sizes`` (P,) of errors, or None and the reason in
+    ``silence``."""
 
     title: str
+    by: str
     sizes: np.ndarray | None
     silence: str = ""
 
@@ -67,5 +69,5 @@ def view(quantity: str, estimator: str | None, estimated: np.ndarray | None, tru
     said = captions(quantity, estimator, difference, no_estimate, no_truth)
     silence = said.silences[0] or NOT_COMPARED * (difference and apart is None)
     shown = None if silence else apart if difference else estimated
-    return View(Half(said.titles[0], shown, silence), Half(said.titles[1], true, no_truth), said.measures, estimated,
-                true)
+    return View(Half(said.titles[0], said.by[0], shown, silence), Half(said.titles[1], said.by[1], true, no_truth),
+                said.measures, estimated, true)

@@ -49,17 +49,21 @@ class Canvas:
             if isinstance(beside, Picture):
                 assert second is not None
                 _draw(second, beside, choice)
+                if stage.outdated:
+                    _draw(stage, picture, choice)
             elif second:
                 second.name(beside or "")
+            stage.remark(sight.remarks, arrays)
             if picture.foreign:  # none of its particles is traced
                 self._rings.hide()
             else:
                 self._rings.look(stage, arrays)
-            self._colour_bar.draw(view.measures, unit)
-            self.lettering.look(stage.rectangle)
+            self._colour_bar.draw(choice.quantity, stage.rectangle[3])
+            rectangle = sight.hidden or stage.rectangle
+            self.lettering.look(rectangle)
             self.lettering.send()
             self._client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
-        self.camera.show(stage.rectangle)
+        self.camera.show(rectangle)
         self.probe.look(stage, arrays, view.estimated, view.true, unit)
         self.picture = picture
 
@@ -83,8 +87,8 @@ class Canvas:
             self._coloured = sight.of
         if changed or not sight.back:
             beside = sight.beside.view if isinstance(sight.beside, Picture) else None
-            self._scale.follow(*sight.sizes, sight.periods, (beside.left.sizes, beside.right.sizes) if beside
-                               else (None, None), sight.least)
+            self._scale.follow(*sight.sizes, (sight.picture.report.scene, sight.of),
+                               (beside.left.sizes, beside.right.sizes) if beside else (None, None), sight.least)
 
     def _show_stage(self, problem: str | None) -> None:
         """Show one of them, or none."""

@@ -17,7 +17,7 @@ from app.page.visit.pinned import PinnedRun
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
-from app.words import differing
+from app.words import QUANTITIES, differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
@@ -48,15 +48,15 @@ class LiveRun:
             pinned = None  # it goes with the next frame
         name = f"this run: {differing(scene, pinned.scene)}".removesuffix(": ") if pinned else ""
         picture = self._picture(report, arrays, look(report, arrays, *asked), name)
-        return Sight(picture, (picture.view.left.sizes, picture.view.right.sizes), report.time / scene.period, asked,
+        return Sight(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
                      0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
-                     self._beside(pinned, scene, asked) if pinned else None)
+                     self._beside(pinned, scene, asked) if pinned else None, self._worst.remarks(scene))
 
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         """Those of the frame that is looked at, and plots of all that has come in."""
         session, recent, quantity = self._session, self._recent, choice.quantity
         if picture is not None and not picture.foreign:
-            self._worst.look(picture.report, picture.arrays, picture.view)
+            self._worst.look(picture.report, picture.arrays, picture.view, QUANTITIES[quantity].unit)
         history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown
         if shown is None or shown[0].scene != history.scene:
             return None
@@ -76,7 +76,7 @@ class LiveRun:
         beside = "" if pinned is None else compared(history.series, pinned.history.series, choice.quantity,
                                                     (report.scene, pinned.scene))
         return summary(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
-                       choice.estimator, self._recent.ago, beside)
+                       choice.estimator, self._recent.ago, beside, picture.speed)
 
     def notice(self) -> Notice | None:
         """What the session has to say, or else something further."""

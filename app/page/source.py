@@ -6,7 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
+from app.frame.layout import Rectangle
 from app.frame.sentence import Said
+from app.frame.stage import NOTHING, Remarks
 from app.frame.view import View
 from app.page.measurements import Numbers
 from app.page.visit.notice import Notice
@@ -48,19 +50,19 @@ class Picture:
 class Sight:
     """All that is to be seen: a picture, and a run ``beside`` it, of which there may be no more than a name yet.
 
-    The colours follow the ``sizes`` of errors at a time in ``periods``, and reach ``least`` at least; they begin anew
-    where they are ``of`` something else than before, and stay as they are for a frame that is looked ``back`` on. The
-    stage is ``hidden`` where something else is drawn in its place.
+    The colours follow the ``sizes`` of errors, and reach ``least`` at least; they begin anew where they are ``of``
+    something else than before, and stay as they are for a frame that is looked ``back`` on. The ``remarks`` are written
+    into the picture. The stage is ``hidden`` where something else is drawn in its place, in a rectangle.
     """
 
     picture: Picture
     sizes: Sizes
-    periods: float
     of: Hashable
     least: float = 0.0
     back: bool = False
     beside: Picture | str | None = None
-    hidden: bool = False
+    remarks: Remarks = NOTHING
+    hidden: Rectangle | None = None
 
 
 class Source(Protocol):

@@ -9,11 +9,11 @@ from time import monotonic
 import numpy as np
 import viser
 
+from app.frame.crossings import ages, window
 from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
 from app.frame.view import View
 from app.page.stage.worst import WorstRegions
 from app.page.visit.downsampled import until
-from app.page.visit.history import CROSSING_WINDOW
 from app.words import QUANTITIES, differing, factor, number, on_page
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -47,12 +47,13 @@ class Speaker:
 
 def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
             series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
-            beside: str = "") -> Said:
+            beside: str = "", speed: float = 0.0) -> Said:
     """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
     A run that plays is told as it has been so far, one that stands or is lost as it is now: of each, its error and its
     estimate alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the
-    frame was, ``beside`` what is to be said of a pinned run (:func:`compared`).
+    frame was, ``beside`` what is to be said of a pinned run (:func:`compared`), ``speed`` how many simulated seconds go
+    by in one of the visitor's.
     """
     if report is None or arrays is None or view is None:
         return WAITING
@@ -73,7 +74,7 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     said = errors(words, QUANTITIES[quantity].unit, true, estimate,
                   index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
-    facts = [*said.facts, f"worst at {region.name}" if region else "", *_crossings(report, arrays)]
+    facts = [*said.facts, f"worst at {region.name}" if region else "", *_crossings(report, arrays, speed)]
     if beside:  # in place of what it is compared with
         facts[:1] = [*said.facts[1:], beside]
     headline = said.headline
@@ -135,11 +136,10 @@ def _last(series: dict[str, np.ndarray], name: str) -> float:
     return float(values[-1]) if len(values) else math.nan
 
 
-def _crossings(report: FrameReport, arrays: FrameArrays) -> list[str]:
-    """How many particles have crossed a cell boundary within the time over which the plot counts them."""
+def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:
+    """How many particles have crossed a cell boundary within the window in which that is marked."""
     if not report.scene.has("crossings"):
         return []
-    steps, window = arrays.steps_since_crossing, CROSSING_WINDOW * report.scene.period
-    count = int(np.count_nonzero((steps >= 0) & (steps * report.scene.time_step <= window)))
+    count = int(np.count_nonzero(ages(arrays.steps_since_crossing, report.scene, speed) <= 1))
     who = f"{count:,} particles" if count > 1 else "1 particle" if count else "no particle"
-    return [f"{who} crossed a cell boundary in the last {number(window)} s"]
+    return [f"{who} crossed a cell boundary in the last {number(window(report.scene, speed))} s"]

@@ -6,10 +6,10 @@ from threading import RLock
 
 import viser
 
+from app.frame.layout import EDGE
 from app.frame.marks import Label, Room, wrapped
 
-USUAL = (736.0, 358.0, 144.0)  # pixels of the free box and of what is left of it, until the browser says
-MARGIN = 0.015  # of what is drawn beside x = 0 and 1, in lengths of one (10-shell.css)
+USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser says
 
 
 class Lettering:
@@ -26,7 +26,7 @@ class Lettering:
         self._hidden: set[str] = set()
         self._changed = True
         self._box, self._letters, self.dark = USUAL, 1.0, False
-        self._rectangle = (-MARGIN, 1 + MARGIN, 0.0, 0.5)
+        self._rectangle = (-EDGE, 1 + EDGE, 0.0, 0.5)
 
     @property
     def room(self) -> Room:
@@ -35,8 +35,8 @@ class Lettering:
         return Room(width, self._letters, height / width, gutter / width, self.dark)
 
     def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
-        """The browser has so many pixels free for x from 0 to 1, and left of it, and draws letters so many times as
-        large as usual; whether that is news."""
+        """The browser has so many pixels free for x from 0 to 1, and in the gutter left of it, and draws letters so
+        many times as large as usual; whether that is news."""
         before = self._box, self._letters
         self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
         return before != (self._box, self._letters)
@@ -78,7 +78,7 @@ class Lettering:
             self._changed = False
             x0, x1, y0, y1 = self._rectangle
             labels = [self._placed(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.written]
-            high = round((1 + 2 * MARGIN) * (y1 - y0) / (x1 - x0), 4)
+            high = round((1 + 2 * EDGE) * (y1 - y0) / (x1 - x0), 4)
             said = json.dumps({"high": high, "labels": labels}, separators=(",", ":"))
         self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
 

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
-from app.frame.planar import PLACES, RADIUS, PlanarStage
+from app.frame.layout import Seat
+from app.frame.planar import PlanarStage
 from app.frame.silences import EMPTY_HALVES, NOTHING_TO_SHOW
-from app.frame.stage import Seat
 from app.renderers import picture
 from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends
 from solvers.scene.scene import Scene
@@ -121,8 +121,8 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
     axes.grid(visible=False)
     in_sizes(axes.xaxis, "m", few=False)
     in_sizes(axes.yaxis, "m")
-    (x, y), _ = PLACES[Seat.ALONE]
-    metres = stage.outermost(scene) / RADIUS
+    places = stage.places(picture.PAPER, Seat.ALONE)
+    (x, y), metres = places.middle, stage.outermost(scene) / places.radius
     picture.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 
 

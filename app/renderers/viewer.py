@@ -70,4 +70,3 @@ class Sheet:
             handle.point_size = mark.size / 2  # the viewer counts from the middle
         if before is None or mark.origin != before.origin:
             handle.position = (*mark.origin, 0.0)
-

@@ -1,6 +1,6 @@
-// The field plot: the quantity whose error is shown, of the particles and exact, against where they were at rest.
+// The field plot: the quantity whose error is shown, of the particles and exact, and what particles miss as stems.
 
-const {steps: AXIS_STEPS, room: ROOM} = DATA.axis;
+const {steps: AXIS_STEPS, room: ROOM, stems: MOST_STEMS} = DATA.axis;
 
 // The exact field at a share of the way from the plot's start to its end.
 function exactAt(curve, share) {
@@ -18,54 +18,78 @@ function sharesOf(run) {
   return run.shares;
 }
 
-// Values of all particles as they are drawn: exact plus so many times the deviation, where the exact one is known.
-function fieldValues(run, view, at) {
-  const track = run.tracks[`deviation.${view.quantity}`], curve = run.tracks[`curve.${view.quantity}`];
-  const deviation = row(track, at);
-  if (!curve) return deviation;
-  const exact = row(curve, at), shares = sharesOf(run);
-  return deviation.map((value, p) => exactAt(exact, shares[p]) + view.magnified * value);
+// What the particles should have as it is drawn, and what they have: with so many times the deviation, where the exact one is
+// known. Of a motion without swings deviations alone: the rest is the same everywhere.
+function fieldOf(run, view, at) {
+  const deviation = row(run.tracks[`deviation.${view.quantity}`], at), curve = run.tracks[`curve.${view.quantity}`];
+  if (!curve) return {exact: null, values: deviation};
+  const shares = sharesOf(run), line = run.moves_on ? null : row(curve, at);
+  const exact = deviation.map((_, p) => line ? exactAt(line, shares[p]) : 0);
+  return {exact, values: deviation.map((value, p) => exact[p] + view.magnified * value)};
 }
 
 // What the axis ends at: all that is drawn in the whole recording is on it, as far as it is not a run gone bad.
 function axisTop(run, view) {
   const key = ["axis", view.quantity, view.magnified].join();
   if (!run[key]) {
-    const curve = run.tracks[`curve.${view.quantity}`], reach = curve ? largest(curve.values.map(Math.abs)) : 0;
+    const curve = run.tracks[`curve.${view.quantity}`], reach = curve && !run.moves_on ? largest(curve.values.map(Math.abs)) : 0;
     let most = Math.max(reach, (run.least[view.quantity] || [0, 0])[1]);
-    for (let k = 0; k < run.tracks.time.rows; k++) most = Math.max(most, largest(fieldValues(run, view, k).map(Math.abs)));
+    for (let k = 0; k < run.tracks.time.rows; k++) most = Math.max(most, largest(fieldOf(run, view, k).values.map(Math.abs)));
     most = reach && view.magnified === 1 ? Math.min(most, 4 * reach) : most;
     run[key] = most > SMALLEST ? roundUp(most / ROOM, AXIS_STEPS)[0] : 1;
   }
   return run[key];
 }
 
-// Particles as dots on the exact curve; those in `flashed` in magenta; a pinned run's in grey. Returns the texts of its labels.
-function drawField(pen, run, pinned, view, at, caption, place, flashed) {
-  const {plot} = DATA.problems[run.problem], own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own;
-  const end = ROOM * plot.height, y = (value) => place.y(plot.middle + Math.min(Math.max(plot.height * value / top, -end), end));
-  Object.assign(pen, {lineWidth: 1, strokeStyle: FAINT});
-  stroke(pen, [[place.x(0), y(0)], [place.x(1), y(0)]]);
-  stroke(pen, [[place.x(0), place.y(plot.middle - end)], [place.x(0), place.y(plot.middle + end)]]);
-  if (pinned) drawDots(pen, pinned.run, fieldValues(pinned.run, view, pinned.at), place.x, y, () => FAINT, 2.6);
-  const curve = run.tracks[`curve.${view.quantity}`];
-  if (curve) {
-    const exact = row(curve, at);
-    Object.assign(pen, {lineWidth: 3.5, strokeStyle: TRUTH});
-    stroke(pen, Array.from(exact, (value, k) => [place.x(k / (exact.length - 1)), y(value)]));
-  }
-  const lit = new Set(flashed), size = Math.min(2.4, Math.max(1.4, 0.28 * place.across / run.shown + 0.6));
-  drawDots(pen, run, fieldValues(run, view, at), place.x, y, (p) => lit.has(p) ? `rgb(${FLASH})` : DOT, size);
-  const unknown = run.tracks[`unknown.${view.quantity}`], count = unknown ? unknown.values[Math.floor(at)] : 0;
-  const number = withUnit(top, DATA.quantities[view.quantity].unit);
-  return {"field/high": number, "field/low": `−${number.split(" ")[0]}`, "field/caption": count ? fill(DATA.unknown, {caption, unknown: count}) : caption};
+// Where the particles are along the plot's axis, and the exact curve: at rest, or along the bar.
+function alongOf(run, at) {
+  const {along} = DATA.problems[run.problem].plot, moved = run.tracks["curve.x"];
+  if (!along) return [sharesOf(run), (share) => share];
+  return [alongBar(run, at), moved && !run.moves_on ? (share) => share + exactAt(row(moved, at), share) : (share) => share];
 }
 
-function drawDots(pen, run, values, x, y, colour, size) {
-  const shares = sharesOf(run);
+// Particles around the exact curve; those in `flashed` in a colour of their own; a pinned run's in grey. Returns the texts of its labels.
+function drawField(pen, run, pinned, view, at, {name, remark}, place, flashed, sizes, scale) {
+  const {box} = place, own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own, end = ROOM * box.half;
+  const y = (value) => place.y(box.middle + Math.min(Math.max(box.half * value / top, -end), end));
+  const x = (share) => place.x(box.left + share * (box.right - box.left)), [along, exactAlong] = alongOf(run, at);
+  Object.assign(pen, {lineWidth: 1, strokeStyle: AXIS});
+  stroke(pen, [[x(0), y(0)], [x(1), y(0)]]);
+  stroke(pen, [[x(0), place.y(box.middle - end)], [x(0), place.y(box.middle + end)]]);
+  if (pinned) drawDots(pen, alongOf(pinned.run, pinned.at)[0], fieldOf(pinned.run, view, pinned.at).values, x, y, () => PINNED, 1.6);
+  const {exact, values} = fieldOf(run, view, at), curve = run.tracks[`curve.${view.quantity}`];
+  if (curve) {
+    const line = run.moves_on ? [0, 0] : row(curve, at);
+    Object.assign(pen, {lineWidth: 5 * place.pixel, strokeStyle: TRUTH});
+    stroke(pen, Array.from(line, (value, k) => [x(exactAlong(k / (line.length - 1))), y(value)]));
+    if (values.length <= MOST_STEMS) drawStems(pen, along, exact, values, x, y, sizes, scale, place.pixel);
+  }
+  const size = (run.shown > 300 ? 1.4 : 1.8) * place.pixel;
+  drawDots(pen, along, values, x, y, () => DOT, size);
+  for (const [colour, radius] of [[GROUND, 4.7], [CROSSING, 3.2]]) {
+    pen.fillStyle = colour;
+    for (const p of flashed) if (Number.isFinite(values[p])) disc(pen, x(along[p]), y(values[p]), radius * place.pixel);
+  }
+  const unknown = run.tracks[`unknown.${view.quantity}`], count = unknown ? unknown.values[Math.floor(at)] : 0;
+  const number = withUnit(top, DATA.quantities[view.quantity].unit), told = count ? fill(DATA.unknown, {remark, unknown: count}).replace(/^; /, "") : remark;
+  return {"field/high": `+${number}`, "field/zero": "0", "field/low": `−${number.split(" ")[0]}`, "field/name": box.at ? name : "",
+    "field/remark": (box.at ? [told] : [name, told]).filter(Boolean).join(": "), ...curve ? {} : {"field/key2": ""},
+    "field/magnified": curve && view.magnified > 1 ? `error × ${view.magnified}` : ""};
+}
+
+function drawStems(pen, along, exact, values, x, y, sizes, scale, pixel) {
+  pen.lineWidth = 2.5 * pixel;
   for (let p = 0; p < values.length; p++) {
-    if (!Number.isFinite(values[p])) continue;
+    if (!sizes || !Number.isFinite(values[p]) || Math.abs(y(values[p]) - y(exact[p])) < 2) continue;
+    pen.strokeStyle = shade(sizes[p], scale);
+    stroke(pen, [[x(along[p]), y(exact[p])], [x(along[p]), y(values[p])]]);
+  }
+}
+
+function drawDots(pen, along, values, x, y, colour, size) {
+  for (let p = 0; p < values.length; p++) {
+    if (!Number.isFinite(values[p]) || !(along[p] > -0.01 && along[p] < 1.01)) continue;
     pen.fillStyle = colour(p);
-    pen.fillRect(x(shares[p]) - size, y(values[p]) - size, 2 * size, 2 * size);
+    disc(pen, x(along[p]), y(values[p]), size);
   }
 }

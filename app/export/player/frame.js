@@ -1,44 +1,55 @@
-// Where things are: the stage of the live page (app/frame), x from 0 to 1 along the colour bar and y up, on a canvas.
+// Where things are: the stage of the live page (app/frame), x from 0 to 1 along the colour bar and y up, on a canvas. It is
+// laid out for a window or for one as narrow as a phone's, and enlarged until it fits.
 
-const LINE = 15, NARROW = 540;  // pixels: a line of words; less has no room for all words of one
-const EDGES = {left: 66, right: 22};  // for the numbers at the field plot's axis
+const NARROW = 480, LEAST_LETTERS = 11, LETTERS = 12.5;  // pixels: of a canvas, and of a line of words
+const SHARES = {top: 0, left: 0, center: 0.5, right: 1, bottom: 1};
 
 function placeOf(problem, width, height) {
-  const {rectangle: [, , low, high], anchors} = DATA.problems[problem], room = width - EDGES.left - EDGES.right;
-  const unit = (height - (room < NARROW ? 2 * LINE : 0)) / (high - low);  // there the caption below takes more lines
-  const across = anchors.middle ? Math.min(room, Math.max(unit, 480)) : room, left = EDGES.left + (room - across) / 2;
-  const size = Math.min(unit, across / 0.93), {middle} = anchors, radius = middle && (anchors.outermost[0] - middle[0]) * size;
-  const x = (share) => left + across * share, y = (up) => (high - up) * unit;
-  // A place on a body in the plane, which is as wide as it is high.
-  const onBody = (at, up) => middle ? [x(middle[0]) + size * (at - middle[0]), y(middle[1]) - size * (up - middle[1])] : [x(at), y(up)];
-  return {width, unit, left, across, radius, x, y, onBody};
+  const room = DATA.problems[problem].rooms[width < NARROW ? "narrow" : "wide"], beside = room.gutter + 2 * DATA.edge;
+  const unit = Math.min(width / (1 + beside), height / room.high), letters = Math.max(LEAST_LETTERS, LETTERS * unit / room.pixels);
+  const left = (width - unit * (1 + beside)) / 2 + unit * (room.gutter + DATA.edge), pixel = unit / room.pixels;
+  const x = (share) => left + share * unit, y = (up) => (room.high - up) * unit;
+  return {...room, width, height, unit, left, across: unit, letters, pixel, x, y};
 }
 
-// Labels with these texts, or with their own, by their names; one that would lie on another goes below it.
-function writeLabels(pen, place, labels, texts, colours = {}) {
-  const taken = [];
-  for (const {name, text: own, x, y, anchor, role, width} of labels) {
+function fontOf(letters, bold) {
+  return `${bold ? "600 " : ""}${letters}px 'Lab Inter', system-ui, sans-serif`;
+}
+
+// Labels with these texts, or with their own, by their names.
+function writeLabels(pen, place, labels, texts) {
+  for (const {name, text: own, x, y, anchor, role, width, size, tone, bold, sign} of labels) {
     const text = texts[name] ?? own;
     if (!text) continue;
-    const [upright, side] = anchor.split("-"), lines = linesOf(pen, text, Math.min(place.width - 8, 6 * width || place.width, role === "silence" && place.radius ? 0.52 * place.radius : place.width));
-    const long = Math.max(...lines.map((line) => pen.measureText(line).width)), high = LINE * lines.length;
-    const [across, down] = role === "place" ? place.onBody(x, y) : [place.x(x), place.y(y)];
-    const left = Math.min(Math.max(across - long * SHARES[side], 4), place.width - long - 4);
-    let top = Math.max(0, down - high * SHARES[upright]);
-    for (const other of taken) {
-      const apart = left > other.left + other.long + 8 || other.left > left + long + 8 || top >= other.top + other.high || other.top >= top + high;
-      if (!apart) top = other.top + other.high;
-    }
-    taken.push({left, long, top, high});
+    const letters = place.letters * size, [upright, side] = anchor.split("-"), colour = DATA.colours.tones[bold && tone === "plain" ? "bold" : tone];
+    pen.font = fontOf(letters, bold);
+    const room = role === "gutter" ? place.gutter * place.unit - 4 : place.width;
+    const lines = linesOf(pen, text, width ? Math.min(room, 0.53 * letters * width) : room, sign ? 1.3 * letters : 0), step = 1.3 * letters;
+    const long = Math.max(...lines.map((line) => pen.measureText(line).width)) + (sign ? 1.3 * letters : 0), high = step * lines.length;
+    const left = Math.min(Math.max(place.x(x) - long * SHARES[side], 2), place.width - long - 2), top = place.y(y) - high * SHARES[upright];
     if (role === "silence" || role === "place") {
       pen.fillStyle = "#fff";
       pen.fillRect(left - 4, top - 1, long + 8, high + 2);
     }
-    lines.forEach((line, k) => words(pen, line, left + long * SHARES[side], top + LINE * k + 1, side, "top", colours[name]));
+    if (sign) drawSign(pen, sign, name.startsWith("field") && tone === "plain" ? DATA.colours.dot : colour, left, top + step / 2, letters);
+    const start = sign ? left + 1.3 * letters : left, room_for = sign ? long - 1.3 * letters : long;
+    lines.forEach((line, k) => words(pen, line, start + room_for * SHARES[side], top + step * (k + 0.5), side, "middle", colour));
   }
+  pen.font = fontOf(place.letters);
 }
 
-const SHARES = {top: 0, left: 0, center: 0.5, right: 1, bottom: 1};
+// What a label explains looks like this.
+function drawSign(pen, sign, colour, x, y, letters) {
+  Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: 3});
+  if (sign === "line") return stroke(pen, [[x, y], [x + letters, y]]);
+  disc(pen, x + 0.4 * letters, y, 0.33 * letters);
+}
+
+function disc(pen, x, y, radius) {
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 7);
+  pen.fill();
+}
 
 // A text at a place.
 function words(pen, text, x, y, align = "left", baseline = "alphabetic", colour = "#15171c") {
@@ -47,11 +58,11 @@ function words(pen, text, x, y, align = "left", baseline = "alphabetic", colour 
 }
 
 // A text in lines no longer than there is room for.
-function linesOf(pen, text, room) {
+function linesOf(pen, text, room, beside = 0) {
   const lines = [""];
   for (const word of text.split(" ")) {
     const longer = `${lines[lines.length - 1]} ${word}`.trim();
-    if (pen.measureText(longer).width <= room || !lines[lines.length - 1]) lines[lines.length - 1] = longer;
+    if (pen.measureText(longer).width + beside <= room || !lines[lines.length - 1]) lines[lines.length - 1] = longer;
     else lines.push(word);
   }
   return lines;

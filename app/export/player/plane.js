@@ -1,33 +1,36 @@
 // A body in the plane: a ring, or a quarter of one and its mirror images, estimate on the left half, truth on the right.
 
 function drawBody(pen, run, view, at, place, {sizes, scale, flashed}) {
-  const {anchors, mirrors, outlined, lines} = DATA.problems[run.problem];
-  const middle = [place.x(anchors.middle[0]), place.y(anchors.middle[1])], metre = place.radius / run.outermost;
+  const {mirrors, outlined, lines} = DATA.problems[run.problem];
+  const middle = [place.x(place.middle[0]), place.y(place.middle[1])], metre = place.radius * place.unit / run.outermost;
   drawSquares(pen, run, middle, metre, 1.05 * run.outermost);
-  const places = row(run.tracks.position, at), n = run.shown;
-  const dot = Math.max(1.2, 0.56 * run.spacing / run.ppc * metre * Math.sqrt(run.particles / n));
-  drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, dot);
-  if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
+  const places = row(run.tracks.position, at), n = run.shown, [shape, wide] = run.tile;
+  drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, shape, wide * metre * Math.sqrt(run.particles / n));
+  drawLevel(pen, middle, 1.05 * run.outermost * metre);
   if (run.tracks.line) drawLines(pen, row(run.tracks.line, at), lines, middle, metre);
-  pen.fillStyle = `rgb(${FLASH})`;
-  for (const [p] of flashed) {
-    for (const [sx, sy] of mirrors) {
-      pen.beginPath();
-      pen.arc(middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], Math.max(1.3, 0.45 * dot), 0, 7);
-      pen.fill();
+  if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
+  for (const [colour, radius] of [[GROUND, 4.2], [CROSSING, 2.7]]) {
+    pen.fillStyle = colour;
+    for (const [p] of flashed) {
+      for (const [sx, sy] of mirrors) disc(pen, middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], radius * place.pixel);
     }
   }
 }
 
+// The line between the halves.
+function drawLevel(pen, [x, y], end) {
+  Object.assign(pen, {strokeStyle: DOT, lineWidth: 1.2});
+  stroke(pen, [[x, y - end], [x, y + end]]);
+}
+
 function drawSquares(pen, run, middle, metre, reach) {
   const {spacing, first_line: start} = run, end = reach * metre;
-  const cross = (at, colour, thickness) => {
-    Object.assign(pen, {strokeStyle: colour, lineWidth: thickness});
+  Object.assign(pen, {strokeStyle: GRID, lineWidth: 1});
+  for (let k = Math.ceil((-reach - start) / spacing); k <= (reach - start) / spacing; k++) {
+    const at = (k * spacing + start) * metre;
     stroke(pen, [[middle[0] + at, middle[1] - end], [middle[0] + at, middle[1] + end]]);
     stroke(pen, [[middle[0] - end, middle[1] - at], [middle[0] + end, middle[1] - at]]);
-  };
-  for (let k = Math.ceil((-reach - start) / spacing); k <= (reach - start) / spacing; k++) cross((k * spacing + start) * metre, "rgb(225,229,234)", 1);
-  cross(0, CELL, 1.5);
+  }
 }
 
 // Lines of material as the exact solution has them: one is recorded, the others are that one, turned.
@@ -40,22 +43,20 @@ function drawLines(pen, line, count, middle, metre) {
   }
 }
 
-function drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, dot) {
+// So large that they tile the body.
+function drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, shape, wide) {
   for (let p = 0; p < n; p++) {
     for (const [sx, sy] of mirrors) {
-      const x = sx * places[p], half = sizes[x < 0 ? 0 : 1];
+      const x = sx * places[p], half = sizes[x < 0 ? 0 : 1], across = middle[0] + metre * x, down = middle[1] - sy * metre * places[n + p];
       pen.fillStyle = half ? shade(half[p], scale) : UNKNOWN;
-      pen.beginPath();
-      pen.arc(middle[0] + metre * x, middle[1] - sy * metre * places[n + p], dot, 0, 7);
-      pen.fill();
+      if (shape === "square") pen.fillRect(across - wide / 2, down - wide / 2, wide, wide); else disc(pen, across, down, wide / 2);
     }
   }
 }
 
 // What each particle stands for: a box for GIMP, a parallelogram for CPDI.
 function drawDomains(pen, places, edges, n, middle, metre, images) {
-  pen.strokeStyle = "rgb(120,125,132)";
-  pen.lineWidth = 0.8;
+  Object.assign(pen, {strokeStyle: GROUND, lineWidth: 1});
   pen.beginPath();
   for (let p = 0; p < n; p++) {
     const first = [edges[p], edges[n + p]], second = [edges[2 * n + p], edges[3 * n + p]];

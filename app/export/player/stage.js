@@ -78,16 +78,16 @@ function changed() {
 // What is said of a run as it is looked at (app/export/texts.py).
 function saidOf(run, view) {
   const {rows, field, by} = run.texts[view.quantity], {captions, errors} = by[view.estimator] || Object.values(by)[0];
-  return {rows, field: field[DATA.magnifications.indexOf(view.magnified)], ...captions[+view.difference], errors};
+  return {rows, field, ...captions[+view.difference], errors};
 }
 
-// Particles that have just crossed a cell boundary, with seconds of the screen since.
+// Particles that have crossed a cell boundary within the window in which that is shown, with how much of it has gone by.
 function flashedAt(run, view, time) {
   const who = run.tracks["crossings.who"].values, when = run.tracks["crossings.time"].values, found = [];
-  const since = DATA.problems[run.problem].mark_seconds * view.speed * run.period;
+  const since = run.period * Math.max(DATA.crossings.window, DATA.crossings.seconds * view.speed);
   for (let k = 0; k < when.length; k++) {
-    const ago = time - when[k];
-    if (ago >= 0 && ago < since) found.push([Math.round(who[k]), ago / (view.speed * run.period)]);
+    const age = (time - when[k]) / since;
+    if (age >= 0 && age <= 1) found.push([Math.round(who[k]), age]);
   }
   return found;
 }
@@ -99,22 +99,23 @@ function draw() {
   canvas.height = Math.round(box.height * pixels);
   const pen = canvas.getContext("2d"), {run, view} = stage, at = pictureAt(run, stage.time);
   pen.scale(pixels, pixels);
-  pen.font = "13px 'Lab Inter', system-ui, sans-serif";
+  const place = placeOf(run.problem, box.width, box.height);
+  pen.font = fontOf(place.letters);
   if (stage.refusal) {
-    linesOf(pen, capital(stage.refusal), 0.7 * box.width).forEach((line, k) => words(pen, line, box.width / 2, box.height / 2 + LINE * k, "center"));
+    const step = 1.4 * place.letters;
+    linesOf(pen, capital(stage.refusal), 0.7 * box.width).forEach((line, k) => words(pen, line, box.width / 2, box.height / 2 + step * k, "center"));
     return;
   }
-  const said = saidOf(run, view), {labels} = DATA.problems[run.problem], place = placeOf(run.problem, box.width, box.height);
-  const pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
+  const said = saidOf(run, view), pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
   const sizes = [estimatedSizes(run, view.quantity, view.estimator, view.difference, at), trueSizes(run, view.quantity, at)];
+  const shown = sizes.map((each, half) => !said.silences[half] && each && each.some(Number.isFinite) ? each : null);
   const flashed = flashedAt(run, view, stage.time), scale = {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic};
-  const measured = drawColourBar(pen, place, scale, said.measures, DATA.quantities[view.quantity].unit);
-  (place.radius ? drawBody : drawLanes)(pen, run, view, at, place,
-    {scale, flashed, sizes: sizes.map((each, half) => !said.silences[half] && each && each.some(Number.isFinite) ? each : null)});
-  const field = drawField(pen, run, pinned, view, at, said.field, place, flashed.map(([p]) => p));
-  const halves = ["estimate", "truth"].flatMap((half, k) => [[`${half}-title`, said.titles[k]], [`${half}-silence`, said.silences[k]]]);
-  writeLabels(pen, place, [...measured, ...labels],
-    {...Object.fromEntries(halves), "size-note": run.note, "crossings-note": run.marks, ...field}, {"crossings-note": "#8a0052"});
+  const measured = drawColourBar(pen, place, scale, view.quantity);
+  (place.radius ? drawBody : drawLanes)(pen, run, view, at, place, {scale, flashed, sizes: shown});
+  const field = drawField(pen, run, pinned, view, at, said.field, place, flashed.map(([p]) => p), shown[1] || shown[0], scale);
+  const halves = ["estimate", "truth"].flatMap((half, k) => [[`${half}-title`, said.titles[k]], [`${half}-by`, said.by[k]], [`${half}-silence`, said.silences[k]]]);
+  const alike = place.gutter && shown[0] && shown[1] && !view.difference && !isBroken(run) ? DATA.problems[run.problem].alike : "";
+  writeLabels(pen, place, [...measured, ...place.labels], {...Object.fromEntries(halves), alike, quantity: `${DATA.quantities[view.quantity].noun} ${DATA.quantities[view.quantity].symbol}`, "size-note": run.note, "crossings-note": run.marks, ...field});
 }
 
 stage.onChange.push(draw);

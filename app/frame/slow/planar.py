@@ -2,22 +2,26 @@
 
 import numpy as np
 
-from app.frame.marks import Colour
+from app.frame.layout import Rectangle
+from app.frame.marks import Colour, Room
 from app.frame.slow.stage import DOMAINS, FRONT, OTHERS, SlowStage, shape
 from solvers.problems.planar.layout import CORNERS
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
 AROUND = 0.75  # of a cell, that is seen around the nodes
-HEIGHT = 0.12  # of a shape function that is one
+HEIGHT = 0.13  # of the picture, of a shape function that is one
+BESIDE = 0.36  # of a stage that is wider than high, for words beside the picture
 POINTS = 121  # of a curve
 
 
 class PlanarSlowStage(SlowStage):
     """Draws one step of a plane problem taken apart."""
 
-    _picture = (-0.05, 1.0, -0.01, 0.93)
     _above, _aside = 0.02, np.array([0.0, 0.0])
+
+    def _divided(self, room: Room) -> tuple[float, Rectangle]:
+        return BESIDE, (BESIDE + 0.03, 1.0, 0.0, room.high)
 
     def _look_at(self, a: StepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place[:1]])
@@ -63,7 +67,7 @@ class PlanarSlowStage(SlowStage):
                 """Points of the stage for a function's values at places along the axis."""
                 out = np.empty((len(along), 2))
                 out[:, axis] = self._place(np.stack([along, along], axis=1))[:, axis]
-                out[:, 1 - axis] = base + s * HEIGHT * value
+                out[:, 1 - axis] = base + s * HEIGHT * (self._picture[3] - self._picture[2]) * value
                 return out
 
             for node in np.unique(a.nodes[:, axis].round(12)):

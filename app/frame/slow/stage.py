@@ -1,10 +1,12 @@
 """What the slow motion of all problems shares: how each phase of a step is drawn around one particle."""
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 
 import numpy as np
 
-from app.frame.marks import RECTANGLE, Anchor, Colour, Room, Sheet, wrapped
+from app.frame.layout import Rectangle, rectangle
+from app.frame.marks import Anchor, Colour, Room, Sheet, wrapped
 from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.sketch import SIZES, Sketch
 from solvers.scene.scene import Scene
@@ -13,7 +15,7 @@ from solvers.solver.step_breakdown import StepBreakdown
 #: Colours: the particle in front, the others, their domains, forces of stress and of the body, what moves.
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
 STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
-TOP, BOTTOM, LEFT = 1.03, -0.1, -0.1  # of the stage that the sentence above it and the notice below it leave
+HIGH = (0.3, 0.9)  # the least and the most that the stage is
 CAPTION, NUMBERS = 0.85, 0.8  # sizes of letters
 #: Where the numbers of a node may stand: how they are anchored, and to which side.
 SIDES: tuple[tuple[Anchor, tuple[int, int]], ...] = (
@@ -30,10 +32,22 @@ class SlowStage(ABC):
 
     def __init__(self, sheet: Sheet):
         self.sheet, self._sketch = sheet, Sketch()
+        self._divide()
+
+    @property
+    def rectangle(self) -> Rectangle:
+        """Of all that is drawn."""
+        return rectangle(self._room.high)
+
+    def _divide(self) -> None:
+        """Give words and picture their places in the room that there is now."""
+        room = self.sheet.room.settled()
+        self._room = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
+        self._words, self._picture = self._divided(self._room)
 
     def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
         """Show a phase at ``s``, from 0 at its beginning to 1 at its end."""
-        self._room = self.sheet.room
+        self._divide()
         self._look_at(a)
         self._nodes = self._node_spots(a.nodes)
         self._scale = self._per_metre * a.spacing  # a cell, on the stage
@@ -164,9 +178,9 @@ class SlowStage(ABC):
         self._legend.insert(0, "numbers at the nodes: " + ", below it ".join(names))
 
     def _caption(self, scene: Scene, a: StepBreakdown, phase: int) -> None:
-        lines, width = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)], self.width
-        self._sketch.text(LEFT, TOP, wrapped("; ".join(self._legend), width), "top-left", CAPTION)
-        self._sketch.text(LEFT, BOTTOM, "\n".join(wrapped(line, width) for line in lines), "bottom-left", CAPTION)
+        lines, width, x = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)], self.width, 0.0
+        self._sketch.text(x, self._room.high, wrapped("; ".join(self._legend), width), "top-left", CAPTION)
+        self._sketch.text(x, 0.0, "\n".join(wrapped(line, width) for line in lines), "bottom-left", CAPTION)
 
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
                    written: list[tuple[np.ndarray, np.ndarray]]) -> int:
@@ -183,8 +197,8 @@ class SlowStage(ABC):
 
     @property
     def width(self) -> int:
-        """Letters that a line of the caption has room for, up to the right end of what is always seen."""
-        return self.sheet.room.letters(RECTANGLE[1] - LEFT, CAPTION)
+        """Letters that a line of the captions has room for."""
+        return self._room.letters(self._words, CAPTION)
 
     def _seen(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
         """Which points of the stage (m, 2) lie in the picture, with what reaches so far around them."""
@@ -199,13 +213,14 @@ class SlowStage(ABC):
                              np.where(starts > (x1, y1), ((x1, y1) - starts) / (ends - starts), 0.0)).max(axis=1)
         return starts + share[:, None] * (ends - starts)
 
-    #: The picture's x0, x1, y0 and y1 on the stage.
-    _picture: tuple[float, float, float, float]
     #: Where a node's number is written above it, and the direction across its arrows.
     _above: float
     _aside: np.ndarray
     _per_metre: float
-    _room: Room
+
+    @abstractmethod
+    def _divided(self, room: Room) -> tuple[float, Rectangle]:
+        """How wide lines of words are, above and below the picture or beside it, and the picture's x0, x1, y0, y1."""
 
     @abstractmethod
     def _look_at(self, a: StepBreakdown) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import viser
 
-from app.frame.marks import DOT, Lines, in_plane, joined
+from app.frame.marks import Lines, in_plane, joined
 from app.frame.stage import Stage
 from app.page.stage.camera import FlatCamera
 from app.renderers.viewer import Sheet
@@ -48,4 +48,4 @@ class Probe:
         self._show(joined(corners, np.roll(corners, -1, axis=0)))
 
     def _show(self, frame: np.ndarray) -> None:
-        self._sheet.show(Lines("rectangle", frame, DOT, 1.5))
+        self._sheet.show(Lines("rectangle", frame, self._sheet.room.palette.dot, 1.5))

@@ -3,15 +3,15 @@
 import numpy as np
 import viser
 
-from app.frame.marks import DOT, Lines, joined
+from app.frame.marks import Lines, joined
 from app.frame.stage import Stage
 from app.page.visit.trace import Trace
 from app.renderers.viewer import Sheet
 from solvers.engine.frames import FrameArrays
 
 RADIUS = 0.018  # on the stage
-#: Above all that is drawn there: white beneath black is seen on every colour of the map.
-RINGS = ("ground", (255, 255, 255), 5.0, 0.04), ("ring", DOT, 2.0, 0.045)
+#: Above all that is drawn there: the ground's colour beneath that of dots is seen on every colour of the map.
+RINGS = ("ground", 5.0, 0.04), ("dot", 2.0, 0.045)
 _ANGLES = np.linspace(0, 2 * np.pi, 25)
 _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
 
@@ -33,10 +33,10 @@ class TraceRings:
             return
         middles = stage.images(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
         around = middles[:, None] + _RING  # (images, angles, 3)
-        for name, colour, width, height in RINGS:
+        for name, width, height in RINGS:
             around[:, :, 2] = height
-            self._sheet.show(Lines(name, joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)), colour,
-                                   width))
+            self._sheet.show(Lines(name, joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
+                                   getattr(self._sheet.room.palette, name), width))
         self._sheet.visible = True
 
     def hide(self) -> None:

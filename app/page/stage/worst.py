@@ -7,12 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.frame.stage import NOTHING, Remarks, Worst
 from app.frame.view import View
 from app.problems.views import VIEWS
+from app.words import with_unit
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
+from solvers.solver import soundness
 
+ALIKE = 0.8, 1.25  # an estimate over the truth, both as norms, that is right for the eye
 LEAD = 1.05  # by which another region must be worse to take over: a tie must not flicker
 
 
@@ -33,11 +37,12 @@ class SteadyMaximum:
         return self._last
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WorstRegion:
-    """A region's name and its errors, estimated and true; None where one is not known."""
+    """A region's name, its particles (P,), and its errors, estimated and true; None where one is not known."""
 
     name: str
+    particles: np.ndarray
     estimated: float | None
     true: float | None
 
@@ -49,23 +54,46 @@ class WorstRegions:
         self.scene: Scene | None = None  # of which they are
         self.by_estimate: WorstRegion | None = None
         self.by_truth: WorstRegion | None = None
+        self._remarks = NOTHING
 
-    def look(self, report: FrameReport, arrays: FrameArrays, view: View) -> None:
-        """Find both in a frame."""
+    def remarks(self, scene: Scene) -> Remarks:
+        """What is to be written into a picture of a scene."""
+        return self._remarks if scene == self.scene else NOTHING
+
+    def look(self, report: FrameReport, arrays: FrameArrays, view: View, unit: str) -> None:
+        """Find both in a frame, whose errors are in a ``unit``."""
         if report.scene != self.scene:
             self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
             at_rest = np.nan_to_num(arrays.position - arrays.displacement)
             self._regions = VIEWS[report.scene.problem].regions(at_rest)
         if len(self._regions.number) != len(arrays.position):
             return  # the view is of another frame
+        self._remarks = NOTHING
         errors = [None if sizes is None or len(sizes) != len(arrays.position) else self._regions.errors(sizes)
                   for sizes in (view.estimated, view.true)]
         self.by_estimate, self.by_truth = (self._region(worst, own, errors)
                                            for worst, own in zip(self._worst, errors, strict=True))
+        estimate, truth = self.by_estimate, self.by_truth
+        self._remarks = Remarks((
+            None if estimate is None or view.left.sizes is not view.estimated
+            else Worst(estimate.particles, with_unit(estimate.estimated or 0.0, unit, 2)),
+            None if truth is None else Worst(truth.particles, with_unit(truth.true or 0.0, unit, 2))),
+            report.status == soundness.LOST, _alike(view))
 
     def _region(self, worst: SteadyMaximum, own: np.ndarray | None,
                 errors: list[np.ndarray | None]) -> WorstRegion | None:
         at = None if own is None else worst.of(own)
         if at is None:
             return None
-        return WorstRegion(self._regions.names[at], *(None if e is None else float(e[at]) for e in errors))
+        return WorstRegion(self._regions.names[at], self._regions.number == at,
+                           *(None if e is None else float(e[at]) for e in errors))
+
+
+def _alike(view: View) -> bool:
+    """Whether the estimate is as large as the truth, as far as one can see."""
+    if view.estimated is None or view.true is None:
+        return False
+    known = np.isfinite(view.estimated) & np.isfinite(view.true)
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
+    return ALIKE[0] <= index <= ALIKE[1]

@@ -7,13 +7,13 @@ from itertools import product
 
 import numpy as np
 
+from app.frame.crossings import WINDOW
 from app.page.visit.downsampled import RunSeries
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.norms import RATIOS, RunningIndex
 from solvers.solver.samples import QUANTITIES
 
-CROSSING_WINDOW = 1 / 20  # of a period, over which crossings per second are counted
 MOST_WAITING = 500  # frames' samples that may wait for a reader
 
 
@@ -71,5 +71,5 @@ class History(RunSeries):
             return np.zeros(0), np.zeros(0)
         time, count = series["time"], series["crossings"]
         spacing = (time[-1] - time[0]) / (len(time) - 1)
-        lag = max(1, min(len(time) - 1, round(CROSSING_WINDOW * self.scene.period / spacing)))
+        lag = max(1, min(len(time) - 1, round(WINDOW * self.scene.period / spacing)))
         return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])

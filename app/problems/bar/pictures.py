@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, LINE2, TRUTH, TRUTH_INK
-from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
+from app.frame.layout import Seat
+from app.problems.bar.stage import BarStage
 from app.renderers import picture
 from app.renderers.look import TRUTH_WIDTH, in_sizes
 from solvers.problems.bar import exact
@@ -63,7 +64,9 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     if lined:
         axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color=LINE2,
                     linewidth=min(0.8, 60 / cells), zorder=1)
-    picture.write_places(axes, BarStage, lambda label: (label.x, (label.y - TRUTH_LANE) / (ESTIMATE_LANE - TRUTH_LANE)))
+    places = BarStage.places(picture.PAPER, Seat.ALONE)
+    picture.write_places(axes, BarStage,
+                         lambda label: (label.x, (label.y - places.truth) / (places.estimate - places.truth)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), lanes, strict=True):
         tick.set(color=colour, fontweight="bold")

@@ -1,48 +1,48 @@
 """The bar, as long as the stage: two lanes of particles, the estimate above the truth, and the field plot below."""
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import ClassVar
+from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field import PlotPlace
-from app.frame.marks import CELL, RECTANGLE, Dots, Label, Lines, Mark, flash_colours, in_plane, joined, shades
-from app.frame.stage import TOUCH, Seat, Stage, Words
+from app.frame.field import ROOM, Plotted
+from app.frame.layout import HALVES, Seat
+from app.frame.marks import Anchor, Dots, Label, Lines, Mark, Room, Tone, faded, in_plane, joined
+from app.frame.stage import TOUCH, Stage, Words, Worst
+from app.problems.bar.places import BarPlaces, bar_places
 from solvers.engine.frames import FrameArrays
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 
-ESTIMATE_LANE, TRUTH_LANE, LANE_HEIGHT = 0.815, 0.64, 0.095
-CROSSINGS_AT = (ESTIMATE_LANE + TRUTH_LANE) / 2
-NAME_LINE, LOWER = 0.05, 0.49  # what a line of words takes; by how much a pinned run's lanes are below the others
-#: By how much lanes are higher than those of a run alone.
-RAISED = {Seat.ALONE: 0.0, Seat.FIRST: -NAME_LINE, Seat.SECOND: -NAME_LINE - LOWER}
 LANE_POINTS = 2000  # points that a lane may be made of
+WIDEST, STRETCHED = 0.016, 1.25  # the largest of them on the stage; widths of a particle at rest that it takes
 TIGHT = 1.02  # times as large they are as they would have to be: in half precision rows may be a hair apart
+CROSSING = 9.0  # pixels across
+BRACKET = 7.0  # pixels high
+NARROW = "estimate above, truth below"
+
+
+def where(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+    """Where the material that was at X should be."""
+    return X + exact.displacement(scene, X, t)
 
 
 class BarStage(Stage[BarScene]):
     """Makes marks of frames of the bar."""
 
-    PAIR_RECTANGLE = (*RECTANGLE[:2], RECTANGLE[2] - NAME_LINE - LOWER, 1.14)
-    PLOT, PLOT_DOT = PlotPlace(0.255, 0.23, 0.0, 1.0, ("X = 0", "1 m"), exact.field), 0.006
-    PAIR_PLOT = -NAME_LINE - LOWER
-    ANCHORS: ClassVar = {"estimate": (0.0, ESTIMATE_LANE), "truth": (0.0, TRUTH_LANE),
-                         "lane": (0.0, ESTIMATE_LANE + LANE_HEIGHT / 2)}
-    MOST_MARKED, MARKED = 200, "magenta: particles that cross a cell boundary"
+    PLOT = Plotted(0.0, 1.0, ("x = 0", "1 m"), exact.field, where=where)
+    MOST_MARKED, HALVES = 200, "Lanes"
 
     @staticmethod
-    def labels(words: Words, seat: Seat) -> Iterator[Label]:
-        beyond = 0.5 * LANE_HEIGHT + 0.03
-        above, below = ESTIMATE_LANE + RAISED[seat] + beyond, TRUTH_LANE + RAISED[seat] - beyond
-        yield Label("estimate-title", words.titles[0], 0.0, above, "bottom-left", "title")
-        yield Label("truth-title", words.titles[1], 0.0, below, "top-left", "title")
-        for name, text, lane in zip(("estimate", "truth"), words.silences, (ESTIMATE_LANE, TRUTH_LANE), strict=True):
-            yield Label(f"{name}-silence", text, 0.5, lane + RAISED[seat], "center-center", "silence", 0.85, 72)
-        yield Label("run", words.run, 0.0, above + NAME_LINE, "bottom-left", "name", width=90)
-        if seat != Seat.SECOND:
-            yield Label("crossings-note", words.crossings, 1.0, below, "top-right", "note", 0.85)
+    def places(room: Room, seat: Seat) -> BarPlaces:
+        return bar_places(room, seat)
+
+    @staticmethod
+    def labels(words: Words, places: BarPlaces) -> Iterator[Label]:
+        for name, text, lane in zip(HALVES, words.silences, (places.estimate, places.truth),
+                                    strict=True):
+            yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=90)
+        yield from (_names if places.seat == Seat.ALONE else _pair_names)(words, places)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
@@ -51,65 +51,136 @@ class BarStage(Stage[BarScene]):
 
     def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
         """In the lanes the particle nearest in x, however high the click; below, a dot of the field plot."""
-        x, y = point
-        if TRUTH_LANE - LANE_HEIGHT < y - RAISED[self._seat] < ESTIMATE_LANE + LANE_HEIGHT:
+        (x, y), places = point, self._places
+        if abs(y - 0.5 * (places.truth + places.estimate)) < 0.5 * (places.estimate - places.truth) + places.lane:
             return int(np.argmin(np.abs(self._across(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
         return super().nearest(point, arrays)
 
     def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = self._across(arrays)[particles]
-        lanes = [in_plane(x, lane + RAISED[self._seat]) for lane in (ESTIMATE_LANE, TRUTH_LANE)]
-        return np.stack([*lanes, self._plot.places(particles, len(x))])
+        lanes = [in_plane(x, lane) for lane in (self._places.estimate, self._places.truth)]
+        return np.stack([*lanes, self._field.places(particles, len(x))])
 
     def _across(self, arrays: FrameArrays) -> np.ndarray:
         """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
         x = arrays.position[:, 0] if self._drawn_scene is None else self._drawn_scene.within(arrays.position[:, 0])
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax takes the number where one is none
 
-    def _still(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        edges = np.arange(scene.cells + 1) * scene.spacing
-        low, high = TRUTH_LANE - 0.7 * LANE_HEIGHT, ESTIMATE_LANE + 0.7 * LANE_HEIGHT
-        yield Lines("cells", joined(*(in_plane(edges, y + RAISED[self._seat], -0.01) for y in (low, high))), CELL, 1.0)
-        self._at_rest = (np.arange(scene.particles) + 0.5) / scene.particles if at_rest is None else at_rest[:, 0]
-        self._lanes = _Lanes(particles, CROSSINGS_AT + RAISED[self._seat])
+    _along = _across
 
-    def _moving(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
-                t: float, speed: float) -> Iterator[Mark]:
-        x = self._across(arrays)
-        yield self._lanes.dots(x, [shades(self._scale, sizes, len(x)) for sizes in (estimated, true)])
-        since = arrays.steps_since_crossing * scene.time_step / max(speed, 1e-9)
-        shown = (arrays.steps_since_crossing >= 0) & (since < self.MARK_SECONDS) & self._marked
-        yield Dots("crossings", in_plane(x[shown], CROSSINGS_AT + RAISED[self._seat], 0.02),
-                   flash_colours(since[shown]), 0.015)
-        if self.plotted:
-            yield from self._field.draw(scene, self.plotted, self.magnified, self._at_rest, arrays.plotted, t, shown)
+    def _still(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
+        edges, places, colours = np.arange(scene.cells + 1) * scene.spacing, self._places, self._places.room.palette
+        box, over = places.field, 6 * places.room.pixel
+        for name, low, high, colour, depth in (
+                ("cells", places.truth - 0.5 * places.lane - over, places.estimate + 0.5 * places.lane + over,
+                 colours.cell, -0.01),
+                ("cells-below", box.middle - ROOM * box.half, box.middle + ROOM * box.half, colours.grid, -0.02)):
+            yield Lines(name, joined(*(in_plane(edges, y, depth) for y in (low, high))), colour, 1.0)
+        self._lanes = _Lanes(particles, places)
+
+    def _moving(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                age: np.ndarray) -> Iterator[Mark]:
+        x, room = self._across(arrays), self._places.room
+        yield self._lanes.dots(x, estimated, true)
+        shown = np.flatnonzero(age <= 1) if self._places.crossings is not None else np.empty(0, np.intp)
+        yield Dots("crossings", in_plane(x[shown], self._places.crossings or 0.0, 0.02),
+                   faded(age[shown], room.palette), CROSSING * room.pixel)
+
+    def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
+        """A bracket above the estimate's lane and one below the truth's, as far as names leave room for it."""
+        places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
+        room, wanted = places.room, places.room.gutter > 0 and places.seat == Seat.ALONE
+        for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1),
+                                         strict=True):
+            at = self._across(arrays)[found.particles] if found and wanted else np.empty(0)
+            at = at[(at >= 0) & (at <= 1)]
+            text, x, y = "", 0.5, lane
+            if found and len(at):
+                y = lane + up * (0.5 * places.lane + 4 * room.pixel)
+                ends, high = np.array([at.min(), at.max()]), y + up * BRACKET * room.pixel
+                corners = in_plane(ends[[0, 0, 1, 1]], np.array([y, high, high, y]), 0.02)
+                segments.append(joined(corners[:-1], corners[1:]))
+                text, y = f"worst: {found.size}", high + up * 2 * room.pixel
+                beside = 0.55 * room.extent(text)[0]
+                x = float(np.clip(ends.mean(), beside, 1 - beside))
+            yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
+        yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
+
+
+def _names(words: Words, places: BarPlaces) -> Iterator[Label]:
+    """In the gutter beside the lanes, or above and below them."""
+    room, half = places.room, 0.5 * places.lane
+    below = places.truth - half - 8 * room.pixel
+    if room.gutter:
+        left = -room.gutter
+        for name, title, by, y in _halves(words, places):
+            yield Label(f"{name}-title", title, left, y + 0.1 * room.line, "bottom-left", "gutter", 1.1, tone=name,
+                        bold=True)
+            yield Label(f"{name}-by", by, left, y - 0.1 * room.line, "top-left", "gutter")
+        yield Label("crossings-note", words.crossings, left, places.crossings or 0.0, "center-left", "gutter",
+                    tone="crossing", sign="dot")
+    else:
+        off = half + 4 * room.pixel
+        sides: tuple[tuple[float, Anchor], ...] = (off, "bottom-left"), (-off, "top-left")
+        for (name, title, by, y), (up, anchor) in zip(_halves(words, places), sides, strict=True):
+            yield Label(f"{name}-title", title, 0.0, y + up, anchor, "title", tone=name, bold=True)
+            yield Label(f"{name}-by", by, 1.25 * room.extent(title)[0] + 6 * room.pixel, y + up, anchor, "note")
+        yield Label("crossings-note", words.crossings, 1.0, below + 4 * room.pixel, "top-right", "note",
+                    tone="crossing", sign="dot")
+    yield Label("alike", words.alike if room.gutter else "", 1.0, below, "top-right", "note", tone="faint")
+    yield Label("run", "", 0.0, places.heading, "bottom-left", "name")
+
+
+def _pair_names(words: Words, places: BarPlaces) -> Iterator[Label]:
+    """A heading above the plot; beside the strips, which is which."""
+    room, first = places.room, places.seat == Seat.FIRST
+    for name, _, _, y in _halves(words, places):
+        yield Label(f"{name}-title", name if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
+        yield Label(f"{name}-by", words.by[0] if room.gutter and first and name == "estimate" else "", -room.gutter,
+                    places.field.middle - 0.5 * places.field.half, "center-left", "gutter")
+    run = words.run[:1].upper() + words.run[1:]
+    yield Label("run", run, 0.0, places.heading, "bottom-left", "name", 1.1, 90, tone="plain" if first else "faint",
+                bold=True)
+    note = words.crossings if first else ""
+    yield Label("crossings-note", note if room.gutter else "", 1.0, places.heading, "bottom-right", "note",
+                tone="crossing", sign="dot")
+    yield Label("alike", "" if room.gutter or not first else NARROW, 1.0, places.heading, "bottom-right", "note",
+                tone="faint")
+
+
+def _halves(words: Words, places: BarPlaces) -> Iterator[tuple[Tone, str, str, float]]:
+    """Of the estimate and the truth: its name, title, whose it is, and the middle of its lane."""
+    return zip(HALVES, words.titles, words.by, (places.estimate, places.truth), strict=True)
 
 
 class _Lanes:
-    """How two lanes of P particles, alike above and below a ``middle``, are tiled with square points: ``rows`` of
-    ``size`` each, one column a particle.
+    """How two lanes of P particles are tiled with square points: ``rows`` of ``size`` each, and so many ``across`` for
+    each particle that a gap shows only where the bar is stretched a lot.
 
-    Columns are wider than a particle at rest, so that a gap shows only where the bar is stretched a lot. Neighbours
-    overlap, the one to the right on top; moving all by ``shift`` puts what remains visible in its place. Points are
-    counted from between the lanes: then half precision, with half the bytes, is a tenth of a pixel.
+    What a particle has is wider than it is at rest. Neighbours overlap, the one to the right on top; moving all by a
+    part of their width puts what remains visible in its place. Points are counted from between the lanes: then half
+    precision, with half the bytes, is a tenth of a pixel.
     """
 
-    def __init__(self, particles: int, middle: float):
-        column = 1 / particles
+    def __init__(self, particles: int, places: BarPlaces):
+        column, middle = 1 / particles, 0.5 * (places.estimate + places.truth)
         self.origin = 0.5, middle
-        self.rows = max(6, min(math.ceil(LANE_HEIGHT / (2 * column)), LANE_POINTS // particles))
-        self.size = LANE_HEIGHT / self.rows
-        self.shift = (self.size - column) / 2
-        self._points = np.zeros((2, self.rows, particles, 3), np.float16)  # without their x
-        up = (np.arange(self.rows) - (self.rows - 1) / 2) * self.size
-        for lane, at in zip(self._points, (ESTIMATE_LANE, TRUTH_LANE), strict=True):
-            lane[..., 1] = (at - CROSSINGS_AT + up)[:, None]
+        rows = max(math.ceil(places.lane / WIDEST), min(int(places.lane / (1.5 * column)), LANE_POINTS // particles))
+        self.size = places.lane / rows
+        across = math.ceil(STRETCHED * column / self.size)
+        wide = self.size if across == 1 else STRETCHED * column
+        beside = np.linspace(-0.5, 0.5, across) * (wide - self.size) if across > 1 else np.zeros(1)
+        self._beside = beside + (wide - column) / 2
+        self._points = np.zeros((2, rows, particles, across, 3), np.float16)  # without their x
+        up = (np.arange(rows) - (rows - 1) / 2) * self.size
+        for lane, at in zip(self._points, (places.estimate, places.truth), strict=True):
+            lane[..., 1] = (at - middle + up)[:, None, None]
 
-    def dots(self, x: np.ndarray, shades: Sequence[np.ndarray]) -> Dots:
+    def dots(self, x: np.ndarray, *shades: np.ndarray) -> Dots:
         """Particles at x (P,) in the colours (P, 3) of each lane: the estimate's, then the truth's."""
         points, colours = self._points.copy(), np.empty(self._points.shape, np.uint8)
-        inside = np.minimum(np.maximum(x + self.shift, self.size / 2), 1 - self.size / 2)
+        inside = np.minimum(np.maximum(x[:, None] + self._beside, self.size / 2), 1 - self.size / 2)
         points[..., 0] = (inside - self.origin[0]).astype(np.float16)
         for lane, of_particles in zip(colours, shades, strict=True):
-            lane[...] = of_particles
+            lane[...] = of_particles[:, None]
         return Dots("lanes", points.reshape(-1, 3), colours.reshape(-1, 3), TIGHT * self.size, "square", self.origin)

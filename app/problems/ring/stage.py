@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field import PlotPlace
-from app.frame.marks import Dots, Mark, shades
+from app.frame.field import Plotted
+from app.frame.marks import Dots, Mark
 from app.frame.planar import PlanarStage
 from solvers.problems.ring import exact
 from solvers.problems.ring.exact import INNER, OUTER
@@ -18,7 +18,7 @@ MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first tw
 class RingStage(PlanarStage[RingScene]):
     """Makes marks of frames of the ring."""
 
-    PLOT = PlotPlace(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
+    PLOT = Plotted(INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
     MIRRORS, OUTLINED = MIRRORS, MIRRORS[::2]
 
     @staticmethod
@@ -29,7 +29,10 @@ class RingStage(PlanarStage[RingScene]):
     def note(scene: RingScene) -> str:
         return f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
 
-    def _halves(self, x: np.ndarray, estimated: np.ndarray | None, true: np.ndarray | None) -> Iterator[Mark]:
-        for half, mirrors, sizes in (("truth", MIRRORS[:2], true), ("estimate", MIRRORS[2:], estimated)):
-            yield Dots(half, self._images(x, mirrors), np.tile(shades(self._scale, sizes, len(x)), (2, 1)),
-                       1.16 * self._width)
+    @staticmethod
+    def stretched(scene: RingScene) -> float:
+        return 1 + 0.5 * scene.amplitude / OUTER
+
+    def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
+        for half, mirrors, shades in (("truth", MIRRORS[:2], true), ("estimate", MIRRORS[2:], estimated)):
+            yield Dots(half, self._images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)

@@ -1,20 +1,19 @@
 """The vortex, made to fit the stage: particles on the left half show the estimate, those on the right the truth; lines
-of material that were straight, as the exact solution has them; and the field plot below."""
+of material that were straight, as the exact solution has them; and the field plot beside it."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from app.colours import TRUTH, rgb
-from app.frame.field import PlotPlace
-from app.frame.marks import Dots, Lines, Mark, joined, shades
+from app.frame.field import Plotted
+from app.frame.marks import Dots, Lines, Mark, joined
 from app.frame.planar import PlanarStage
 from solvers.engine.frames import FrameArrays
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.exact import INNER, OUTER
 from solvers.problems.vortex.scene import VortexScene
 
-SPOKES, SPOKE_POINTS, EXACT = 12, 41, rgb(TRUTH)
+SPOKES, SPOKE_POINTS = 12, 41
 _ANGLES = 2 * np.pi * np.arange(SPOKES)[:, None] / SPOKES
 SPOKES_AT_REST = np.linspace(INNER, OUTER, SPOKE_POINTS)[:, None] * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], 2)
 
@@ -22,7 +21,7 @@ SPOKES_AT_REST = np.linspace(INNER, OUTER, SPOKE_POINTS)[:, None] * np.stack([np
 class VortexStage(PlanarStage[VortexScene]):
     """Makes marks of frames of the vortex. Its four quarters are alike, so that half of it shows all."""
 
-    PLOT = PlotPlace(-0.22, 0.1, INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "angular")
+    PLOT = Plotted(INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "angular")
     LINES = SPOKES
 
     @staticmethod
@@ -42,13 +41,14 @@ class VortexStage(PlanarStage[VortexScene]):
     def exact_lines(scene: VortexScene, t: float, count: int) -> np.ndarray:
         return exact.position(scene, SPOKES_AT_REST[:count].reshape(-1, 2), t).reshape(count, SPOKE_POINTS, 2)
 
-    def _moving(self, scene: VortexScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
-                t: float, speed: float) -> Iterator[Mark]:
-        yield from super()._moving(scene, arrays, estimated, true, t, speed)
+    def _moving(self, scene: VortexScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                age: np.ndarray) -> Iterator[Mark]:
+        yield from super()._moving(scene, arrays, estimated, true, t, age)
         lines = self.exact_lines(scene, t, SPOKES * scene.solution_known)
         x = self._place(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
-        yield Lines("spokes", joined(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)), EXACT, 1.5)
+        yield Lines("spokes", joined(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),
+                    self._places.room.palette.exact, 1.5)
 
-    def _halves(self, x: np.ndarray, estimated: np.ndarray | None, true: np.ndarray | None) -> Iterator[Mark]:
-        colours = np.where(x[:, :1] < 0, shades(self._scale, estimated, len(x)), shades(self._scale, true, len(x)))
-        yield Dots("particles", self._images(x, self.MIRRORS), colours, 1.16 * self._width)
+    def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
+        colours = np.where(x[:, :1] < 0, estimated, true)
+        yield Dots("particles", self._images(x, self.MIRRORS), colours, self._width, self._shape)

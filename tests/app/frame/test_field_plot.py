@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from app.frame.field import ROOM, Axis, FieldPlot, seen
+from app.frame.layout import Seat
+from app.frame.marks import Room
 from app.problems.bar.stage import BarStage
 from app.problems.ring.stage import RingStage
 from solvers.problems.bar.scene import BarScene
@@ -73,10 +75,12 @@ def test_what_is_off_is_not_zero(scene):
 
 
 def test_magnified_is_exact_plus_so_many_deviations():
-    field, known = np.array([[5.0, 0.25], [2.0, -0.5]]), SimpleNamespace(solution_known=True)
+    """Of what does not swing, where all else is the same everywhere, deviations alone."""
+    field, known = np.array([[5.0, 0.25], [2.0, -0.5]]), SimpleNamespace(solution_known=True, swings=True)
     np.testing.assert_array_equal(seen(known, field, 1), [5, 2])
     np.testing.assert_array_equal(seen(known, field, 10), [4.75 + 2.5, 2.5 - 5])
     np.testing.assert_array_equal(seen(SimpleNamespace(solution_known=False), field, 10), [5, 2])
+    np.testing.assert_array_equal(seen(SimpleNamespace(solution_known=True, swings=False), field, 10), [2.5, -5])
 
 
 def test_axis_ends_at_round_numbers_and_holds_everything():
@@ -108,13 +112,19 @@ def test_axis_comes_back_once_a_peak_is_gone():
     assert 1 / ROOM <= axis.top < 3
 
 
-def plot():
+PLACES = BarStage.places(Room(720.0, high=0.5, gutter=0.16), Seat.ALONE)
+BOX = PLACES.field
+
+
+def plot(places=PLACES, beside=None):
     """A function that draws a plot's next frame, and what the plot shows by the last part of its name."""
-    drawn, made = FieldPlot(BAR_FIELD, 0.006), {}
+    drawn, made = FieldPlot(BAR_FIELD, beside), {}
 
     def draw(*frame):
-        made.update((mark.name.removeprefix("field/"), mark) for mark in drawn.draw(*frame))
+        shades = np.full((len(frame[3]), 3), 7, np.uint8)
+        made.update((mark.name.removeprefix("field/"), mark) for mark in drawn.draw(places, *frame, shades))
 
+    made["plot"] = drawn
     return draw, made
 
 
@@ -126,9 +136,9 @@ def test_a_run_gone_bad_breaks_nothing_and_is_said():
     at, crossed = (np.arange(20) + 0.5) / 20, np.arange(20) == 3
     draw(BAR, "v", 1000, at, field, 0.1, crossed)
     heights = made["particles"].points[:, 1]
-    assert (heights[17:] < -1).all() and "; 3 without a number" in made["caption"].text
-    assert np.abs(heights[:17] - BAR_FIELD.middle).max() <= 1.001 * ROOM * BAR_FIELD.height  # single precision
-    assert "deviation from exact × 1000" in made["caption"].text and made["high"].text == "1.00e+12 m/s"
+    assert (heights[17:] < -1).all() and "3 without a number" in made["remark"].text
+    assert np.abs(heights[:17] - BOX.middle).max() <= 1.001 * ROOM * BOX.half  # single precision
+    assert made["magnified"].text == "error × 1000" and made["high"].text == "+1.00e+12 m/s"
     assert np.isfinite(made["exact"].segments).all()
     np.testing.assert_array_equal(made["crossed"].points[:, :2], made["particles"].points[crossed][:, :2])
 
@@ -138,24 +148,71 @@ def test_the_axis_begins_anew_with_the_run():
     draw, made = plot()
     at, crossed, field = (np.arange(20) + 0.5) / 20, np.zeros(20, bool), np.full((20, 2), 1e6, np.float32)
     draw(BAR, "x", 1, at, field, 0.5, crossed)
-    assert made["high"].text == "1 Mm"
+    assert made["high"].text == "+1 Mm"
     draw(BAR, "x", 1, at, 0 * field, 0.0, crossed)
-    assert made["high"].text == "30 mm" and made["low"].text == "−30"
+    assert made["high"].text == "+30 mm" and made["low"].text == "−30"
 
 
-def test_captions_say_what_is_drawn():
+def test_a_plot_says_what_is_drawn():
     draw, made = plot()
     at, crossed = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
-    def caption(scene, quantity, magnified=1, value=0.0):
+    def said(scene, quantity, magnified=1, value=0.0):
         draw(scene, quantity, magnified, at, np.full((20, 2), value, np.float32), 0.1, crossed)
-        return made["caption"].text
+        return made["name"].text, made["remark"].text, made["key2"].text
 
-    assert caption(BAR, "x") == "displacement u: particles (dots) on the exact curve"
-    assert len(made["exact"])
-    assert caption(BAR, "sigma", 100) == "stress σ: particles' deviation from exact × 100"
+    assert said(BAR, "x") == ("Displacement", "", "exact curve") and len(made["exact"])
+    assert said(BAR, "sigma", 100) == ("Stress", "", "exact curve") and made["magnified"].text == "error × 100"
     alone = replace(BAR, body_force="two-tone")
-    assert caption(alone, "v", 10) == "velocity v of the particles (no exact curve is known)"
-    assert not len(made["exact"])
+    assert said(alone, "v", 10) == ("Velocity", "no exact curve is known", "") and not len(made["exact"])
     off = replace(BAR, effects=("truth",))
-    assert caption(off, "a", value=np.nan) == "acceleration a not computed: the effect \"acceleration error\" is off"
+    assert said(off, "a", value=np.nan)[1] == "not computed: the effect \"acceleration error\" is off"
+    patch = replace(BAR, motion="patch", amplitude=BarScene().amplitude)
+    assert said(patch, "sigma")[1] == "deviation from the exact one"
+    assert not np.ptp(made["exact"].segments[:, :, 1])  # which is zero
+
+
+def test_where_a_name_has_no_room_the_remark_says_it():
+    places = BarStage.places(Room(358.0, high=0.84), Seat.ALONE)
+    draw, made = plot(places)
+    at, crossed = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
+    draw(BAR, "x", 10, at, np.zeros((20, 2), np.float32), 0.1, crossed)
+    assert made["remark"].text == "Displacement" and not made["name"].text
+
+
+def test_dots_and_curve_are_along_the_bar_where_the_material_is():
+    """A particle without error lies on the curve, which is drawn against where material is now."""
+    t, X = 0.25 * BAR.period, (np.arange(400) + 0.5) / 400
+    draw, made = plot()
+    u = BAR_FIELD.exact(BAR, "x", X, t)
+    draw(BAR, "sigma", 1, X + u, np.stack([BAR_FIELD.exact(BAR, "sigma", X, t), 0 * X], 1), t, np.zeros(400, bool))
+    curve = made["exact"].segments[:, 0]
+    assert np.abs(np.interp(made["particles"].points[:, 0], curve[:, 0], curve[:, 1])
+                  - made["particles"].points[:, 1])[8:-8].max() < 1e-3 * BOX.half
+    assert np.abs(u).max() > 0.02 and not len(made["stems"])
+
+
+def test_stems_are_as_long_as_the_errors():
+    """From the exact value to the dot, in the colour of the error; none that the dot would hide."""
+    draw, made = plot()
+    at, error = (np.arange(20) + 0.5) / 20, np.zeros(20)
+    error[[4, 11]] = 0.01, -0.02
+    for magnified in (1, 10):
+        draw(BAR, "x", magnified, at, np.stack([error, error], axis=1), 0.0, np.zeros(20, bool))
+        stems, dots = made["stems"], made["particles"].points
+        top = float(made["high"].text[1:].split()[0]) / 1000
+        drawn = stems.segments[:, 1, 1] - stems.segments[:, 0, 1]
+        np.testing.assert_allclose(drawn, magnified * error[[4, 11]] * BOX.half / top, rtol=1e-4)
+        np.testing.assert_array_equal(stems.segments[:, 1, :2], dots[[4, 11], :2])
+        assert (stems.colours == 7).all()
+
+
+def test_two_plots_share_an_axis():
+    draw, made = plot()
+    beside, other = plot(beside=made["plot"])
+    at, crossed, field = (np.arange(20) + 0.5) / 20, np.zeros(20, bool), np.zeros((20, 2), np.float32)
+    draw(BAR, "x", 1, at, field, 0.1, crossed)
+    beside(BAR, "x", 1, at, field + 1, 0.1, crossed)
+    assert made["plot"].outdated and made["high"].text == "+30 mm"
+    draw(BAR, "x", 1, at, field, 0.1, crossed)
+    assert not made["plot"].outdated and made["high"].text == other["high"].text == "+1 m"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -60,7 +61,8 @@ def test_both_halves_show_sizes():
     view = view_of()
     np.testing.assert_allclose(view.left.sizes, np.abs(SIGNED))
     np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
-    assert view.left.title == "estimated error by transport" and view.right.title == "true error"
+    assert (view.left.title, view.left.by) == ("Estimate", "by transport")
+    assert (view.right.title, view.right.by) == ("Truth", "exact solution")
     assert view.left.silence == view.right.silence == ""
 
 
@@ -69,7 +71,8 @@ def test_difference_knows_signs():
     view = view_of(difference=True)
     np.testing.assert_allclose(view.left.sizes, 2 * np.abs(TRUE))
     np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
-    assert view.left.title == "estimate by transport − truth" and "estimate − truth" in view.measures
+    assert (view.left.title, view.left.by) == ("Estimate − truth", "by transport")
+    assert "estimate − truth" in view.measures
     np.testing.assert_allclose(view.estimated, np.abs(SIGNED))  # what is read off stays the estimate
 
 
@@ -110,13 +113,22 @@ def test_another_estimator_is_on_its_way():
     assert "being prepared" in view_of(estimator="companion").left.silence
 
 
+class Clock:
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
 def test_scale_says_when_something_exceeds_it():
-    scale = ColourScale()
-    scale.follow(np.full(3, 5.0), np.full(3, 1.0), 0.0)
-    assert scale.top == 5 and scale.ticks()[-1][1] == "5"
-    scale.follow(np.full(3, 50.0), np.full(3, 1.0), 0.0)
-    assert scale.top == 10 and scale.ticks()[-1][1] == "≥ 10"
-    scale.follow(None, None, 0.0)
+    clock = Clock()
+    scale = ColourScale(clock)
+    scale.follow(np.full(3, 5.0), np.full(3, 1.0))
+    clock.now = 1.0
+    assert scale.top == 5 and scale.ticks("m")[-1][1] == "5 m"
+    scale.follow(np.full(3, 50.0), np.full(3, 1.0))  # an estimate that has lost its way
+    assert scale.top == 10 and scale.ticks("m")[-1][1] == "≥ 10 m"
+    scale.follow(None, None)
     assert not scale.exceeded
 
 
@@ -128,7 +140,7 @@ def test_two_runs_share_one_scale():
                         ((large, small), (small, small)), ((small, small), (large, small)),
                         ((None, small), (None, large)), ((small, None), (large, None)), ((large, None), (small, None))):
         scale = ColourScale()
-        scale.follow(*own, 0.0, beside)
+        scale.follow(*own, None, beside)
         assert scale.top == 5, (own, beside)
         assert not scale.exceeded
 
@@ -139,25 +151,66 @@ def test_scale_is_used_and_its_numbers_are_round(logarithmic):
     for value in np.geomspace(1e-7, 1e6, 500):
         scale = ColourScale()
         scale.logarithmic = logarithmic
-        scale.follow(np.array([value]), None, 0.0)
+        scale.follow(np.array([value]), None)
         assert 0.75 - 1e-12 <= value / scale.top <= 1
-        assert len(scale.ticks()) <= MOST_TICKS and scale.ticks()[-1][0] == 1
-        for at, text in scale.ticks():
-            exact = scale.top * 10 ** (DECADES * (at - 1)) if logarithmic else scale.top * at / 10.0**scale.power
-            assert float(text) == pytest.approx(exact, rel=1e-9)  # nothing was rounded away
-            assert len(f"{float(text):.12e}".split("e")[0].rstrip("0")) <= 4  # 2.25 at most
+        ticks = scale.ticks("m")
+        assert len(ticks) <= MOST_TICKS and ticks[-1][0] == 1 and ticks[-1][1] == with_unit(scale.top, "m")
+        size = scale.top / float(ticks[-1][1].split()[0])  # what the numbers without a unit are counted in
+        for at, text in ticks[not logarithmic:-1]:
+            exact = scale.top * 10 ** (DECADES * (at - 1)) if logarithmic else scale.top * at
+            shown = words.size_in(text, "m") if logarithmic else size * float(text)
+            assert shown == pytest.approx(exact, rel=1e-9)  # nothing was rounded away
+            assert len(f"{float(text.split()[0]):.12e}".split("e")[0].rstrip("0")) <= 4  # 2.25 at most
+        assert logarithmic or ticks[0] == (0.0, "0, exact")
 
 
 def test_scale_keeps_still_while_errors_come_and_go():
-    """An error that swings twice a period has one top; one that has gone for a period has none."""
-    scale, tops = ColourScale(), set()
+    """It holds the largest error so far, whatever comes; another run has its own."""
+    clock, tops = Clock(), []
+    scale = ColourScale(clock)
     for k in range(400):
-        scale.follow(None, np.array([2.2 * abs(np.sin(2 * np.pi * (k / 100 + 0.25))) + 0.1]), k / 100)
-        tops.add(scale.top)
-    assert tops == {2.5}
-    for k in range(400, 502):
-        scale.follow(None, np.array([0.1]), k / 100)
+        clock.now = k / 25
+        scale.follow(None, np.array([2.2 * abs(np.sin(2 * np.pi * k / 100)) + 0.1]))
+        tops.append(scale.top)
+    assert tops[-1] == 2.5 == max(tops) and tops == sorted(tops)
+    scale.follow(None, np.array([0.1]))
+    assert scale.top == 2.5
+    scale.forget()
+    scale.follow(None, np.array([0.1]))
     assert scale.top == 0.1
+
+
+def test_scale_grows_once_a_second_and_by_half_at_least():
+    """But at once where all would look alike."""
+    clock = Clock()
+    scale = ColourScale(clock)
+    changes, before = [], None
+    for k in range(500):
+        clock.now = k / 25
+        scale.follow(None, np.array([1 + 0.01 * k]))
+        if scale.top != before:
+            changes.append((clock.now, scale.top))
+        before = scale.top
+    assert all(later - sooner >= 1 and top >= 1.5 * least
+               for (sooner, least), (later, top) in pairwise(changes)) and 2 < len(changes) < 6
+    scale.follow(None, np.array([100 * scale.top]))
+    assert scale.top >= 100
+
+
+def test_a_run_that_is_shown_again_begins_with_what_it_has_come_to():
+    scale = ColourScale()
+    for size in (0.1, 7.3, 0.2):
+        scale.follow(None, np.array([size]), "this run")
+    scale.forget()
+    scale.follow(None, np.array([0.1]), "another")
+    assert scale.top == 0.1
+    scale.forget()
+    scale.follow(None, np.array([0.1]), "this run")
+    assert scale.top == 8
+    scale.held = True
+    scale.forget()
+    scale.follow(None, np.array([50.0]), "another")
+    assert scale.top == 8 and scale.exceeded
 
 
 @pytest.mark.parametrize(("value", "text"), [
@@ -250,12 +303,12 @@ def test_worst_places_by_estimate_and_by_truth():
     places, estimate, error = WorstRegions(), np.full(20, 0.1), np.full(20, 0.2)
     estimate[3], error[7] = 1.0, -2.0
     arrays, report = arrays_of(estimate, error), report_of(BAR)
-    places.look(report, arrays, look(report, arrays, "x", "transport", False))
+    places.look(report, arrays, look(report, arrays, "x", "transport", False), "m")
     assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
     assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
     assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
     report = report_of(replace(BAR, body_force="two-tone"))
-    places.look(report, arrays, look(report, arrays, "x", "transport", False))
+    places.look(report, arrays, look(report, arrays, "x", "transport", False), "m")
     assert places.by_truth is None and places.by_estimate.true is None
 
 

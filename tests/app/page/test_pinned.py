@@ -155,7 +155,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     assert abs(run.last[0].time - visit.report.time) < 0.5 * SCENE.period
     assert not visit.others_playing
     view = run.view("x", "companion", False)
-    assert view.left.title == "estimated error by transport" and view.right.sizes.shape == (SCENE.particles,)
+    assert view.left.by == "by transport" and view.right.sizes.shape == (SCENE.particles,)
     series = visit.history.series
     norm, estimate = grey_curves(run, visit.history, series, "x", "transport", False)[0]
     assert len(norm) == len(estimate) == len(series["time"]) and np.isfinite(norm[:3]).all()

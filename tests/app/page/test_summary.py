@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.crossings import WINDOW
 from app.frame.sentence import Said
 from app.frame.silences import NONE_CHOSEN, UNKNOWN
 from app.frame.view import look
 from app.page.stage.worst import WorstRegions
 from app.page.summary import SAY_SECONDS, WAITING, Speaker, compared, summary
-from app.page.visit.history import CROSSING_WINDOW
 from app.words import per_cent
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
@@ -32,7 +32,7 @@ def told(scene=BAR, drawn="transport", series=SERIES, crossed=(), ago=0.0, **cha
     report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(ERROR / 2, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
     view, worst = look(report, arrays, "x", drawn, False), WorstRegions()
-    worst.look(report, arrays, view)
+    worst.look(report, arrays, view, "m")
     return summary(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn, ago)
 
 
@@ -63,7 +63,7 @@ def test_the_eye_gets_the_same_in_spans():
 
 @pytest.mark.parametrize(("beyond", "who"), [(1, "2 particles"), (0, "3 particles")])
 def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
-    steps = CROSSING_WINDOW * BAR.period / BAR.time_step
+    steps = WINDOW * BAR.period / BAR.time_step
     assert f" {who} crossed a cell boundary in the last 0.05 s." in said(crossed=[0, 1, int(steps) + beyond])
 
 

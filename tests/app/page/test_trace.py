@@ -8,13 +8,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.layout import Seat
 from app.frame.scale import ColourScale
 from app.page.stage.trace_rings import RADIUS, TraceRings
 from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS
 from app.page.visit.recent import Recent
 from app.page.visit.trace import Trace
-from app.problems.bar.stage import ESTIMATE_LANE, TRUTH_LANE, BarStage
+from app.problems.bar.stage import BarStage
 from app.problems.ring.stage import MIRRORS, RingStage
+from app.renderers import viewer
+from app.renderers.lettering import Lettering
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import build
@@ -25,6 +28,7 @@ from tests.drawn import Scene, Sheet
 
 BAR = BarScene(cells=10, ppc=2, periods=1, amplitude=0.1, estimators=("transport",))
 RING = RingScene(cells=12, periods=1)
+GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 FRAMES, STEPS = 40, 10  # and between two frames
 
 
@@ -140,7 +144,8 @@ def test_every_image_is_found_by_a_click(run, stage):
         for particle in range(0, len(arrays.position), 5):
             x, y, _ = image[particle]
             assert stage.nearest((x, y), arrays) == particle
-    assert stage.nearest((0.5, 0.44 if halves > 2 else 1.0), arrays) is None  # the ring's hole, above the bar
+    places = stage.places(stage.sheet.room.settled(), Seat.ALONE)
+    assert stage.nearest(places.middle if halves > 2 else (0.5, 1.0), arrays) is None  # the ring's hole, above the bar
 
 
 def test_height_in_the_lanes_does_not_count():
@@ -148,9 +153,10 @@ def test_height_in_the_lanes_does_not_count():
     report, arrays = frame_of(BAR)
     stage = BarStage(Sheet(), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
-    for y in (ESTIMATE_LANE + 0.04, (ESTIMATE_LANE + TRUTH_LANE) / 2, TRUTH_LANE - 0.04):
+    places = stage.places(stage.sheet.room.settled(), Seat.ALONE)
+    for y in (places.estimate + 0.04, places.crossings, places.truth - 0.04):
         assert [stage.nearest((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
-    assert stage.nearest((1.2, TRUTH_LANE), arrays) is None
+    assert stage.nearest((1.2, places.truth), arrays) is None
 
 
 def test_a_click_marks_and_another_ends_it(run, stage):
@@ -160,8 +166,8 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     recent.add(report, arrays)
     clicks, scene = [], Scene()
     scene.on_click = lambda: clicks.append
-    trace = Trace(recent)
-    mark = TraceRings(SimpleNamespace(scene=scene), trace)
+    trace, client = Trace(recent), SimpleNamespace(scene=scene)
+    mark = TraceRings(client, viewer.Sheet(client, Lettering(GUI), "/trace"), trace)
     mark.look(stage, arrays)
     assert not scene.made["trace"].visible
     images = stage.images(arrays, slice(5, 6))[:, 0, :2]
@@ -174,7 +180,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
         click(*images[0])
         assert trace.traced.particle == 5
         assert scene.made["trace"].visible
-        for rings in (scene.made["ground"], scene.made["ring"]):
+        for rings in (scene.made["ground"], scene.made["dot"]):
             apart = np.linalg.norm(rings.points.reshape(len(images), -1, 3)[:, :, :2] - images[:, None], axis=2)
             np.testing.assert_allclose(apart, RADIUS, rtol=1e-4)  # single precision near 1
         click(*place)

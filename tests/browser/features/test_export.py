@@ -18,7 +18,7 @@ from app.export.lesson import lesson_page
 from app.export.page import quantities, scene_page
 from app.export.record import recording
 from app.export.vocabulary import formats
-from app.frame.captions import captions, field_caption
+from app.frame.captions import captions, field_words
 from app.frame.silences import not_estimated, why_no_estimate, why_no_truth
 from app.lessons import progress
 from app.lessons.lesson import drawn
@@ -164,8 +164,10 @@ def test_whatever_is_looked_at_is_said_as_on_the_page(chromium, tmp_path, name):
                 if not no_estimate and row.endswith(not_estimated(key)):
                     no_estimate = f"{estimator} {not_estimated(key)}"
                 said = captions(key, estimator, apart, no_estimate, no_truth)
-                for part in (*said.titles, *said.silences, said.measures, stage.note(scene), stage.MARKED,
-                             field_caption(scene, stage.PLOT.component, key, magnified)):
+                field = field_words(scene, stage.PLOT.component, key)
+                larger = f"error × {magnified}" * scene.solution_known
+                for part in (*said.titles, *said.by, *said.silences, stage.note(scene), stage.MARKED, field.name,
+                             field.remark, larger, str(words.QUANTITIES[key])):
                     assert part in drawn, (key, estimator)
                 seen = page.locator("#summary").inner_text()
                 capital = no_truth[:1].upper() + no_truth[1:]  # it may begin a sentence

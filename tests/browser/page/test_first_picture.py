@@ -75,7 +75,7 @@ def test_sentence_says_what_the_numbers_say(page):
     its worst region."""
     until(lambda: re.match(r"So far the displacement is 0\.\d+ % wrong; recovered (finds 100 % of it|says 1\.\d\d "
                            r"times as much)\. \S+ .m of 25 mm at most\. Worst at X = 0\.\d\d–\d\.\d\d m\. (\d+|No) "
-                           r"particles? crossed a cell boundary in the last 0.05 s\.$", summary(page)), "the sentence")
+                           r"particles? crossed a cell boundary in the last 0.2 s\.$", summary(page)), "the sentence")
     click(page, "Pause")
     until(lambda: summary(page).startswith("At t = "), "the pause said")
     true, estimated = (size_in(re.search(rf"{name}\s+([\d.]+ \S?m)", readout(page))[1], "m")

@@ -14,9 +14,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.planar import PLACES
+from app.frame.layout import Seat
 from app.frame.scale import ColourScale
-from app.frame.stage import Seat
 from app.problems.ring.stage import RingStage
 from app.renderers.lettering import Lettering
 from app.renderers.viewer import Sheet
@@ -85,7 +84,7 @@ def test_a_redraw_is_cheap(frame):
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 
     def draw():
-        scale.follow(estimated, true, 0.0)
+        scale.follow(estimated, true)
         stage.draw(SCENE, arrays, estimated, true, 0.0, 0.004)
 
     assert units(draw) < 40
@@ -98,7 +97,7 @@ def test_images_are_mirrored(frame):
     stage = RingStage(kept, ColourScale())
     stage.draw(SCENE, arrays, None, arrays.error[:, 0], 0.0, 0.004)
     truth, estimate = (kept.marks[half].points.reshape(2, -1, 3) for half in ("truth", "estimate"))
-    middle = [*PLACES[Seat.ALONE][0], 0]
+    middle = [*stage.places(kept.room.settled(), Seat.ALONE).middle, 0]
     place = stage._place(arrays.position) - middle
     for points, x in ((truth, 1), (estimate, -1)):
         for image, y in zip(points, (1, -1), strict=True):

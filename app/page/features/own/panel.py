@@ -23,7 +23,7 @@ from app.page.stage.worst import WorstRegions
 from app.page.visit.notice import Notice
 from app.page.visit.session import Session, first_scene
 from app.viewer.upload import LARGEST, TOO_LARGE, Upload
-from app.words import on_page
+from app.words import QUANTITIES, on_page
 from solvers.judging.reading import KINDS
 from solvers.judging.show import Shown
 from solvers.scene.scene import Scene
@@ -269,7 +269,7 @@ class OwnFile:
         run, k = shown
         report, arrays = run.frame(k, choice.quantity, self._code.playing)
         picture = Picture(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
-        return Sight(picture, run.largest(choice.quantity), 0.0, (run.name, choice.quantity))
+        return Sight(picture, run.largest(choice.quantity), (run.name, choice.quantity))
 
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         if (shown := self._code.shown) is None:
@@ -284,7 +284,7 @@ class OwnFile:
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
             return Said()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
-        worst.look(picture.report, picture.arrays, picture.view)
+        worst.look(picture.report, picture.arrays, picture.view, QUANTITIES[choice.quantity].unit)
         return words.sentence(*shown, picture.view, worst, choice.quantity)
 
     def notice(self) -> Notice | None:

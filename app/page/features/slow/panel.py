@@ -8,9 +8,11 @@ from html import escape
 
 import viser
 
+from app.frame.layout import Rectangle, rectangle
+from app.frame.marks import Room
 from app.frame.sentence import Said
 from app.frame.slow.phases import PHASES, scaled
-from app.frame.slow.stage import DIGITS, SlowStage
+from app.frame.slow.stage import DIGITS, HIGH, SlowStage
 from app.page.canvas import Canvas
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
@@ -42,12 +44,19 @@ class SlowMotion:
         self.on = self._walking = False
         self.sentence = Said()  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
-        self._drawn: tuple[int, float, int] | None = None  # phase, how far it is, letters in a line
+        self._drawn: tuple[int, float, Room] | None = None  # phase, how far it is, and in which room
 
     @property
     def showing(self) -> bool:
         """Whether there is a step on the stage."""
         return self._step is not None
+
+    @property
+    def rectangle(self) -> Rectangle | None:
+        """Of what is drawn while there is a step on the stage."""
+        with self._lock:
+            stage = self._stages.get(self._step[0].problem) if self._step else None
+            return stage.rectangle if stage else rectangle(HIGH[0])
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
@@ -168,7 +177,7 @@ class SlowMotion:
         if (stage := self._stages.get(scene.problem)) is None:
             sheet = self._canvas.sheet(f"/slow-{scene.problem}")
             stage = self._stages[scene.problem] = VIEWS[scene.problem].slow(sheet)
-        now = self._phase, self._s, stage.width
+        now = self._phase, self._s, stage.sheet.room
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
@@ -204,7 +213,7 @@ class SlowStep:
 
     def sight(self, choice: Choice) -> Sight | None:
         sight = self._run.sight(choice)
-        return sight and replace(sight, hidden=True)
+        return sight and replace(sight, hidden=self._slow.rectangle)
 
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         return self._run.numbers(choice, picture, probed)

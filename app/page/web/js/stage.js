@@ -4,6 +4,17 @@
   const stage = document.getElementById("lab-stage"), drawn = new Map();
   let said = "", high = 0;
 
+  // Widgets stand where the labels would that say what they are set to: to the gutter, or to a place of the stage.
+  const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity", "/field/magnified": "magnify"};
+  const UP = {top: "0px", center: "50%", bottom: "100%"}, ASIDE = {left: "0px", center: "50%", right: "100%"};
+  function lay(widget, label, vertical, horizontal, element) {
+    const left = label.role === "gutter" ? "var(--pad)" : `calc(var(--stage-left) + (${1.03 * label.x} - 0.015) * var(--u))`;
+    const top = `calc(var(--stage-top) + ${label.y} * var(--lab-high) * var(--u))`;
+    element.classList.add("lab-laid", `lab-under-${widget}`);
+    for (const [name, value] of [["left", left], ["top", top], ["up", `-${UP[vertical]}`], ["aside", `-${ASIDE[horizontal]}`]])
+      document.body.style.setProperty(`--${widget}-${name}`, value);
+  }
+
   function put(label) {
     let element = drawn.get(label.name);
     if (!element) {
@@ -16,6 +27,8 @@
     element.className = `lab-label lab-role-${label.role} lab-tone-${label.tone || "plain"} lab-${vertical} lab-to-${horizontal}`
       + (label.bold ? " lab-bold" : "") + (label.sign ? ` lab-sign-${label.sign}` : "");
     element.textContent = label.text;
+    const place = Object.keys(LAID).find(end => label.name.endsWith(end));
+    if (place) lay(LAID[place], label, vertical, horizontal, element);
     element.style.left = `${100 * label.x}%`;
     element.style.top = `${100 * label.y}%`;
     element.style.setProperty("--size", label.size || 1);

@@ -3,7 +3,8 @@
 (() => {
   const room = document.getElementById("lab-room"), axis = document.querySelector("#lab-timeline .lab-axis");
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const told = () => ({room: [room.clientWidth, room.clientHeight, room.offsetLeft, axis.clientWidth, axis.clientHeight]
+  const gutter = () => parseFloat(getComputedStyle(document.body).getPropertyValue("--gutter"));
+  const told = () => ({room: [room.clientWidth, room.clientHeight, gutter(), axis.clientWidth, axis.clientHeight]
     .map(Math.round).concat(parseFloat(getComputedStyle(document.getElementById("lab-stage")).fontSize)),
     dark: dark.matches});
   const paint = () => { document.body.classList.toggle("lab-dark", dark.matches); look(); };
