@@ -6,6 +6,7 @@ import csv
 
 import pytest
 
+from tests.browser.conftest import PHONE
 from tests.browser.driving import click, engine_processes, readout, row, shown, time, until
 from tests.processes import PATIENCE, children, held
 
@@ -74,6 +75,19 @@ def look_at_dots(page):
         "document.activeElement.getAttribute('aria-label').split('; ')[0]")
 
 
+def names_are_apart(page):
+    """No name, number or tick that is shown lies on another or beyond the chart's box."""
+    return page.evaluate("""() => {
+        const box = element => element.getBoundingClientRect(), room = box(document.getElementById("lab-cost"));
+        const shown = [...document.querySelectorAll("#lab-cost :is(.lab-name, .lab-cells, .lab-across)")].filter(
+            element => getComputedStyle(element).visibility === "visible" && box(element).width).map(box);
+        const clear = (one, other) => one.left >= other.right - 1 || other.left >= one.right - 1
+            || one.top >= other.bottom - 1 || other.top >= one.bottom - 1;
+        return shown.length > 4 && shown.every((one, k) => one.left >= room.left && one.right <= room.right
+            && one.bottom <= room.bottom && shown.slice(k + 1).every(other => clear(one, other)));
+    }""")
+
+
 @pytest.mark.slow
 def test_sweep_beside_the_live_stage_and_load(own_page, server):
     """The stage's own run is a dot, in the band of those not timed alone; a sweep adds more while the stage pauses, or
@@ -106,6 +120,7 @@ def test_sweep_beside_the_live_stage_and_load(own_page, server):
     until(lambda: not job_processes(server[1]), "the process gone")
     move_the_line(page)
     look_at_dots(page)
+    until(lambda: names_are_apart(page), "names that can be read")
     page.locator(".lab-dot[data-run='3']").click()
     shown(page, "Run 3 is on the stage")
     until(lambda: "of 1.25 ms" in readout(page), "the step of 20 cells")
@@ -120,6 +135,9 @@ def test_sweep_beside_the_live_stage_and_load(own_page, server):
         click(page, "Download CSV")
     with open(download.value.path(), newline="") as file:
         assert len(list(csv.DictReader(file))) == dots(page)
+    page.set_viewport_size(PHONE)
+    until(lambda: page.locator("#lab-cost").bounding_box()["width"] == PHONE["width"], "the chart in the stage's place")
+    until(lambda: names_are_apart(page), "names that can be read on a phone")
 
 
 def test_search_is_refused_in_words_cancelled_and_left(own_page, server):

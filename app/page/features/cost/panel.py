@@ -40,7 +40,9 @@ class CostTab:
         self.jobs = Jobs(self.runs)
         self._live, self._quiet = LiveRows(), QuietStage(session)
         self._refreshing = Lock()
-        self._charted: tuple | None = None
+        self._of: tuple | None = None  # the runs and the scene that the chart was last asked for,
+        self._chartable: tuple | None = None  # what it depends on of those,
+        self._charted: tuple | None = None  # and of what it has been drawn
         self._told: tuple | None = None
         self._axes: dict[str, Axes] = {}  # of each problem
         self._next = 0.0  # when there is a new picture, while a job runs
@@ -64,7 +66,10 @@ class CostTab:
         self._quiet.follow(status.running)
         self._drop_what_is_old()
         scene, stage = self._session.scene, self._stage_word(status)
-        charted = (self.runs.version, question(scene), staged(self.runs.all(), scene))
+        if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
+            self._of = self.runs.version, scene
+            self._chartable = (self.runs.version, question(scene), staged(self.runs.all(), scene))
+        charted = self._chartable
         if charted != self._charted and (not status.running or monotonic() >= self._next):
             self._charted, self._next = charted, monotonic() + STREAM_SECONDS
             self._show_runs(scene)
