@@ -48,7 +48,7 @@ class Judges:
         for name in (*usual, *(name for name in PROBLEMS[problem].estimators if name not in usual)):
             gui.add_html("<i class='lab-switch'></i>")
             self._boxes[name] = gui.add_checkbox(ESTIMATORS[name].title, name in wished)
-            gui.add_html(_card(name, VIEWS[problem].prices.get(name)))
+            gui.add_html(_card(name, problem))
         for box in self._boxes.values():
             self._bound.follow(box, lambda _: self._choose())
         self._stage.judge_by(wished)
@@ -75,12 +75,12 @@ class Judges:
             self._stage.put(name)
 
 
-def _card(name: str, price: float | None) -> str:
-    """A card, which the browser fills. ``price`` is a share of the running time: what it adds to the rest is said."""
-    estimator = ESTIMATORS[name]
+def _card(name: str, problem: str) -> str:
+    """A card, which the browser fills from runs of the problem. The price is what an estimator adds to the rest."""
+    estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
     cost = "" if price is None else f"+{price / (1 - price):.0%}"
     idea = escape(IDEAS.get(name, estimator.summary))
-    return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}'>"
+    return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}' data-problem='{escape(problem)}'>"
             f"<button type='button' class='lab-judge-name' title='put it on the stage: {escape(estimator.summary)}'>"
             f"{sample(name)} {escape(estimator.title)}</button><span class='lab-tag'>on the stage</span>"
             f"<p class='lab-idea'>{idea}</p><p class='lab-index'><strong></strong> <span>{cost}</span></p>"

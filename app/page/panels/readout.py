@@ -68,7 +68,7 @@ def readout(session: Session, history: History, report: FrameReport, quantity: s
 
 
 def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
-    """What the cards of the judges say of a run up to a time, as JSON.
+    """What the cards of the judges say of a run of a ``problem`` up to a time, as JSON.
 
     The ``true`` error's norm at that time, or why it is not ``known``, the estimator on the ``stage``, and for each of
     the ``judges`` that run its ``index`` so far, in words and as a place ``at`` from 0 to 1 on a gauge of factors from
@@ -84,7 +84,7 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
             at = place(float(values[-1]) if len(values) else math.nan)
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at}
     true = why_not[TRUE] or norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
-    return json.dumps({"true": true, "known": not why_not[TRUE], "stage": drawn, "judges": judges})
+    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn, "judges": judges})
 
 
 def place(index: float) -> float | None:

@@ -12,7 +12,8 @@ from solvers.solver.soundness import CONTRADICTIONS, MOST_ERROR
 
 
 def add_about(gui: viser.GuiApi) -> None:
-    """Fill the tab: the page, each estimator behind its name, what to believe and something to try."""
+    """Fill the tab: something to try, the page, each estimator behind its name, and what to believe."""
+    gui.add_html((WEB / "try.html").read_text(encoding="utf-8"))
     about = (WEB / "about.html").read_text(encoding="utf-8")
     gui.add_html(about.format(problems="".join(view.about for view in VIEWS.values()),
                               divisions=", ".join(view.division for view in VIEWS.values())))
@@ -28,4 +29,3 @@ def add_about(gui: viser.GuiApi) -> None:
         remedies += f"<dt>{remedy.label}{only}</dt><dd>{remedy.explanation}.</dd>"
     trust = (WEB / "trust.html").read_text(encoding="utf-8")
     gui.add_html(trust.format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
-    gui.add_html((WEB / "try.html").read_text(encoding="utf-8"))

@@ -67,10 +67,9 @@ class SlowMotion:
             acts = {"Back": self.back, "Forward": self.forward, "Walk": lambda: self._walk(True),
                     "Hold": lambda: self._walk(False)}
             gui.add_html(BARE)
-            buttons = gui.add_button_group("Phase", tuple(acts), hint="Walk goes on by itself; after the last phase "
-                                           "comes the next step")
+            buttons = gui.add_button_group("Phase", tuple(acts))
             seconds = gui.add_slider("Seconds a phase", least, most, 0.5, self._seconds,
-                                     hint="how long Walk shows each phase")
+                                     hint="how long Walk shows each phase, before it goes on by itself")
             particles = self._session.scene.particles
             self._particle = gui.add_number("Particle", particles // 3, min=0, max=particles - 1, step=1,
                                             hint="the one in front of the others")

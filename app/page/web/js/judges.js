@@ -8,13 +8,14 @@
     const data = document.querySelector("i.lab-judged")?.dataset.said, first = document.querySelector(".lab-judge");
     if (!data || (data === said && first === filled)) return;
     [said, filled] = [data, first];
-    const {true: norm, stage, judges, known} = JSON.parse(data);
+    const {problem, true: norm, stage, judges, known} = JSON.parse(data);
     const truth = document.querySelector(".lab-judge-true");
     write(truth?.querySelector("strong"), norm);
     truth?.classList.toggle("lab-unknown", !known);
     for (const card of document.querySelectorAll(".lab-judge")) {
-      const judge = judges[card.dataset.judge], gauge = card.querySelector(".lab-gauge");
-      card.classList.toggle("lab-off", !judge);
+      const box = card.parentElement.previousElementSibling.querySelector("input"), gauge = card.querySelector(".lab-gauge");
+      const judge = card.dataset.problem === problem && box?.checked && judges[card.dataset.judge];
+      card.classList.toggle("lab-off", !box?.checked);
       card.classList.toggle("lab-silent", Boolean(judge?.says));
       card.classList.toggle("lab-on-stage", card.dataset.judge === stage && Boolean(judge));
       write(card.querySelector(".lab-index strong"), judge?.index || "");
@@ -23,6 +24,9 @@
     }
   }
 
+  root.addEventListener("change", event => {
+    if (event.target.closest("[data-lab~=lab-switch] + div")) { said = ""; look(); }
+  });
   root.addEventListener("click", event => {
     const tell = detail => dispatchEvent(new CustomEvent("lab-tell", {detail}));
     const name = event.target.closest(".lab-judge-name"), method = event.target.closest(".lab-method");
