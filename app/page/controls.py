@@ -208,6 +208,7 @@ class Controls:
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once
         self._folds: dict[str, viser.GuiHtmlHandle] = {}
+        says = self._fold_words()
         view, scene = VIEWS[self._session.scene.problem], self._session.scene
         with self._widgets:
             self._run.build(self._gui, self._part)
@@ -225,7 +226,7 @@ class Controls:
                 mark(self._gui, "lab-slow-fold", words="phase by phase")
                 self._slow.build(self._gui)
             with self._part("details"):
-                self._folds["details"] = mark(self._gui)
+                self._folds["details"] = mark(self._gui, words=says["details"])
                 with self._gui.add_folder("Method details and remedies", expand_by_default=False):
                     for field, hint in view.details.items():
                         if field != "body_force" or scene.swings:
@@ -233,10 +234,9 @@ class Controls:
                     self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
                     self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"):
-                self._folds["effects"] = mark(self._gui)
+                self._folds["effects"] = mark(self._gui, words=says["effects"])
                 with self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
                     self._bound.boxes("effects", ALL)
-        self._say_folds()
 
     def _enter(self, text: Any) -> None:
         """The visitor is done with typing into the text that the browser calls so."""
@@ -251,22 +251,24 @@ class Controls:
         """A folded part of the panel; with the few controls that a lesson leaves there is nothing to fold."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
-        self._folds[label] = mark(self._gui)
+        self._folds[label] = mark(self._gui, words=self._fold_words()[label])
         return self._gui.add_folder(label, expand_by_default=False)
 
     def _say_folds(self) -> None:
-        """What is set in each fold, at the right of its name."""
-        scene, view = self._session.scene, VIEWS[self._session.scene.problem]
-        values = scene.to_dict()
-        motion = [CHOICES["motion"][values["motion"]]] if view.motion else []
-        remedies = ", ".join(REMEDIES[name].label for name in scene.remedies)
-        says = {"What is drawn": self._drawn.words, "details": remedies or "none",
-                "Motion and material": ", ".join([*motion, *(f"{slider[0].split()[-1]} = {values[field]:g}"
-                                                             for field, slider in view.material.items())]),
-                "effects": f"{len(scene.effects)} of {len(ALL)}"}
+        says = self._fold_words()
         for fold, handle in self._folds.items():
             if handle.content != (content := marked(words=says[fold])):
                 handle.content = content
+
+    def _fold_words(self) -> dict[str, str]:
+        """What is set in each fold, for the right of its name."""
+        scene, view = self._session.scene, VIEWS[self._session.scene.problem]
+        values = scene.to_dict()
+        motion = [CHOICES["motion"][values["motion"]]] if view.motion else []
+        material = [f"{slider[0].split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
+        return {"What is drawn": self._drawn.words, "Motion and material": ", ".join([*motion, *material]),
+                "details": ", ".join(REMEDIES[name].label for name in scene.remedies) or "none",
+                "effects": f"{len(scene.effects)} of {len(ALL)}"}
 
     def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Another motion has other controls."""

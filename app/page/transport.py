@@ -15,7 +15,7 @@ from app.problems.views import VIEWS
 from solvers.scene.scene import Scene
 
 PIN, UNPIN = "Pin this run", "Unpin"
-SLOW, NOT_SLOW = "Slow motion", "End slow motion"
+SLOW, NOT_SLOW = "Slow motion", "Normal speed"
 
 
 class Transport:

@@ -63,8 +63,8 @@ class RunWidgets:
         codes = {name: code for code, name in self._names.items()}
         self._shown_method = gui.add_dropdown("Method", tuple(codes), initial_value=self._names[scene.method],
                                               hint="shape functions that carry data between particles and grid")
-        self._pictures = gui.add_html("")
-        self._picture(scene)
+        self._pictured = scene.method
+        self._pictures = gui.add_html(pictures(tuple(self._names), scene.method))
         self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
 
     def _picture(self, scene: Scene) -> None:

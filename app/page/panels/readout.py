@@ -78,13 +78,14 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
     judges: dict[str, dict[str, object]] = {}
     for name in report.scene.estimators:
         if says := why_not[name]:
-            judges[name] = {"says": f"Not valid here: {says}" if name in report.not_valid else says}
+            judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
             values = series.get(f"{name}/index_{quantity}", np.zeros(0))
             at = place(float(values[-1]) if len(values) else math.nan)
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at}
     true = why_not[TRUE] or norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
-    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn, "judges": judges})
+    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn,
+                       "judges": judges})
 
 
 def place(index: float) -> float | None:

@@ -32,7 +32,7 @@
     setTimeout(() => {
       const head = document.querySelector(`[data-lab~=lab-slow-fold] + div :is(${heads})`);
       if (head?.getAttribute("aria-expanded") === "false") head.click();
-      head?.scrollIntoView({block: "nearest"});
+      head?.scrollIntoView({block: "start"});
     }, 300);
   });
   let waiting = false;

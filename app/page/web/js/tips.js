@@ -10,7 +10,8 @@
   function place(row) {
     const box = row.getBoundingClientRect(), panel = row.closest("[data-dock-region=right]")?.getBoundingClientRect();
     const beside = panel && box.left >= panel.left && panel.left > 320, style = document.body.style;
-    style.setProperty("--tip-right", beside ? `${innerWidth - panel.left + 8}px` : `${Math.max(8, innerWidth - box.right)}px`);
+    style.setProperty("--tip-right", beside ? `${innerWidth - panel.left + 8}px` : "auto");
+    style.setProperty("--tip-left", beside ? "auto" : `${Math.max(8, Math.min(box.left, innerWidth - 276))}px`);
     style.setProperty("--tip-top", beside ? `${box.top}px` : "auto");
     style.setProperty("--tip-bottom", beside ? "auto" : `${innerHeight - box.top + 6}px`);
   }
