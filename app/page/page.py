@@ -120,6 +120,7 @@ class Page:
         self._controls.open_on(OPENING)
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
+            client.gui.add_html("<div class='lab-sparks-here'></div>")  # on a phone
             self._controls.build(explore)
             self._sharing = Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
