@@ -63,8 +63,9 @@ class LiveRun:
         report = shown[0]
         scene, valid = report.scene, report.valid_estimators
         text = readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.ago)
-        moves = session.playing and not session.ended and not recent.back
-        now = Now(report.time, recent.span, moves, report.since, report.status == UNSTABLE)
+        moves = session.playing and not session.ended and not recent.back and report.status != UNSTABLE
+        now = Now(report.time, recent.span, moves, report.since,
+                  report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
         return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
