@@ -83,7 +83,7 @@ class Page:
         if classroom.lesson:
             self._player.open(classroom.lesson)
         self._window = Window(self._store, self._fit, self._shade)
-        self._store.heard["seek"] = self._seek
+        self._store.heard["seek"], self._store.heard["read"] = self._seek, self._point
         follow_keys(self._store, {"judge": self._controls.next_judge, "magnify": self._controls.next_factor,
                                   "method": self._controls.next_method, "code": self._sharing.show_code,
                                   "phase": self._slow.forward, "phase back": self._slow.back,
@@ -190,6 +190,10 @@ class Page:
         self._canvas.shade(dark)
         self._measurements.timeline.shade(dark)
         self._redraw()
+
+    def _point(self, said: object) -> None:
+        """The visitor reads the curves over time at a part of their axis, or no longer."""
+        self._measurements.timeline.point(float(said) if number(said, 0, 1) else None)  # type: ignore[arg-type]
 
     def _seek(self, said: object) -> None:
         """The visitor has pointed at a place of the plot over time, a part of its axis."""

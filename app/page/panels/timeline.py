@@ -12,6 +12,7 @@ from viser import uplot
 
 from app.colours import LINES, PINNED
 from app.frame.scale import BEYOND, largest, round_up
+from app.frame.silences import TRUE
 from app.page.panels.plots import EMPTY, Past, finite, grey_curves, line, put
 from app.page.visit.pinned import PinnedRun
 from app.words import QUANTITIES, with_unit
@@ -48,6 +49,8 @@ class Timeline:
         self._ends: tuple[float, float, float] | None = None  # of the axes: times, and the error
         self._of: object = None
         self.height, self._dark = 62, False
+        self._pointed: float | None = None  # the part of the axis at which the visitor reads
+        self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' values by their names
 
     def shade(self, dark: bool) -> None:
         """Draw on a dark ground, or on a light one."""
@@ -78,8 +81,13 @@ class Timeline:
                      else np.full(len(time), np.nan) for name in self._estimators]
         top = self._scaled(past, (quantity, latest), time, [*grey, true, *estimated])
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
-        put(self._plot, (*finite(time, *grey, true, *estimated),))
+        put(self._plot, finite(time - start, *grey, true, *estimated))
+        self._read = time, {TRUE: true, **dict(zip(self._estimators, estimated, strict=True))}
         self._say(past, series, quantity, start, end, top, now)
+
+    def point(self, part: float | None) -> None:
+        """Say from now on what the curves are at a part of the axis, or at none."""
+        self._pointed = part
 
     def time_at(self, part: float) -> float:
         """The time in s at a part of the axis."""
@@ -103,7 +111,7 @@ class Timeline:
         ends = start, start + end if start else end, top
         if ends != self._ends:
             self._ends = ends
-            self._plot.scales = {"x": {"time": False, "range": [ends[0], ends[1]]}, "y": {"range": [0.0, top]}}
+            self._plot.scales = {"x": {"time": False, "range": [0.0, ends[1] - ends[0]]}, "y": {"range": [0.0, top]}}
         return top
 
     def _say(self, past: Past, series: dict[str, np.ndarray], quantity: str, start: float, end: float, top: float,
@@ -122,13 +130,22 @@ class Timeline:
                 "start": with_unit(start, "s") if start else "0", "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "strip": self._strip(past, series, start, end),
                 "clock": with_unit(now.time, "s"), "playing": now.playing,
-                "lost": None if now.lost is None else part(now.lost),
+                "read": self._at_pointer(words.unit), "lost": None if now.lost is None else part(now.lost),
                 "says": "" if now.lost is None else
                 f"{'unstable' if now.unstable else 'lost'} from {with_unit(now.lost, 's')} on"}
         text = json.dumps(said, separators=(",", ":"), ensure_ascii=False)
         content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
         if content != self._html.content:
             self._html.content = content
+
+    def _at_pointer(self, unit: str) -> list[str]:
+        """The time at which the visitor reads, and what each curve says then; nothing beyond the run."""
+        time, curves = self._read
+        if self._pointed is None or not curves or (at := self.time_at(self._pointed)) > time[-1]:
+            return []
+        values = {name: float(np.interp(at, time, curve)) for name, curve in curves.items()}
+        return [with_unit(at, "s"), *(f"{name} {with_unit(value, unit)}" for name, value in values.items()
+                                      if np.isfinite(value))]
 
     def _strip(self, past: Past, series: dict[str, np.ndarray], start: float, end: float) -> str:
         """A digit for each part of the time until now: how many particles cross cells then, over the most that did."""

@@ -138,3 +138,14 @@ def test_what_a_browser_says_of_its_window_is_believed_in_nothing(wrong):
     store.heard["room"]([700, 300, 144, 700, 60, 12])
     store.heard["dark"](True)
     assert sizes == [Size(700.0, 300.0, 144.0, 700.0, 60.0, 12.0), True]
+
+
+def test_what_the_curves_are_under_the_pointer(monkeypatch):
+    """Between two samples in a straight line; nothing beyond the run, and nothing once the pointer has left."""
+    line = timeline(monkeypatch)
+    line.point(0.5)
+    assert show(line, 0.9)["read"] == ["500 ms", "true 50 µm", "transport 100 µm"]
+    line.point(0.95)
+    assert show(line, 0.9)["read"] == []
+    line.point(None)
+    assert show(line, 0.9)["read"] == []

@@ -4,7 +4,8 @@
   const axis = document.querySelector("#lab-timeline .lab-axis"), clock = document.getElementById("lab-clock");
   const title = document.querySelector("#lab-timeline .lab-names b");
   const make = name => Object.assign(axis.appendChild(document.createElement("span")), {className: `lab-${name}`});
-  const [top, zero, begin, reach, lost, now, strip] = ["top", "zero", "begin", "reach", "gone", "now", "strip"].map(make);
+  const [top, zero, begin, reach, lost, now, strip, read] =
+    ["top", "zero", "begin", "reach", "gone", "now", "strip", "read"].map(make);
   const percent = part => `${100 * part}%`;
   lost.hidden = now.hidden = true;
   let ticks = [], said = "", held = false, waiting = null;
@@ -28,6 +29,8 @@
     strip.style.background = at.strip && `linear-gradient(to right, ${[...at.strip].map((shade, k) =>
       `color-mix(in srgb, var(--cross) ${Math.round(10 + 90 * shade / 9)}%, var(--ground)) ${k * step}% ${(k + 1) * step}%`)
       .join(", ")}, transparent ${at.strip.length * step}%)`;
+    read.textContent = at.read.join("\n");
+    read.hidden = !at.read.length;
     title.textContent = `Error norm of ${at.symbol}`;
     clock.textContent = at.clock;
     document.body.classList.toggle("lab-playing", at.playing);
@@ -41,15 +44,16 @@
     if (data && data.said !== said) write(JSON.parse(said = data.said));
   }
 
-  const seek = event => {
-    const box = axis.getBoundingClientRect();
-    const part = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
-    waiting ??= setTimeout(() => waiting = null, 60);  // a hand moves more often than a frame can be shown
-    dispatchEvent(new CustomEvent("lab-tell", {detail: {seek: part}}));
+  const ask = (what, event) => {
+    const box = axis.getBoundingClientRect(), part = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
+    waiting ??= setTimeout(() => waiting = null, 60);  // a hand moves more often than anything can be shown
+    Object.assign(read.style, {left: percent(part), translate: part > 0.6 ? "calc(-100% - 8px)" : "8px"});
+    dispatchEvent(new CustomEvent("lab-tell", {detail: {[what]: part}}));
   };
-  axis.addEventListener("pointerdown", event => { held = true; axis.setPointerCapture(event.pointerId); seek(event); });
-  axis.addEventListener("pointermove", event => held && !waiting && seek(event));
+  axis.addEventListener("pointerdown", event => { held = true; axis.setPointerCapture(event.pointerId); ask("seek", event); });
+  axis.addEventListener("pointermove", event => waiting || ask(held ? "seek" : "read", event));
+  axis.addEventListener("pointerleave", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {read: null}})));
   for (const end of ["pointerup", "pointercancel"])
-    axis.addEventListener(end, event => { if (held && end === "pointerup") seek(event); held = false; });
+    axis.addEventListener(end, event => { if (held && end === "pointerup") ask("seek", event); held = false; });
   new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();
