@@ -32,9 +32,10 @@ from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
 from app.page.story import Story
 from app.page.summary import Speaker
+from app.page.visit.links import PageLinks
 from app.page.visit.opening import OPENING
 from app.page.visit.recent import Recent
-from app.page.visit.session import PageLinks, Session
+from app.page.visit.session import Session
 from app.page.visit.trace import Trace
 from app.viewer.widgets import number
 from solvers.engine.frames import FrameArrays
@@ -66,7 +67,7 @@ class Page:
         self._notice, self._speaker = client.gui.add_html(""), Speaker(client.gui)
         self._canvas = Canvas(client, self._scale, self._trace, OPENING.scene.problem)
         self._measurements = Measurements(client)
-        self._session = Session(pool, OPENING.scene, self._on_frame, OPENING.speed)
+        self._session = Session(pool, OPENING.scene, self._on_frame, OPENING.speed, OPENING.stops)
         self._slow = SlowMotion(client, self._canvas, self._session, self._redraw)
         self._own = OwnCode(client, self._session, self._redraw, self._slow.end,
                             lambda scene: self._controls.load(scene))

@@ -22,8 +22,8 @@ from app.lessons import shelf
 from app.page.features.lesson.marking import Classroom
 from app.page.prewarm import usual_scenes
 from app.page.visit.health import Tally
+from app.page.visit.links import PageLinks
 from app.page.visit.opening import OPENING
-from app.page.visit.session import PageLinks
 from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 

@@ -10,7 +10,7 @@ import numpy as np
 import viser
 
 from app.frame.sentence import Said
-from app.page.visit.opening import OPENING, QUARTER
+from app.page.visit.opening import OPENING
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
 from app.words import METHODS, per_cent, with_unit
@@ -18,8 +18,6 @@ from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.solver import samples
 
-NEAR = 0.1 * (OPENING.speed or 0.0)  # periods, half of those between two looks
-SOON = 0.1  # periods a second, of what is left of the quarter when the story is left
 HALF_WAY = 0.125  # periods, of the first beat
 BEAT = 10.0  # seconds of each of the last two
 LAST = 4
@@ -37,7 +35,7 @@ class Story:
                  clock: Callable[[], float] = monotonic):
         self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
         self._mark = gui.add_html("")
-        self._opened = True  # the opening is on the stage, and has not come to its quarter
+        self._opened, self._restarts = True, 0  # the opening is on the stage, before its quarter, begun so many times
         self.beat = 0  # 1 to LAST while the story is told
         self._since = 0.0
 
@@ -52,20 +50,22 @@ class Story:
     def follow(self, playable: bool) -> None:
         """Go on with it, now and then; anything else on the stage ends it. Nothing is ``playable`` over a lesson."""
         session, report = self._session, self._session.report
-        pinned = session.pinned.scene if session.pinned else None
+        pinned, restarts = session.pinned.scene if session.pinned else None, session.moves[1]
         if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not playable:
+            if self._opened and restarts == self._restarts:  # it was changed, and not another one chosen
+                session.open_end()
             self._opened = False
             self._end()
         if report is None or report.scene != OPENING.scene:
             return
-        periods = report.time / report.scene.period
-        if self._opened and periods >= QUARTER - NEAR and session.playing:
+        self._restarts, periods = restarts, report.time / report.scene.period
+        if self._opened and session.ended:
             self._opened = False
-            session.play(False, single_steps=1)  # whose errors are measured, wherever the last sample was
+            session.open_end()
             self._hurry()
         if self.beat == 1 and periods >= HALF_WAY:
             self._go(2)
-        elif (self.beat == 2 and not session.playing) or (self.beat == 3 and self._clock() > self._since + BEAT):
+        elif (self.beat == 2 and not self._opened) or (self.beat == 3 and self._clock() > self._since + BEAT):
             self._go(self.beat + 1)
         elif self.beat == LAST and self._clock() > self._since + BEAT:
             self._end()
@@ -85,8 +85,8 @@ class Story:
     def _end(self) -> None:
         if self.beat:
             self.beat = 0
-            if self._opened:
-                self._session.set_speed(SOON)
+            if self._opened:  # the rest of the quarter at once
+                self._hurry()
         self._show()
 
     def _show(self) -> None:

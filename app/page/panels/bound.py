@@ -139,4 +139,4 @@ class BoundWidgets:
 
     def refuse(self, sentence: str) -> None:
         """What a widget says means nothing."""
-        self._session.refuse(sentence)
+        self._session.refuse(sentence, "number")

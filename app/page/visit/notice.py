@@ -11,15 +11,17 @@ BROKEN = 30.0  # error index from which on an estimate is no estimate
 
 @dataclass(frozen=True)
 class Notice:
-    """A sentence for the visitor. ``kind`` is "refused", "unstable", "lost", "wait" or "trouble"."""
+    """A sentence for the visitor. ``kind`` is "refused", "unstable", "lost", "wait" or "trouble"; one that is ``seen``
+    elsewhere, under the control that it is of, is here for screen readers only."""
 
     kind: str
     sentence: str
+    seen: bool = False
 
     @property
     def html(self) -> str:
         """As it stands at the bottom of the stage."""
-        return (f"<div class='lab-notice lab-{self.kind}' role='status'>"
+        return (f"<div class='lab-notice lab-{self.kind}{' lab-seen' * self.seen}' role='status'>"
                 f"{escape(self.sentence[:1].upper() + self.sentence[1:])}</div>")
 
 

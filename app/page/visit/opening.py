@@ -7,6 +7,7 @@ crossed err no more than the others, and such a picture would say what is not so
 
 from app import state
 
-OPENING = state.read("bar;method=mpm;amplitude=0.0034;estimators=recovered,transport;error-of=sigma;speed=0.0125;"
-                     "pinned;method=bspline;amplitude=0.0034;estimators=recovered,transport")
-QUARTER = 0.25  # of a period, after which it pauses
+#: It stops after the quarter.
+OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
+                     "speed=0.0125;stops;"
+                     "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")

@@ -3,21 +3,19 @@
 import math
 import threading
 from collections.abc import Callable
-from contextlib import ExitStack, closing
 from dataclasses import asdict, replace
 from time import monotonic
 from typing import Any
 
-from app.page.visit.health import Tally
 from app.page.visit.history import History
 from app.page.visit.limits import FASTEST, too_many
+from app.page.visit.links import PageLinks
 from app.page.visit.notice import Notice, doubt
 from app.page.visit.pinned import PinnedRun
 from app.problems.views import VIEWS
 from app.words import on_page
 from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport, Pace
-from solvers.engine.pool import EnginePool, Listener, SessionLink
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -38,27 +36,11 @@ def first_scene(problem: str) -> Scene:
 FIRST_SCENE = first_scene(next(iter(PROBLEMS)))
 
 
-class PageLinks(ExitStack):
-    """The pool as one page sees it; ``close`` closes all that was opened. ``frames`` counts those of all pages."""
-
-    def __init__(self, pool: EnginePool, frames: Tally | None = None):
-        super().__init__()
-        self._pool, self.frames = pool, frames or Tally()
-
-    def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
-        return self.enter_context(closing(self._pool.open(listener, beside)))
-
-    @property
-    def playing(self) -> int:
-        """The number of stages that move, of all visitors."""
-        return self._pool.playing
-
-
 class Session:
     """Holds the wished scene (the latest wins), the last frame and the run's history."""
 
     def __init__(self, pool: PageLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None],
-                 speed: float | None = None):
+                 speed: float | None = None, ends: bool = False):
         self._lock = threading.RLock()
         self._on_frame = on_frame
         self._refused: tuple[str, str] | None = None
@@ -70,7 +52,7 @@ class Session:
         self.watched, self._rests = True, False
         self._number = self._compiled_for = 0
         self._pace, self._frame = Pace(), FrameOptions(plotted=QUANTITIES[0])
-        self._start(scene, speed)
+        self._start(scene, speed, ends)
         self.history = History(scene, scene.particles)
         self.report: FrameReport | None = None
         self.pinned: PinnedRun | None = None
@@ -177,14 +159,19 @@ class Session:
 
     @property
     def refused(self) -> tuple[str, str] | None:
-        """The field of the scene, or "speed", that was asked for last and cannot be ("" for none of them), and why in a
-        sentence without its full stop; None once anything else has been asked for."""
+        """The field that was asked for last and cannot be ("" for none), and why in a sentence without its full stop;
+        None once anything else has been asked for."""
         return self._refused
+
+    def open_end(self) -> None:
+        """Stop no more where the scene ends."""
+        with self._lock:
+            self._ask(playing=self.playing and not self.ended, ends=False)
 
     def refuse(self, sentence: str, field: str = "") -> None:
         """Something was asked for that means nothing, of a ``field`` or of none; the present scene runs on."""
         with self._lock:
-            self._refused = (field, sentence) if sentence else None
+            self._refused, self._asked_at = (field, sentence) if sentence else None, monotonic()
 
     def set_speed(self, speed: float) -> None:
         """Periods a second."""
@@ -253,7 +240,7 @@ class Session:
             return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
                                   "and the scene begins again.")
         if self._refused:
-            return Notice("refused", f"{self._refused[1]}. The scene before it runs on.")
+            return Notice("refused", f"{self._refused[1]}. The scene before it runs on.", bool(self._refused[0]))
         if self._rests and not self.playing:
             return Notice("wait", "The run rests, because nobody has asked anything of it for a while. Press Play to "
                                   "go on.")

@@ -101,7 +101,7 @@ class RingScene(PlanarScene):
         return (f"amplitude {self.amplitude:g}: from {RESONANCE} on the ring's own motion is unstable by parametric "
                 f"resonance, which nothing cures; an error in the mode n = 2 grows {self.growth:.2f}-fold a period"
                 f"{' or faster' * beyond}, from {FIRST_ERROR:.1%} of the amplitude after the first to a tenth after "
-                f"{'at most' if beyond else 'about'} {life:.2g}{wrinkles}")
+                f"{'at most' if beyond else 'about'} {life:.2g}, from less of it later{wrinkles}")
 
     def _check_amplitude(self) -> None:
         allowed = f"give a number above 1e-12 and below {INVERSION}"

@@ -9,6 +9,8 @@ import time
 import zipfile
 from dataclasses import asdict, replace
 from pathlib import Path
+from time import monotonic
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
@@ -17,11 +19,12 @@ from websockets.exceptions import ConnectionClosed
 
 from app.cli import main
 from app.page.features.own.judging import BUSY, Judging, shown
-from app.page.features.own.panel import OwnCode
+from app.page.features.own.panel import TO_BE_READ, OwnCode
 from app.page.features.own.question import sentence as question
 from app.page.features.own.run import OwnRun
 from app.page.features.own.words import taken
 from app.page.visit.limits import MOST_WATCHED
+from app.page.visit.notice import Notice
 from app.viewer import server, upload
 from solvers.judging import writing
 from solvers.judging.handout import exact
@@ -403,3 +406,12 @@ def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
         sender.part(0, bytes(upload.PART_BYTES))
         until(lambda: (folder / "coming").exists(), "the beginning of a file")
     until(lambda: not folder.exists(), "its folder has gone")
+
+
+@pytest.mark.parametrize("age, untouched, shown", [(2.0, 5.0, True), (2.0, 1.0, False), (TO_BE_READ + 1, 60.0, False)])
+def test_what_is_said_of_a_file_ends_with_the_next_act(age, untouched, shown):
+    """A refusal of something else, or that a run is lost, is not hidden behind it."""
+    said = Notice("refused", "A file that is none.")
+    panel = SimpleNamespace(_judging=None, _news=(monotonic() - age, said), _upload=SimpleNamespace(coming=""),
+                            _session=SimpleNamespace(untouched=untouched))
+    assert OwnCode.notice(panel) is (said if shown else None)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.page.story import BEAT, Story
-from app.page.visit.opening import OPENING, QUARTER
+from app.page.visit.opening import OPENING
 from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
@@ -24,11 +24,15 @@ def frame(scene, periods):
     return replace(report_of(scene), step=solver.step, time=solver.time), engine_frame(solver)
 
 
+QUARTER = 0.25
+
+
 class Visit:
     """A session that does what it is asked to, and the story told there."""
 
     def __init__(self):
-        self.now, self.asked, self.report, self.playing = 0.0, [], None, True
+        self.now, self.asked, self.report, self.ended = 0.0, [], None, False
+        self.moves = None, 0
         self.scene = OPENING.scene
         self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None)
         self.html = SimpleNamespace(content="")
@@ -36,17 +40,13 @@ class Visit:
         self.story = Story(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),
                            lambda: self.now)
 
-    def play(self, playing, single_steps=0):
-        self.playing = playing
-        self.asked.append(("play", playing, single_steps))
-
-    def set_speed(self, speed):
-        self.asked.append(speed)
+    def open_end(self):
+        self.asked.append("no end")
 
     def at(self, periods):
         """The frame after so many periods."""
         shown = frame(self.scene, periods)
-        self.report = replace(shown[0], playing=self.playing)
+        self.report, self.ended = shown[0], periods >= QUARTER
         self.story.follow(True)
         return str(self.story.said(shown))
 
@@ -77,7 +77,7 @@ def test_four_beats_in_the_runs_own_numbers(quarter):
     assert "No particle has changed its cell yet" in visit.at(0.15) and "data-beat='2'" in visit.html.content
     visit.pinned.last = quarter[1]
     assert f"The stress is {per_cent(wrong / size)} wrong" in (said := visit.at(QUARTER)) or "An estimator" in said
-    assert ("play", False, 1) in visit.asked and "hurry" in visit.asked
+    assert visit.asked[1:] == ["no end", "hurry"]
     visit.story.beat = 2
     said = str(visit.story.said(quarter[0]))
     assert f"The stress is {per_cent(wrong / size)} wrong" in said
@@ -97,16 +97,21 @@ def test_it_can_be_left_and_anything_else_ends_it():
     visit.story.hear("play")
     visit.at(0.01)
     visit.story.hear("skip")
-    assert visit.story.beat == 0 and isinstance(visit.asked[-1], float)
+    assert visit.story.beat == 0 and visit.asked == ["open", "hurry"]
     visit.at(QUARTER)
-    assert visit.asked[-2:] == [("play", False, 1), "hurry"]
+    assert visit.asked[2:] == ["no end", "hurry"]
     for change in (lambda v: setattr(v, "scene", replace(v.scene, cells=20)), lambda v: setattr(v, "pinned", None)):
         other = Visit()
         other.story.hear("play")
         other.at(0.01)
         change(other)
-        other.at(QUARTER)
-        assert other.story.beat == 0 and other.asked == ["open"]
+        other.at(0.02)
+        assert other.story.beat == 0 and other.asked == ["open", "no end"]  # a slider was moved, or the run unpinned
+    chosen = Visit()
+    chosen.at(0.01)
+    chosen.scene, chosen.moves = replace(chosen.scene, cells=20), (None, 1)  # whole, and with an end of its own
+    chosen.at(0.02)
+    assert chosen.asked == []
     lesson = Visit()
     lesson.story.hear("play")
     lesson.story.follow(False)
@@ -119,6 +124,5 @@ def test_without_a_story_it_pauses_at_its_quarter_all_the_same():
     visit.at(0.2)
     assert visit.asked == []
     visit.at(QUARTER)
-    visit.playing = True  # the visitor goes on
-    visit.at(0.3)
-    assert visit.asked == [("play", False, 1), "hurry"]
+    visit.at(QUARTER)
+    assert visit.asked == ["no end", "hurry"]

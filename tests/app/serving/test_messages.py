@@ -272,7 +272,8 @@ def test_what_is_refused_is_wished_no_longer():
                        (lambda: session.refuse("no number", "modulus"), "modulus"),
                        (lambda: session.choose(replace(FIRST_SCENE, cells=MOST_WATCHED)), "")):
         ask()
-        assert session.refused[0] == field
+        assert session.refused[0] == field and session.untouched < 1
+        assert session.notice().seen == bool(field)  # under its control, else over the stage
         session.play(True)
         assert session.refused is None
 

@@ -99,7 +99,9 @@ class OwnCode:
             return Notice("wait", f"{coming}.")
         if judging is not None and self._run is None and not self._question.asked:
             return Notice("wait", f"The file {judging.name} is being read and judged.")
-        return news[1] if news and monotonic() < news[0] + TO_BE_READ else None
+        if news is None or (age := monotonic() - news[0]) > TO_BE_READ or self._session.untouched < age:
+            return None  # what the visitor has done since has its own answer
+        return news[1]
 
     def leave(self) -> None:
         """Back to our run, as it was."""
