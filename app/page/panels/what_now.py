@@ -10,7 +10,7 @@ from solvers.engine.messages import FrameReport
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN, REMEDIES
 from solvers.scene.scene import AUTO, Scene
 
-BEFORE = 0.01  # periods before a run broke, to which one goes back
+BEFORE = 0.03  # periods before a run broke, to which one goes back: more than half of what lies between frames
 #: Methods that bear more than hat functions do, the first choice first, and what they are.
 OTHERS = {"ugimp": "small intervals", "cpdi": "boxes that deform", "bspline": "smooth functions"}
 SHORT = {COUPLED: "coupled F"}  # where a label is too long for a button

@@ -114,7 +114,7 @@ def test_a_lost_run_has_ways_on():
     shown, sought = [], []
     ways = dict((card.key, act) for card, act in what_now(State(scene), report, sought.append, shown.append))
     ways["back"]()
-    assert sought == [pytest.approx(1.215)] and shown[0].stops and shown[0].scene.end_time == sought[0]
+    assert sought == [pytest.approx(1.195)] and shown[0].stops and shown[0].scene.end_time == sought[0]
     ways["cure"]()
     ways["other"]()
     assert shown[1].scene == replace(scene, remedies=("null-space-filter", "coupled-deformation"))
