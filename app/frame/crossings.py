@@ -17,9 +17,11 @@ def window(scene: Scene, speed: float) -> float:
     return max(WINDOW * scene.period, LEAST_SECONDS * speed)
 
 
+def recent(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
+    """Which particles' last crossings (P,), this many steps ago (P,), -1 for never, are in the window."""
+    return (steps_since >= 0) & (steps_since <= window(scene, speed) / scene.time_step)
+
+
 def ages(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
-    """How much of the window has gone by (P,) since each particle's last crossing, this many steps ago (P,), -1 for
-    never: 0 to 1 within the window, infinite for what is not shown."""
-    age = steps_since * np.float32(scene.time_step / window(scene, speed))
-    age[(steps_since < 0) | (age > 1)] = np.inf
-    return age
+    """How much of the window has gone by (n,) since crossings this many steps ago (n,): 0 to 1 for recent ones."""
+    return steps_since * np.float32(scene.time_step / window(scene, speed))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from app.frame.captions import CURVE, PARTICLES, FieldWords, counting, field_words
-from app.frame.layout import Box, Places
+from app.frame.layout import Places, Seat
 from app.frame.marks import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, joined
 from app.frame.scale import LEAST_REACH, SMALLEST, largest, round_up
 from app.words import QUANTITIES, with_unit
@@ -24,6 +24,8 @@ MOST_STEMS = 2000  # particles whose errors are drawn as lengths: more would be 
 DOT, MANY_DOTS, CROSSED, HALO = 3.4, 2.8, 6.5, 9.5
 CURVE_WIDTH = 6.0
 MANY = 300
+BELOW = np.array([0, 0, 0.002], np.float32)
+NO_STEMS = Lines("field/stems", np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8), 2.5)
 BEYOND = 0.01  # of the axis along the plot that dots may be beyond its ends
 
 
@@ -107,33 +109,34 @@ class FieldPlot:
             if self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
                 self.axis.forget()
             self._said = None
-            self._begin(places.field, scene, quantity)
+            self._begin(places, scene, quantity)
         self._drawn, self._time = now, t
         values = seen(scene, field, magnified)
+        known = np.isfinite(values)
         self.axis.follow(largest(np.abs(values)), self._reach)
-        unknown = len(values) - int(np.count_nonzero(np.isfinite(values)))
+        unknown = len(values) - int(np.count_nonzero(known))
         if (said := (unknown, self.axis.top)) != self._said:
             self._said = said
             yield from self._axes(places, scene, quantity, magnified, unknown)
-        self._dots = self._points(at, values)
+        self._dots = self._points(at, values, known)
         yield from self._curve(places, scene, quantity, t)
         yield self._stems(scene, field, magnified, shades)
         pixel = places.room.pixel
         yield Dots("field/particles", self._dots, self._ink[0], (DOT if len(values) <= MANY else MANY_DOTS) * pixel)
-        shown = self._dots[crossed]
-        under, shown[:, 2] = shown.copy(), 0.016
-        under[:, 2] = 0.014
-        yield Dots("field/around", under, self._ink[1], HALO * pixel)
-        yield Dots("field/crossed", shown, self._ink[2], CROSSED * pixel)
+        over = self._dots[crossed]
+        over[:, 2] = 0.016
+        yield Dots("field/around", over - BELOW, self._ink[1], HALO * pixel)
+        yield Dots("field/crossed", over, self._ink[2], CROSSED * pixel)
 
     def places(self, particles: slice, count: int) -> np.ndarray:
         """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
 
-    def _begin(self, box: Box, scene: Scene, quantity: str) -> None:
+    def _begin(self, places: Places, scene: Scene, quantity: str) -> None:
         """Another scene or quantity: how far the exact field reaches."""
-        plotted = self._plotted
+        self._at: np.ndarray | None = None
+        plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.room.pixel
         self._box, self._per_metre = box, (box.right - box.left) / (plotted.end - plotted.start)
         self._line = np.linspace(plotted.start, plotted.end, CURVE_POINTS)
         level = in_plane(np.linspace(box.left, box.right, CURVE_POINTS), box.middle, 0.01)
@@ -176,25 +179,26 @@ class FieldPlot:
         """From where a particle should be to where it is, as far as its dot does not hide that."""
         dots = self._dots
         if not scene.solution_known or len(dots) > MOST_STEMS:
-            return Lines("field/stems", np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8), 2.5)
-        with np.errstate(over="ignore", invalid="ignore"):
-            long = np.float32(self._box.half / self.axis.top * magnified) * field[:, 1]
-        drawn = np.flatnonzero((np.abs(long) > 0.5 * self._box.half / 20) & (dots[:, 1] > AWAY))
+            return NO_STEMS
+        long = np.float32(self._box.half / self.axis.top * magnified) * field[:, 1]
+        drawn = np.flatnonzero(np.abs(long) > self._least)
+        if not len(drawn):
+            return NO_STEMS
+        drawn = drawn[dots[drawn, 1] > AWAY]
         segments = np.repeat(dots[drawn, None], 2, axis=1)
         segments[:, 0, 1] -= long[drawn]
         segments[:, :, 2] = 0.008
         return Lines("field/stems", segments, np.repeat(shades[drawn, None], 2, axis=1), 2.5)
 
-    def _points(self, at: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Points of the stage (n, 3) for values at places (n,) along the axis; away where one is not on it."""
+    def _points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Points of the stage (n, 3) for values at places (n,) along the axis; away where one is not ``known`` or not
+        on it."""
         box, out = self._box, np.empty((len(values), 3), np.float32)
-        with np.errstate(invalid="ignore", over="ignore"):
-            out[:, 0] = self._along(at)
-            out[:, 1] = self._heights(values)
-            beyond = BEYOND * (box.right - box.left)
-            there = (out[:, 0] >= box.left - beyond) & (out[:, 0] <= box.right + beyond) & np.isfinite(out[:, 1])
-        out[~there, 1] = AWAY
-        out[:, 2] = 0.012
+        if at is not self._at:  # in the plane it stays
+            self._at, self._across = at, self._along(at)
+            self._there = np.abs(self._across - 0.5 * (box.left + box.right)) <= (0.5 + BEYOND) * (box.right - box.left)
+        out[:, 0], out[:, 2] = self._across, 0.012
+        out[:, 1] = np.where(known & self._there, self._heights(values), AWAY)
         return out
 
     def _along(self, at: np.ndarray) -> np.ndarray:
@@ -219,11 +223,11 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     below, written = box.below or 0.0, box.below is not None
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
-    yield Label("field/magnified", f"error × {magnified}" if written and exact else "", 0.5 * (box.left + box.right),
-                below, "top-center", "caption")
+    x, y, anchor = box.magnified or box.remark
+    yield Label("field/magnified", f"error × {magnified}" if box.magnified and exact else "", x, y, anchor, "caption")
     x, y, anchor = box.remark
-    yield Label("field/remark", ": ".join(filter(None, (words.name if box.at is None else "", words.remark))), x, y,
-                anchor, "caption")
+    named = words.name if box.at is None and places.seat == Seat.ALONE else ""  # beside another one the scale says it
+    yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"
     yield Label("field/name", words.name if box.at else "", x, y, "center-left", role, 1.1, bold=True)

@@ -24,14 +24,16 @@ Spot = tuple[float, float, Anchor]  # where a text is, and how it is anchored
 @dataclass(frozen=True)
 class Box:
     """Where a plot stands: from x = ``left`` to ``right``, its zero at ``middle`` and the ends of its axis ``half``
-    above and below. What is at the axis's ends is written ``below`` it and a ``remark`` at a spot; its name begins at
-    a point ``at``, with a key of what is drawn if there is room for ``keys``. None is what has no room."""
+    above and below. What is at the axis's ends is written ``below`` it; how many times errors are ``magnified``, and
+    a ``remark``, at spots; its name begins at a point ``at``, with a key of what is drawn if there is room for
+    ``keys``. None is what has no room."""
 
     left: float
     right: float
     middle: float
     half: float
     below: float | None
+    magnified: Spot | None
     remark: Spot
     at: tuple[float, float] | None = None
     keys: bool = False

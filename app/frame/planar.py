@@ -18,7 +18,9 @@ FARTHEST = 2.0  # metres from the middle, out of view: where particles of a run 
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 #: The shape of a particle, and its size over that at rest: so large that those of a body tile it.
 FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06)}
-CROSSED, HALO = 5.0, 7.5  # pixels across: a particle that crossed a cell boundary, and around it
+CROSSED, HALO = 5.5, 8.0  # pixels across: a particle that crossed a cell boundary, and around it
+BELOW = np.array([0, 0, 0.002], np.float32)
+ROOMY = 0.2  # radius of a body on which these are as large
 PlaneScene = TypeVar("PlaneScene", bound=PlanarScene)
 Mirrors = tuple[tuple[int, int], ...]
 
@@ -30,7 +32,7 @@ class PlanarStage(Stage[PlaneScene]):
     OUTLINED: ClassVar[Mirrors] = ((1, 1),)
     DOMAINS_HINT = "outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to " \
                    f"{MOST_DOMAINS:,} particles"
-    MOST_MARKED, HALVES = 48, "Halves"
+    MOST_MARKED, HALVES = 24, "Halves"
 
     @staticmethod
     @abstractmethod
@@ -97,14 +99,13 @@ class PlanarStage(Stage[PlaneScene]):
         return self._radii
 
     def _moving(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                age: np.ndarray) -> Iterator[Mark]:
+                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
         x = in_view(arrays.position)
         yield from self._halves(x, estimated, true)
-        crossed = self._images(x[age <= 1], self.MIRRORS, 0.018)
-        around, pixel = crossed.copy(), self._places.room.pixel
-        around[:, 2] = 0.016
-        yield Dots("around", around, self._ink[0], HALO * pixel)
-        yield Dots("crossings", crossed, self._ink[1], CROSSED * pixel)
+        marks = self._images(x[crossed], self.MIRRORS, 0.018)
+        pixel = self._places.room.pixel * min(1.0, self._places.radius / ROOMY)
+        yield Dots("around", marks - BELOW, self._ink[0], HALO * pixel)
+        yield Dots("crossings", marks, self._ink[1], CROSSED * pixel)
         yield self._domains(scene, arrays, x)
 
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from app.frame.field import ROOM
-from app.frame.layout import HALVES, Box, Places, Seat, rectangle, top
+from app.frame.layout import HALVES, Box, Places, Seat, Spot, rectangle, top
 from app.frame.marks import Anchor, Label, Role, Room, Tone
 from app.frame.stage import Words
+from app.words import brief
 
 AROUND = 1.05  # of the outermost the body should come, that its cells are drawn to
 WIDEST = {Seat.ALONE: 0.5, Seat.FIRST: 0.31, Seat.SECOND: 0.31}  # of the cells that are drawn
@@ -37,7 +38,7 @@ def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
     next_one = wide + GAP * pixel
     middle = 0.5 * wide + next_one * (seat == Seat.SECOND), under + 2 * pixel + 0.5 * free
     left = wide + next_one * (not alone) + beside + GAP * pixel
-    low, high = 1.4 * line, end - (HEADING * pixel if room.gutter else 0.3 * line)
+    low, high = (1.4 if room.gutter else 2.8) * line, end - (HEADING * pixel if room.gutter else 0.3 * line)
     name = (left - 40 * pixel, high + 1.2 * line)
     if not alone:
         share = 0.5 * (end - low)
@@ -45,8 +46,11 @@ def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
         low += share * (seat == Seat.FIRST)
         name = (left - 40 * pixel, high + 0.8 * line)
     half = 0.5 * (high - low) / ROOM
-    below, named = None if seat == Seat.FIRST else low - 2 * pixel, room.gutter > 0 and seat != Seat.SECOND
-    box = Box(left, 1.0, 0.5 * (high + low), half, below, (1.0, high, "top-right"), name if named else None)
+    below, named = None if seat == Seat.FIRST else low - 2 * pixel, room.gutter > 0
+    across = 0.5 * (left + 1)
+    magnified: Spot | None = (across, below or 0.0, "top-center") if room.gutter else (1.0, 0.0, "bottom-right")
+    box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == Seat.FIRST else magnified,
+              (1.0, high, "top-right"), name if named else None)
     return PlanarPlaces(room, seat, rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
 
 
@@ -67,7 +71,8 @@ def _beside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
         yield Label(f"{name}-title", title, at, y + 0.1 * room.line, "bottom-left", role, 1.1, tone=name, bold=True)
         yield Label(f"{name}-by", by, at, y - 0.1 * room.line, "top-left", "gutter" if at < 0 else "note")
         narrow = min(width, room.letters(room.gutter)) if at < 0 else width
-        yield Label(f"{name}-silence", silence, at, y - 1.4 * room.line, "top-left", role, width=narrow, tone="faint")
+        yield Label(f"{name}-silence", brief(silence), at, y - 1.9 * room.line, "top-left", role, width=narrow,
+                    tone="faint")
     yield Label("alike", words.alike, right, y - 1.6 * room.line, "top-left", "note", width=width, tone="faint")
     yield Label("size-note", words.note, right, 2 * room.pixel, "bottom-left", "note", width=width, tone="faint")
     yield Label("run", "", right, y, "bottom-left", "name")
@@ -94,7 +99,10 @@ def _of_pair(words: Words, places: PlanarPlaces) -> Iterator[Label]:
     room, (x, y), reach, first = places.room, places.middle, AROUND * places.radius, places.seat == Seat.FIRST
     for name, title, at, anchor in _sides(HALVES, x, reach, False):
         yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
-        yield Label(f"{name}-by", "", at, y + reach, anchor, "title")
+    by, gutter = words.by[0] if first else "", room.gutter > 0
+    yield Label("estimate-by", by, -room.gutter if gutter else 0.6, y if gutter else 0.0,
+                "center-left" if gutter else "bottom-center", "gutter" if gutter else "note")
+    yield Label("truth-by", "", x, y, "bottom-left", "note")
     yield from _inside(words, places)
     run = words.run[:1].upper() + words.run[1:]
     yield Label("run", run, x - reach, y + reach + 2 * room.pixel, "bottom-left", "name", 1.0,

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 import numpy as np
 
 from app.frame.captions import ALIKE, ALIKE_LOST, marks_note
-from app.frame.crossings import ages
+from app.frame.crossings import ages, recent
 from app.frame.field import FieldPlot, Plotted
 from app.frame.layout import Rectangle, Seat
 from app.frame.marks import Label, Mark, Room, Sheet, shades
@@ -110,7 +110,8 @@ class Stage(ABC, Generic[AnyScene]):
     @property
     def rectangle(self) -> Rectangle:
         """Of all that is drawn now, but for names in the gutter."""
-        if self.sheet.room != self._room:
+        room = self.sheet.room
+        if room is not self._room and room != self._room:
             self._lay_out()
         return self._places.rectangle
 
@@ -154,7 +155,8 @@ class Stage(ABC, Generic[AnyScene]):
         foreign
             Whether particles began anywhere and may be others at any time.
         """
-        if self.sheet.room != self._room:
+        room = self.sheet.room
+        if room is not self._room and room != self._room:
             self._lay_out()
         if scene != self._drawn_scene or foreign or self._foreign:
             self._drawn_scene, self._foreign = scene, foreign
@@ -164,13 +166,15 @@ class Stage(ABC, Generic[AnyScene]):
             self._say(note=self.note(scene))
         unknown, count = self._places.room.palette.unknown, len(arrays.position)
         halves = [shades(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
-        age = ages(arrays.steps_since_crossing, scene, speed)
-        age[~self._marked] = np.inf
-        self.sheet.show(*self._moving(scene, arrays, halves[0], halves[1], t, age))
+        since = arrays.steps_since_crossing
+        crossed = recent(since, scene, speed) & self._marked
+        self.sheet.show(*self._moving(scene, arrays, halves[0], halves[1], t, crossed,
+                                      ages(since[crossed], scene, speed)))
         if self.plotted:
-            at = self._along(arrays)
-            self.sheet.show(*self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted, t,
-                                              age <= 1, halves[1] if true is not None else halves[0]))
+            at, shown = self._along(arrays), halves[1] if true is not None else halves[0]
+            with np.errstate(all="ignore"):  # a run gone bad holds anything
+                self.sheet.show(*self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted,
+                                                  t, crossed, shown))
 
     def _mark(self, particles: int) -> None:
         """Choose the particles whose crossings are marked, and say so: with marks of more, nothing else is seen."""
@@ -242,9 +246,9 @@ class Stage(ABC, Generic[AnyScene]):
 
     @abstractmethod
     def _moving(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                age: np.ndarray) -> Iterator[Mark]:
-        """What moves, but for the plot: with colours (P, 3) of both errors, and shares (P,) of the window of crossings
-        that have gone by since each particle's last one, infinite where it is not marked."""
+                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+        """What moves, but for the plot: with colours (P, 3) of both errors, which particles (P,) are marked for they
+        have just crossed a cell boundary, and the shares of the window of crossings that have gone by since (n,)."""
 
     @abstractmethod
     def _along(self, arrays: FrameArrays) -> np.ndarray:

@@ -17,7 +17,7 @@ from app.page.visit.pinned import PinnedRun
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
-from app.words import QUANTITIES, differing
+from app.words import differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
@@ -56,7 +56,7 @@ class LiveRun:
         """Those of the frame that is looked at, and plots of all that has come in."""
         session, recent, quantity = self._session, self._recent, choice.quantity
         if picture is not None and not picture.foreign:
-            self._worst.look(picture.report, picture.arrays, picture.view, QUANTITIES[quantity].unit)
+            self._worst.look(picture.report, picture.arrays, picture.view, quantity)
         history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown
         if shown is None or shown[0].scene != history.scene:
             return None

@@ -9,7 +9,7 @@ from time import monotonic
 import numpy as np
 import viser
 
-from app.frame.crossings import ages, window
+from app.frame.crossings import recent, window
 from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
 from app.frame.view import View
 from app.page.stage.worst import WorstRegions
@@ -140,6 +140,6 @@ def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[s
     """How many particles have crossed a cell boundary within the window in which that is marked."""
     if not report.scene.has("crossings"):
         return []
-    count = int(np.count_nonzero(ages(arrays.steps_since_crossing, report.scene, speed) <= 1))
+    count = int(np.count_nonzero(recent(arrays.steps_since_crossing, report.scene, speed)))
     who = f"{count:,} particles" if count > 1 else "1 particle" if count else "no particle"
     return [f"{who} crossed a cell boundary in the last {number(window(report.scene, speed))} s"]

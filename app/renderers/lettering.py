@@ -26,13 +26,17 @@ class Lettering:
         self._hidden: set[str] = set()
         self._changed = True
         self._box, self._letters, self.dark = USUAL, 1.0, False
+        self._of: tuple | None = None  # box, letters and ground that the room was made of
         self._rectangle = (-EDGE, 1 + EDGE, 0.0, 0.5)
 
     @property
     def room(self) -> Room:
-        """As much as the browser has free."""
-        width, height, gutter = self._box
-        return Room(width, self._letters, height / width, gutter / width, self.dark)
+        """As much as the browser has free; asked for several times with every frame."""
+        now = self._box, self._letters, self.dark
+        if now != self._of:
+            (width, height, gutter), self._of = self._box, now
+            self._room = Room(width, self._letters, height / width, gutter / width, self.dark)
+        return self._room
 
     def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
         """The browser has so many pixels free for x from 0 to 1, and in the gutter left of it, and draws letters so

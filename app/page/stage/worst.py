@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.frame.sentence import ROUND_OFF
 from app.frame.stage import NOTHING, Remarks, Worst
 from app.frame.view import View
 from app.problems.views import VIEWS
-from app.words import with_unit
+from app.words import QUANTITIES, with_unit
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
@@ -60,8 +61,8 @@ class WorstRegions:
         """What is to be written into a picture of a scene."""
         return self._remarks if scene == self.scene else NOTHING
 
-    def look(self, report: FrameReport, arrays: FrameArrays, view: View, unit: str) -> None:
-        """Find both in a frame, whose errors are in a ``unit``."""
+    def look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
+        """Find both in a frame, of the errors of a quantity by its key."""
         if report.scene != self.scene:
             self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
             at_rest = np.nan_to_num(arrays.position - arrays.displacement)
@@ -74,11 +75,16 @@ class WorstRegions:
         self.by_estimate, self.by_truth = (self._region(worst, own, errors)
                                            for worst, own in zip(self._worst, errors, strict=True))
         estimate, truth = self.by_estimate, self.by_truth
-        self._remarks = Remarks((
-            None if estimate is None or view.left.sizes is not view.estimated
-            else Worst(estimate.particles, with_unit(estimate.estimated or 0.0, unit, 2)),
-            None if truth is None else Worst(truth.particles, with_unit(truth.true or 0.0, unit, 2))),
-            report.status == soundness.LOST, _alike(view))
+        scene, unit = report.scene, QUANTITIES[quantity].unit
+        least = 0.0 if scene.swings else ROUND_OFF * scene.size_of(quantity)
+
+        def told(region: WorstRegion | None, estimated: bool) -> Worst | None:
+            size = (region.estimated if estimated else region.true) if region else None
+            return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
+
+        self._remarks = Remarks(
+            (told(estimate, True) if view.left.sizes is view.estimated else None,
+             told(truth, False)), report.status != soundness.OK, _alike(view))
 
     def _region(self, worst: SteadyMaximum, own: np.ndarray | None,
                 errors: list[np.ndarray | None]) -> WorstRegion | None:

@@ -42,7 +42,8 @@ def _alone(room: Room) -> BarPlaces:
     middle = 0.5 * (high + low)
     at = (-room.gutter, middle + 1.55 * room.line) if room.gutter else None
     below = low - 2 * pixel
-    box = Box(0.0, 1.0, middle, half, below, (0.78, below, "top-center"), at, half > KEYS * pixel)
+    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), (0.78, below, "top-center"), at,
+              half > KEYS * pixel)
     return BarPlaces(room, Seat.ALONE, rectangle(room.high), box, estimate, truth, lane,
                      0.5 * (estimate + truth), end - room.line)
 
@@ -59,7 +60,8 @@ def _paired(room: Room, seat: Seat) -> BarPlaces:
     truth, estimate = lowest + 0.5 * strip, lowest + 1.5 * strip
     half = 0.5 * (heading - estimate - 0.5 * strip - 6 * pixel) / ROOM
     middle = heading - ROOM * half - 2 * pixel
-    at = (-room.gutter, middle + 0.5 * half) if room.gutter and not second else None
+    at = -room.gutter, middle + 0.5 * half
     below = low - 6 * pixel if second else None
-    box = Box(0.0, 1.0, middle, half, below, (1.0, middle + ROOM * half, "top-right"), at)
+    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center") if below else None,
+              (1.0, middle + ROOM * half, "top-right"), at if room.gutter else None)
     return BarPlaces(room, seat, rectangle(room.high), box, estimate, truth, strip, None, heading)

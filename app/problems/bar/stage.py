@@ -16,10 +16,10 @@ from solvers.problems.bar.scene import BarScene
 
 LANE_POINTS = 2000  # points that a lane may be made of
 WIDEST, STRETCHED = 0.016, 1.25  # the largest of them on the stage; widths of a particle at rest that it takes
+NONE = np.empty((0, 3), np.float32)
 TIGHT = 1.02  # times as large they are as they would have to be: in half precision rows may be a hair apart
 CROSSING = 9.0  # pixels across
-BRACKET = 7.0  # pixels high
-NARROW = "estimate above, truth below"
+BRACKET, NEAR = 7.0, 0.1  # pixels high; how far from the middle of a region what is in it may be
 
 
 def where(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
@@ -63,10 +63,13 @@ class BarStage(Stage[BarScene]):
 
     def _across(self, arrays: FrameArrays) -> np.ndarray:
         """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
-        x = arrays.position[:, 0] if self._drawn_scene is None else self._drawn_scene.within(arrays.position[:, 0])
+        x = arrays.position[:, 0]
+        if self._drawn_scene is not None and not self._drawn_scene.swings:
+            x = self._drawn_scene.within(x)
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax takes the number where one is none
 
-    _along = _across
+    def _along(self, arrays: FrameArrays) -> np.ndarray:
+        return self._now
 
     def _still(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         edges, places, colours = np.arange(scene.cells + 1) * scene.spacing, self._places, self._places.room.palette
@@ -79,12 +82,15 @@ class BarStage(Stage[BarScene]):
         self._lanes = _Lanes(particles, places)
 
     def _moving(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                age: np.ndarray) -> Iterator[Mark]:
-        x, room = self._across(arrays), self._places.room
+                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+        self._now = x = self._across(arrays)
+        room, between = self._places.room, self._places.crossings
         yield self._lanes.dots(x, estimated, true)
-        shown = np.flatnonzero(age <= 1) if self._places.crossings is not None else np.empty(0, np.intp)
-        yield Dots("crossings", in_plane(x[shown], self._places.crossings or 0.0, 0.02),
-                   faded(age[shown], room.palette), CROSSING * room.pixel)
+        if between is None:
+            yield Dots("crossings", NONE, NONE, 1.0)
+        else:
+            yield Dots("crossings", in_plane(x[crossed], between, 0.02), faded(age, room.palette),
+                       CROSSING * room.pixel)
 
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
         """A bracket above the estimate's lane and one below the truth's, as far as names leave room for it."""
@@ -94,6 +100,7 @@ class BarStage(Stage[BarScene]):
                                          strict=True):
             at = self._across(arrays)[found.particles] if found and wanted else np.empty(0)
             at = at[(at >= 0) & (at <= 1)]
+            at = at[np.abs(at - np.median(at)) < NEAR] if len(at) else at  # not what is at the other end, or lost
             text, x, y = "", 0.5, lane
             if found and len(at):
                 y = lane + up * (0.5 * places.lane + 4 * room.pixel)
@@ -136,16 +143,19 @@ def _pair_names(words: Words, places: BarPlaces) -> Iterator[Label]:
     room, first = places.room, places.seat == Seat.FIRST
     for name, _, _, y in _halves(words, places):
         yield Label(f"{name}-title", name if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
-        yield Label(f"{name}-by", words.by[0] if room.gutter and first and name == "estimate" else "", -room.gutter,
-                    places.field.middle - 0.5 * places.field.half, "center-left", "gutter")
+        by = words.by[0] if first and name == "estimate" else ""
+        if room.gutter:
+            yield Label(f"{name}-by", by, -room.gutter, places.field.middle - 0.5 * places.field.half, "center-left",
+                        "gutter")
+        else:
+            yield Label(f"{name}-by", by, 1.0, places.heading, "bottom-right", "note")
     run = words.run[:1].upper() + words.run[1:]
     yield Label("run", run, 0.0, places.heading, "bottom-left", "name", 1.1, 90, tone="plain" if first else "faint",
                 bold=True)
     note = words.crossings if first else ""
     yield Label("crossings-note", note if room.gutter else "", 1.0, places.heading, "bottom-right", "note",
                 tone="crossing", sign="dot")
-    yield Label("alike", "" if room.gutter or not first else NARROW, 1.0, places.heading, "bottom-right", "note",
-                tone="faint")
+    yield Label("alike", "", 1.0, places.heading, "bottom-right", "note", tone="faint")
 
 
 def _halves(words: Words, places: BarPlaces) -> Iterator[tuple[Tone, str, str, float]]:

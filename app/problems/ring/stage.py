@@ -12,6 +12,7 @@ from solvers.problems.ring import exact
 from solvers.problems.ring.exact import INNER, OUTER
 from solvers.problems.ring.scene import RingScene
 
+NO_BREAK = "\N{NO-BREAK SPACE}"
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 
 
@@ -27,7 +28,7 @@ class RingStage(PlanarStage[RingScene]):
 
     @staticmethod
     def note(scene: RingScene) -> str:
-        return f"outer radius {OUTER} m at rest, h = {scene.spacing:.3g} m"
+        return f"outer radius {OUTER}{NO_BREAK}m at rest, h{NO_BREAK}={NO_BREAK}{scene.spacing:.3g}{NO_BREAK}m"
 
     @staticmethod
     def stretched(scene: RingScene) -> float:

@@ -42,8 +42,8 @@ class VortexStage(PlanarStage[VortexScene]):
         return exact.position(scene, SPOKES_AT_REST[:count].reshape(-1, 2), t).reshape(count, SPOKE_POINTS, 2)
 
     def _moving(self, scene: VortexScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                age: np.ndarray) -> Iterator[Mark]:
-        yield from super()._moving(scene, arrays, estimated, true, t, age)
+                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+        yield from super()._moving(scene, arrays, estimated, true, t, crossed, age)
         lines = self.exact_lines(scene, t, SPOKES * scene.solution_known)
         x = self._place(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
         yield Lines("spokes", joined(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),

@@ -303,12 +303,12 @@ def test_worst_places_by_estimate_and_by_truth():
     places, estimate, error = WorstRegions(), np.full(20, 0.1), np.full(20, 0.2)
     estimate[3], error[7] = 1.0, -2.0
     arrays, report = arrays_of(estimate, error), report_of(BAR)
-    places.look(report, arrays, look(report, arrays, "x", "transport", False), "m")
+    places.look(report, arrays, look(report, arrays, "x", "transport", False), "x")
     assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
     assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
     assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
     report = report_of(replace(BAR, body_force="two-tone"))
-    places.look(report, arrays, look(report, arrays, "x", "transport", False), "m")
+    places.look(report, arrays, look(report, arrays, "x", "transport", False), "x")
     assert places.by_truth is None and places.by_estimate.true is None
 
 

@@ -32,7 +32,7 @@ def told(scene=BAR, drawn="transport", series=SERIES, crossed=(), ago=0.0, **cha
     report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(ERROR / 2, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
     view, worst = look(report, arrays, "x", drawn, False), WorstRegions()
-    worst.look(report, arrays, view, "m")
+    worst.look(report, arrays, view, "x")
     return summary(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn, ago)
 
 

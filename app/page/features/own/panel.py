@@ -23,7 +23,7 @@ from app.page.stage.worst import WorstRegions
 from app.page.visit.notice import Notice
 from app.page.visit.session import Session, first_scene
 from app.viewer.upload import LARGEST, TOO_LARGE, Upload
-from app.words import QUANTITIES, on_page
+from app.words import on_page
 from solvers.judging.reading import KINDS
 from solvers.judging.show import Shown
 from solvers.scene.scene import Scene
@@ -286,7 +286,7 @@ class OwnFile:
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
             return Said()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
-        worst.look(picture.report, picture.arrays, picture.view, QUANTITIES[choice.quantity].unit)
+        worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
         return words.sentence(*shown, picture.view, worst, choice.quantity)
 
     def notice(self) -> Notice | None:
