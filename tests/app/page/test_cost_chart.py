@@ -42,8 +42,7 @@ def numbered(*rows):
 
 
 def drawn(runs, scene=SCENE, tolerance=1e-3):
-    inside = axes(runs, tolerance)
-    return picture(runs, comparable(runs, scene), scene, inside) if inside else ""
+    return picture(runs, comparable(runs, scene), scene, axes(runs, tolerance))
 
 
 def sweep(*methods):
@@ -79,7 +78,7 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert found[5][0] == {"lab-dot", "lab-judged"} and "as companion estimates" in found[5][3]
     assert drawing.count("class='lab-curve'") == 2 and "hollow: as companion estimates" in drawing
     assert [words for _, words in names(runs)] == ["uGIMP"] and [run.method for run in unnamed(runs)] == ["bspline"]
-    assert drawn([]) == ""
+    assert not buttons(drawn([])) and "time of one run" in drawn([])  # what will be there
 
 
 def test_times_of_a_stage_are_not_on_the_axis():
@@ -151,7 +150,9 @@ def test_axes_hold_everything_and_only_grow():
     wider = axes(runs, 1e-4, first)
     assert wider.up.low < first.up.low and wider.up.high == first.up.high
     assert axes(runs, 1e-30, first).up.low > -10  # a line is no reason to squeeze all runs together
-    assert axes([], 1e-3) is None and axes([], 1e-3, first) == first
+    empty = axes([], 1e-5)
+    assert empty.up.low < -4 and empty.across.low < empty.across.high and empty.times is None
+    assert axes(runs, 1e-3, empty).across == first.across and axes([], 1e-3, first) == first
 
 
 @pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021]])

@@ -6,7 +6,7 @@ import csv
 
 import pytest
 
-from tests.browser.conftest import PHONE
+from tests.browser.conftest import HOME, PHONE
 from tests.browser.driving import click, engine_processes, readout, row, shown, time, until
 from tests.processes import PATIENCE, children, held
 
@@ -19,7 +19,7 @@ def job_processes(parent):
 def begin(page, server):
     """A new visit, and what its Cost tab says before anything has run: the simulation stands still until then."""
     with held(engine_processes(server[1])):
-        page.goto(f"{server[0]}/?fixedDpr=0.5")
+        page.goto(f"{server[0]}/?fixedDpr=0.5{HOME}")
         page.locator("#lab-ground").evaluate("ground => ground.remove()")  # it stays until there is a frame
         open_cost(page)
         shown(page, "Nothing measured yet.")

@@ -14,6 +14,7 @@ from app.page.features.cost.headline import headline, line
 from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, search, small_sweep, timings
 from app.page.features.cost.picture import Axes, axes, picture
 from app.page.features.cost.runs import LIVE, LiveRows, Runs, csv_bytes
+from app.page.panels.head import BESIDE
 from app.page.visit.history import History
 from app.page.visit.limits import too_many
 from app.page.visit.notice import Notice
@@ -44,7 +45,8 @@ class CostTab:
         self._chartable: tuple | None = None  # what it depends on of those,
         self._charted: tuple | None = None  # and of what it has been drawn
         self._told: tuple | None = None
-        self._axes: dict[str, Axes] = {}  # of each problem
+        self._axes: dict[str, Axes] = {}  # of each problem that has runs
+        self._inside: Axes | None = None  # those of the chart that is drawn
         self._next = 0.0  # when there is a new picture, while a job runs
         self._asked: tuple | None = None  # what the last search was asked
         self._remark = ""
@@ -120,7 +122,7 @@ class CostTab:
         gui.add_html(PICKED)
         picked = gui.add_text("Run to load", "")
         picked.on_update(lambda event: self._pick(event.target.value))
-        gui.add_html("<h2 class='lab-cost-head'>How accurate must it be?</h2>" + WANTED)
+        gui.add_html("<h2 class='lab-h2'>How accurate must it be?</h2>" + WANTED)
         self._tolerance = gui.add_text("Tolerance / A", "1e-3", hint="largest RMS error of x that is allowed at any "
                                        "time of one period, as a part of the amplitude A")
         self._tolerance.on_update(lambda _: self.refresh())
@@ -137,28 +139,30 @@ class CostTab:
         self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False, hint="put the "
                                     "run that was found on the stage")
         self._take.on_click(lambda _: self._load_advice())
-        gui.add_html("<h2 class='lab-cost-head'>Runs so far</h2>")
+        gui.add_html("<h2 class='lab-h2'>Runs so far</h2>")
+        gui.add_html(BESIDE)
         self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
                                      "grids with each of its methods, timed in the background")
         self._sweep.on_click(lambda _: self._start_sweep(small_sweep(self._session.scene)))
-        self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="runs on the "
-                                    "stage are timed in small pieces and with every effect; this runs them bare and in "
-                                    "one go, in the background")
-        self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
+        gui.add_html(BESIDE)
         self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True, hint="all these runs, "
                                         "a row each, for a spreadsheet")
         self._download.on_click(lambda _: self._client.send_file_download(
             FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True))
+        self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="runs on the "
+                                    "stage are timed in small pieces and with every effect; this runs them bare and in "
+                                    "one go, in the background")
+        self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
         self._table = gui.add_html("")
 
     def _show_runs(self, scene: Scene) -> None:
         """The chart and the table: when runs or what they are compared with have changed."""
         runs = self.runs.all()
         of_problem = [run for run in runs if run.row["problem"] == scene.problem]
-        inside = axes(of_problem, self._wanted()[0], self._axes.get(scene.problem))
-        if inside:
+        inside = self._inside = axes(of_problem, self._wanted()[0], self._axes.get(scene.problem))
+        if of_problem:  # what an empty chart holds is no reason for what others hold
             self._axes[scene.problem] = inside
-        drawing = picture(of_problem, comparable(of_problem, scene), scene, inside) if inside else ""
+        drawing = picture(of_problem, comparable(of_problem, scene), scene, inside)
         self._chart.content = f"<template class='lab-cost-chart'>{drawing}</template>"
         hidden = f"<p>{words.others(runs, scene.problem)}</p>"
         self._table.content = f"<div class='lab-cost'>{words.table(of_problem)}{hidden}</div>"
@@ -169,14 +173,13 @@ class CostTab:
         """What stands above the chart, and the line in it."""
         like = comparable(self.runs.all(), scene)
         tolerance, trouble = self._wanted()
-        before = self._axes.get(scene.problem)
-        if before and axes(like, tolerance, before) != before:
+        if axes(like, tolerance, self._inside) != self._inside:
             self._show_runs(scene)
         says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)))
         if status.running:
             more = escape(f"{words.counted(status)} {stage}")
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
-                              f"{line(like, scene, tolerance, self._axes.get(scene.problem))}")
+                              f"{line(like, scene, tolerance, self._inside)}")
 
     def _wanted(self) -> tuple[float, str]:
         """The tolerance that was typed, or NaN and why it is none."""

@@ -24,7 +24,7 @@ from solvers.scene.scene import Scene
 SHAPES = {"o": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", "s": "M-4.5 -4.5h9v9h-9z", "^": "M0 -5.8L5.4 4.2H-5.4z",
           "D": "M0 -6L5.8 0L0 6L-5.8 0z", "v": "M0 5.8L5.4 -4.2H-5.4z"}
 CROSS = "M-4.5 -4.5L4.5 4.5M4.5 -4.5L-4.5 4.5"
-UNTIMED = LogAxis(-4.3, -0.7)  # before anything has been timed
+UNTIMED, UNMEASURED = LogAxis(-4.3, -0.7), LogAxis(-3.3, -0.7)  # axes before anything is known
 MOST_BELOW = 2  # decades below all errors to which the line of a tolerance may draw the axis
 ORDER = 2  # of the methods, in the size of a cell
 
@@ -47,16 +47,15 @@ class Axes:
                 0.0 if run.broken else _percent(1 - self.up.part(run.size)))
 
 
-def axes(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes | None:
-    """Those that hold the runs and the tolerance, and what was held ``before``; None where there is nothing to hold."""
+def axes(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
+    """Those that hold the runs and the tolerance, and what was held ``before``."""
     times = [run.seconds for run in runs if run.drawable and run.alone]
     errors = [run.size for run in runs if run.drawable and not run.broken]
-    if not times and not errors:
-        return before
-    least = min(errors, default=1.0) / 10**MOST_BELOW
+    least = min(errors, default=1e-2) / 10**MOST_BELOW
     wanted = [max(tolerance, least)] if math.isfinite(tolerance) else []
     if before is None:
-        return Axes(around(times), around([*errors, *wanted]) or LogAxis(-4.0, -1.0))
+        up = around([*errors, *wanted]) if errors else None
+        return Axes(around(times), up or UNMEASURED.around(wanted))
     return Axes(before.times.around(times) if before.times else around(times), before.up.around([*errors, *wanted]))
 
 
@@ -158,8 +157,9 @@ def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: 
     judges = " or ".join(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
     keys = [f"hollow: as {judges} estimates"] * bool(judges) + ["grey: no run is better for less"] * (len(best) > 1)
     keys.append(f"dashed: a quarter of the error for {2 ** (dimensions + 1)} times the time")
-    return "".join(f"<text x='12' y='100%' dy='{-12 - 17 * k}' class='lab-key-line'>{escape(words)}</text>"
-                   for k, words in enumerate(reversed(keys)))
+    lines = "".join(f"<text x='12' y='100%' dy='{-12 - 17 * k}' class='lab-key-line'>{escape(words)}</text>"
+                    for k, words in enumerate(reversed(keys)))
+    return f"<g class='lab-keys'>{lines}</g>"
 
 
 def _titles(scene: Scene) -> str:

@@ -26,7 +26,6 @@
     const held = dots.contains(document.activeElement) && document.activeElement.dataset.run;
     dots.replaceChildren(chart.content.cloneNode(true));
     tip.classList.remove("lab-shown");
-    section.classList.toggle("lab-empty", !dots.childElementCount);
     const stop = (held && dots.querySelector(`[data-run="${held}"]`)) || dots.querySelector("button");
     if (stop) stop.tabIndex = 0;
     if (held && stop) stop.focus();
@@ -53,6 +52,9 @@
     tip.style.top = dot.style.top;
     tip.classList.toggle("lab-left", parseFloat(dot.style.left) > 55);
     tip.classList.toggle("lab-up", parseFloat(dot.style.top) > 55);
+    tip.style.marginLeft = "";
+    const beyond = section.getBoundingClientRect().left + 6 - tip.getBoundingClientRect().left;
+    if (beyond > 0) tip.style.marginLeft = `${16 + beyond}px`;
     tip.classList.add("lab-shown");
   }
 

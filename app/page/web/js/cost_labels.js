@@ -10,7 +10,7 @@
 
   function settle() {
     const edge = box(section).right - 4, taken = [], free = one => taken.every(other => apart(one, other));
-    const names = all(".lab-name"), cells = all(".lab-cells");
+    const names = all(".lab-name, .lab-on-stage"), cells = all(".lab-cells");
     const marks = all(".lab-dot").map(box).map(({left, top, right, bottom}) => (  // less what is empty around them
       {left: left + 5, right: right - 5, top: top + 5, bottom: bottom - 5}));
     if (marks.length < FEW) taken.push(...marks);
@@ -20,18 +20,23 @@
       name.style.translate = "";
       name.classList.remove("lab-left");
     }
-    const wide = names.filter(name => name.matches(":not(.lab-at-edge)") && box(name).right > edge);
+    const wide = names.filter(name => name.matches(".lab-name:not(.lab-at-edge)") && box(name).right > edge);
     for (const name of wide) name.classList.add("lab-left");
     for (const [name, at] of names.map(name => [name, box(name)]).sort((one, other) => one[1].top - other[1].top)) {
       const moved = down => ({left: at.left, right: at.right, top: at.top + down, bottom: at.bottom + down});
       let down = 0;
       while (!free(moved(down)) && down < 200) down += 2;
-      name.style.translate = `0 ${down}px`;
+      if (down) name.style.translate = `0 ${down}px`;
       taken.push(moved(down));
     }
     if (marks.length >= FEW) taken.push(...marks);
     const shown = cells.map(cell => [cell, box(cell)]).map(([cell, at]) => [cell, free(at) && taken.push(at)]);
     for (const [cell, isFree] of shown) show(cell, isFree);
+    for (const keys of all(".lab-keys")) {  // above the line where it would go through them
+      keys.style.transform = "";
+      const {top, bottom} = box(keys), middle = wish.top + wish.height / 2;
+      if (middle > top - 4 && middle < bottom + 4) keys.style.transform = `translateY(${middle - bottom - 8}px)`;
+    }
     const price = box(section.querySelector(".lab-drop span"));
     for (const [tick, at] of all(".lab-across").map(tick => [tick, box(tick)])) show(tick, apart(at, price));
   }
