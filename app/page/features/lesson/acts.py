@@ -11,7 +11,8 @@ from app.page.features.lesson.hands import Hands
 from app.words import size_in, unit_of
 from solvers.scene.scene import Scene
 
-LINE = re.compile(r"<li>(Press|Set|Choose) <strong>([^<]+)</strong>(?: to)?(?: <code>([^<]+)</code>)?\.?</li>")
+LINE = re.compile(r"<li>\s*(?:<p>)?(Press|Set|Choose) <strong>([^<]+)</strong>(?: to)?(?: <code>([^<]+)</code>)?\.?"
+                  r"(?:</p>)?\s*</li>")
 #: Widgets that say a field of the scene, by the words that stand beside them.
 FIELDS = {"Cells": "cells", "Particles / cell": "ppc", "Amplitude A": "amplitude", "Modulus E": "modulus",
           "CFL number": "cfl", "Method": "method", "Body force": "body_force"}

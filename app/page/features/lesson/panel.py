@@ -255,8 +255,8 @@ class Player:
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
         """Put what has been worked out into a text, unless the visitor has gone on meanwhile."""
         with self._lock:
-            if not is_removed(text):
-                text.content = content()
+            if not is_removed(text) and text.content != (new := content()):  # the browser would make it anew
+                text.content = new
 
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))

@@ -1,0 +1,84 @@
+"""What a lesson tells its reader to do, as buttons: each means what a widget would do."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from app import state
+from app.lessons import shelf
+from app.lessons.lesson import drawn, filled
+from app.page.features.lesson import acts
+from app.page.features.lesson.acts import PUT, Act, do, found, with_buttons
+from app.page.features.lesson.html import choices_html, shelf_html, step_html, text_html
+
+SAID = "\n\n".join(("Words.", "- Press **On the stage**.", "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.",
+                    "- Set **Particle** to `10`.\n- Press **Pause**.", "- Tick **Slow motion**."))
+
+
+def test_what_can_be_done_is_a_button_and_the_rest_is_text():
+    html = text_html(SAID, {})
+    assert found(html) == [Act("Set", "Cells", "80"), Act("Choose", "Method", "B-spline"), Act("Press", "Pause", "")]
+    shown = with_buttons(html)
+    assert re.findall(r"data-act='(\w+)'", shown) == ["stage", "0", "1", "2"]
+    assert PUT in shown and "Set <b>Cells</b> to <b>80</b></button>" in shown
+    assert "Set <strong>Particle</strong> to <code>10</code>." in shown
+
+
+class Hand:
+    """Controls that only remember what was done with them."""
+
+    def __init__(self, text: str):
+        self.scene, self.done = state.read(text).scene, []
+
+    def change(self, field, said, meant):
+        self.done.append((field, meant(self.scene)))
+
+    def look(self, **what):
+        self.done.append(next(iter(what.items())))
+
+    def press(self, name):
+        self.done.append(("press", name))
+
+
+@pytest.mark.parametrize("act, meant", [
+    (Act("Set", "Cells", "80"), ("cells", 80)), (Act("Set", "Particles / cell", "2.5"), ("ppc", 2.5)),
+    (Act("Set", "Amplitude A", "0.16"), ("amplitude", 0.16)),
+    (Act("Set", "Amplitude A", "3.2 mm"), ("amplitude", 0.0032)),
+    (Act("Choose", "Method", "B-spline"), ("method", "bspline")),
+    (Act("Choose", "Body force", "at the particles"), ("body_force", "material")),
+    (Act("Choose", "Error of", "stress σ"), ("quantity", "sigma")),
+    (Act("Choose", "On the stage", "recovered"), ("estimator", "recovered")),
+    (Act("Press", "Reset", ""), ("press", "Reset"))])
+def test_an_act_means_what_its_widget_would_do(act, meant):
+    hand = Hand("bar")
+    do(act, hand)
+    assert hand.done == [meant]
+
+
+@pytest.mark.parametrize("name", shelf.names())
+def test_every_act_of_a_lesson_can_be_done_in_its_scene(name):
+    """Where the step's run is on the stage the value is one that the field may have; each run has a button."""
+    lesson = shelf.lesson(name)
+    numbers, text = drawn(lesson, ""), "bar"
+    for number, step in enumerate(lesson.steps, 1):
+        text = filled(step.stage, numbers) or text
+        html = step_html(step, number, numbers, "", False)
+        assert html.count(PUT) == bool(step.stage)
+        hand = Hand(text)
+        for act in found(text_html(step.text, numbers)):
+            if act.name == "On the stage":
+                assert act.value in hand.scene.estimators
+            else:
+                do(act, hand)
+                field, value = hand.done[-1]
+                allowed = hand.scene.choices(field) if field in acts.FIELDS.values() else ()
+                assert not allowed or value in allowed
+
+
+def test_answers_and_titles_are_escaped():
+    html = choices_html(["<b>one", "two"], 2, False, "a'key")
+    assert "&lt;b&gt;one" in html and html.count(" checked") == 1 and "data-question='a&#x27;key'" in html
+    every = shelf_html(shelf.lessons())
+    assert every.count("class='lab-open'") == len(shelf.names()) and "data-fingerprint=" in every
