@@ -16,7 +16,11 @@
       set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
     }
     const foot = document.querySelector("[data-lab~=lab-estimates-foot]");
-    if (foot) foot.parentElement.dataset.lab = "lab-root";
+    if (foot) {
+      const root = foot.parentElement;
+      root.dataset.lab = "lab-root";
+      root.parentElement.parentElement.dataset.lab = "lab-around";  // it hides what is beyond it, and nothing sticks in it
+    }
   }
 
   root.addEventListener("keydown", event => {

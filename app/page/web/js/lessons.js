@@ -7,6 +7,11 @@
   const chosen = {};  // answers by their questions: the viewer puts html in anew
   let last = "", seen = "";
 
+  const head = () => document.querySelector(".lab-lesson-head, .lab-shelf");
+  function top() {  // of all that the viewer puts around a tab
+    for (let area = head(); area; area = area.parentElement?.closest("[data-scrollarea-viewport]")) area.scrollTop = 0;
+  }
+
   function progress(button) {  // in a lesson that has been changed since one begins again
     try {
       const kept = JSON.parse(stored(store => store.getItem(STORE + button.dataset.lesson), "null"));
@@ -38,8 +43,8 @@
     const open = document.querySelector(".lab-kept")?.dataset.lesson || "";
     if (open && open !== last) stored(store => store.setItem(LAST, open));
     last = open;
-    const head = document.querySelector(".lab-lesson-head, .lab-shelf"), now = head?.textContent || "";
-    if (now !== seen) head?.closest("[data-scrollarea-viewport], .mantine-ScrollArea-viewport")?.scrollTo(0, 0);
+    const now = head()?.textContent || "";
+    if (now !== seen) setTimeout(top, 150);
     seen = now;
   }
 
