@@ -2,7 +2,7 @@
 field on the right; two bodies stand beside each other, and their plots one above the other."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from app.frame.field import ROOM
 from app.frame.layout import HALVES, Box, Places, Seat, Spot, rectangle, top
@@ -13,6 +13,7 @@ from app.words import brief
 AROUND = 1.05  # of the outermost the body should come, that its cells are drawn to
 WIDEST = {Seat.ALONE: 0.5, Seat.FIRST: 0.31, Seat.SECOND: 0.31}  # of the cells that are drawn
 FIELD = 0.28  # the least width of the plot
+LEAST = 0.3  # width of the cells that are drawn, with words beside them
 #: In pixels: between the body and what is beside it, the words there, the numbers of the plot, and the name above it.
 GAP, NAMES, NUMBERS, HEADING = 12.0, 112.0, 62.0, 42.0
 
@@ -30,6 +31,8 @@ class PlanarPlaces(Places):
 def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
     """Those in a settled room."""
     pixel, line, end, alone = room.pixel, room.line, top(room, room.high).end, seat == Seat.ALONE
+    if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # letters as large as a projector needs: names stand above
+        room = replace(room, gutter=0.0)
     beside = NUMBERS * pixel + (NAMES * pixel if alone and room.gutter else 0.0)
     above = 0.0 if alone and room.gutter else 1.3 * line  # words above the body,
     under = 0.0 if room.gutter else 1.3 * line  # and below it
@@ -132,5 +135,5 @@ def _crossings(words: Words, places: PlanarPlaces) -> Label:
     room, note = places.room, words.crossings if places.seat != Seat.SECOND else ""
     if room.gutter:
         return Label("crossings-note", note, -room.gutter, 2 * room.pixel, "bottom-left", "gutter",
-                     width=room.letters(room.gutter) - 2, tone="crossing", sign="dot")
+                     width=max(1, room.letters(room.gutter) - 2), tone="crossing", sign="dot")
     return Label("crossings-note", note, 0.0, 0.0, "bottom-left", "note", tone="crossing", sign="dot")

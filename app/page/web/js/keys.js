@@ -7,6 +7,7 @@
   const panel = name => [...document.querySelectorAll("[data-dock-region=right] button")].find(button =>
     button.textContent.trim() === name && button.offsetParent && !button.disabled);
   const playing = () => document.body.classList.contains("lab-playing");
+  const slow = () => ![undefined, "Slow motion"].includes(buttons("lab-at-slow")[0]?.textContent.trim());
   const back = step => {
     const slider = document.querySelector("[data-lab~=lab-at-back] + div [role=slider]");
     slider?.dispatchEvent(new KeyboardEvent("keydown", {key: step < 0 ? "ArrowLeft" : "ArrowRight", bubbles: true}));
@@ -27,11 +28,10 @@
     ["l", ["L", "lessons", () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}))]],
     ["?", ["?", "this list", () => list()]],
     ["Escape", ["Esc", "leave the presenter’s view, slow motion, an enlarged figure", () => {
-      const slow = buttons("lab-at-slow")[0];
-      if (slow?.textContent.includes("End")) slow.click();
+      if (slow()) buttons("lab-at-slow")[0].click();
     }]],
   ]);
-  const lab = window.lab = {keys, tell, buttons, named, panel, playing, back, special: null};
+  const lab = window.lab = {keys, tell, buttons, named, panel, playing, slow, back, special: null};
 
   function list() {
     const dialog = document.getElementById("lab-keys"), presenting = lab.special?.();

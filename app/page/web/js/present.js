@@ -1,9 +1,8 @@
 // A talk: what a speaker's keys and remote do in the presenter's view, what stands on the slide, and when the transport goes.
 (() => {
-  const {tell, named, buttons, panel, playing, back, keys} = window.lab, body = document.body;
+  const {tell, named, buttons, panel, playing, slow, back, keys} = window.lab, body = document.body;
   const presenting = () => body.classList.contains("lab-presented-view");
   const open = name => dispatchEvent(new CustomEvent("lab-tab", {detail: name}));
-  const slow = () => buttons("lab-at-slow")[0]?.textContent.includes("End");
   const studying = () => body.classList.contains("lab-lesson-open");
   const scene = document.getElementById("lab-scene"), black = document.getElementById("lab-black");
 
@@ -64,7 +63,7 @@
     const said = document.querySelector("i.lab-named")?.dataset.scene || "", now = presenting();
     if (scene.textContent !== said) scene.textContent = said;
     scene.hidden = !now;
-    body.classList.toggle("lab-slowly", Boolean(now && slow()));
+    body.classList.toggle("lab-slowly", now && slow());
     if (now && !was) {
       seen();
       document.activeElement?.blur();  // of the button that ends it: a space is for the run
