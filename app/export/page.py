@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from app.export.plan import Plan, described, planned
 from app.export.record import recordings
 from app.export.vocabulary import vocabulary
 from app.identity import ICON, MARK, faces
+from app.problems.views import VIEWS
 from app.templates import rendered
 from app.words import title
 
@@ -26,8 +28,11 @@ Progress = Callable[[float, str], None]
 
 
 def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping[str, int] = lattice.FULL) -> str:
-    """The page of a state's text, with runs around it for so many values of each field."""
+    """The page of a state's text, with runs around it for so many values of each field; of a problem's name alone as
+    the live page shows it, by those who judge it well."""
     shown = state.read(text)
+    if text.strip() in VIEWS and (judges := VIEWS[text.strip()].estimators):
+        shown = replace(shown, scene=replace(shown.scene, estimators=judges))
     one = planned(shown, (), quantities(shown))
     one = planned(one.state, lattice.around(one.scene, counts), one.quantities)
     recorded = record([one], processes, on_progress)

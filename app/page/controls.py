@@ -23,6 +23,8 @@ from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import CHOICES
+from solvers.engine.frames import FrameArrays
+from solvers.engine.messages import FrameReport
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import ALL
 from solvers.scene.remedies import REMEDIES
@@ -67,6 +69,11 @@ class Controls:
         self._elsewhere = self._gui.add_html(ELSEWHERE, visible=False)
         self._build()
 
+    def hear(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """A frame has come."""
+        with self._turn:
+            self._stage.hear(report.scene, arrays)
+
     def usual_speed(self) -> None:
         """Go on at the problem's own speed."""
         with self._turn:
@@ -94,6 +101,7 @@ class Controls:
         with self._turn:
             if scene.problem != self._session.scene.problem:
                 self._drawn.domains = False
+                self._stage.go_to(scene.problem)
             self._session.choose(scene)
             self._rebuild()
 

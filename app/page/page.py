@@ -235,6 +235,8 @@ class Page:
         self._story.follow(mine)
         self._sparks.refresh(mine and not self._story.beat)
         self._controls.refresh()
+        if shown := self._recent.shown:
+            self._controls.hear(*shown)
         self._problems.show(self._session.scene.problem, self._controls.offers_problems)
         self._keep()
         self._cost.refresh()

@@ -94,8 +94,8 @@ def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantit
     said = differing(scenes[1], scenes[0])
     name = f", {said}" if 0 < len(said) <= MOST_DIFFERING else ""
     if larger >= 1:
-        return f"this run errs {factor(larger)} times as much as the pinned one{name}"
-    return f"the pinned run{name}{',' * bool(name)} errs {factor(1 / larger)} times as much"
+        return f"{factor(larger)} times as wrong as the pinned run{name}"
+    return f"the pinned run{name}{',' * bool(name)} is {factor(1 / larger)} times as wrong"
 
 
 def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,

@@ -5,11 +5,15 @@ tabs."""
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import viser
 
 from app import words
 from app.frame.scale import ColourScale
 from app.page.visit.session import Session
+from solvers.engine.frames import FrameArrays
+from solvers.scene.scene import Scene
+from solvers.solver import samples
 
 NONE = "none"
 _FACTORS = {f"× {factor}": factor for factor in words.MAGNIFICATIONS}
@@ -25,6 +29,8 @@ class StageChoice:
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self.estimator = next(iter(session.scene.estimators), None)  # the one on the stage, if any
         self.magnified = 1
+        self._kept: dict[str, str] = {}  # by problem, the estimator that was put on the stage there
+        self._silent = False  # whether an estimator that says nothing may give way: nobody has asked for it by name
         quantity_mark = gui.add_html("<i class='lab-at-quantity'></i>")
         self._quantity = gui.add_dropdown("Error of", tuple(self._quantities), initial_value=self._shown_quantity,
                                           hint="the quantity whose error gives the colours, and whose field is plotted")
@@ -56,6 +62,20 @@ class StageChoice:
         for widget, shown in ((self._quantity, self._shown_quantity), (self._magnify, _NAMES[magnified])):
             widget.value = shown  # type: ignore[misc]
 
+    def go_to(self, problem: str) -> None:
+        """Another problem is to be on the stage: as it was left."""
+        self.estimator, self._silent = self._kept.get(problem), True
+
+    def hear(self, scene: Scene, arrays: FrameArrays) -> None:
+        """A frame has come: an estimator that says nothing of a quantity chosen since gives way to one that does."""
+        if not self._silent or scene != self._session.scene:
+            return
+        self._silent, column = False, samples.QUANTITIES.index(self.quantity)
+        says = [name for name, values in arrays.estimate.items() if np.isfinite(values[:, column]).any()]
+        if says and self.estimator in arrays.estimate and self.estimator not in says:
+            self.estimator = self._estimator.value = says[0]  # type: ignore[misc]
+            self._on_view()
+
     def judge_by(self, estimators: tuple[str, ...]) -> None:
         """These run: one of them is on the stage."""
         before = self.estimator
@@ -71,6 +91,7 @@ class StageChoice:
     def put(self, estimator: str) -> None:
         """Put an estimator that runs on the stage."""
         self.estimator = self._estimator.value = estimator  # type: ignore[misc]
+        self._keep()
         self._on_view()
 
     def next_judge(self) -> None:
@@ -89,7 +110,7 @@ class StageChoice:
 
     def measure(self, quantity: str) -> None:
         """Show the error of a quantity, by its key."""
-        self.quantity = quantity
+        self.quantity, self._silent = quantity, True
         if self._quantity.value != self._shown_quantity:
             self._quantity.value = self._shown_quantity  # type: ignore[misc]
         self._session.show(plotted=quantity)
@@ -105,7 +126,13 @@ class StageChoice:
 
     def _choose_estimator(self) -> None:
         self.estimator = None if self._estimator.value == NONE else self._estimator.value
+        self._keep()
         self._on_view()
+
+    def _keep(self) -> None:
+        self._silent = False
+        if self.estimator:
+            self._kept[self._session.scene.problem] = self.estimator
 
     def _choose_factor(self) -> None:
         self.magnified = _FACTORS[self._magnify.value]

@@ -130,8 +130,8 @@ def test_a_pinned_run_is_compared_by_its_true_error():
     live, pinned = ({"time": np.array(t), "error_v": np.array(v)} for t, v in (
         ([0.0, 0.5], [1.0, 3.0]), ([0.0, 0.5, 1.0], [2.0, 6.0, 40.0])))
     scenes = BAR, replace(BAR, method="bspline")
-    assert compared(live, pinned, "v", scenes) == "the pinned run, B-spline, errs 2 times as much"
-    assert compared(pinned, live, "v", scenes) == "this run errs 2 times as much as the pinned one, B-spline"
+    assert compared(live, pinned, "v", scenes) == "the pinned run, B-spline, is 2 times as wrong"
+    assert compared(pinned, live, "v", scenes) == "2 times as wrong as the pinned run, B-spline"
     for unknown in ({}, {"error_v": np.array([np.nan, 1.0])}, {"error_v": np.zeros(2)}, {"error_v": np.zeros(0)}):
         assert compared(unknown, live, "v", scenes) == compared(live, unknown, "v", scenes) == ""
 

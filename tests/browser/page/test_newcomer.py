@@ -51,7 +51,7 @@ def test_three_sparks_by_keyboard_alone(server, chromium):
         both = [run(one, prices=False) for one in (OPENING.scene, OPENING.pinned)]
         wrong, estimate = (both[0].series[f"{name}_sigma"][-1] for name in ("error", "recovered/estimate"))
         share, found = per_cent(wrong / OPENING.scene.size_of("sigma")), per_cent(estimate / wrong)
-        said = f"At t = 0.25 s the stress is {share} wrong; recovered finds {found} of it. This run errs "
+        said = f"At t = 0.25 s the stress is {share} wrong; recovered finds {found} of it. "
         until(lambda: summary(page).startswith(said), said)
 
         tab_to(page, "Halve the cells")

@@ -1,0 +1,76 @@
+"""Whose errors the stage shows: each problem's as it was left, and one that says something of the quantity."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app.page.panels.stage_choice import StageChoice
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+
+BAR, RING = BarScene(estimators=("recovered", "transport")), RingScene(estimators=("transport", "companion"))
+
+
+class Gui:
+    """Makes widgets that only hold what they show."""
+
+    def add_html(self, *_):
+        return SimpleNamespace(visible=True)
+
+    def add_dropdown(self, _, options, initial_value, **__):
+        return SimpleNamespace(options=options, value=initial_value, visible=True, on_update=lambda _: None)
+
+
+@pytest.fixture
+def choice():
+    session = SimpleNamespace(scene=BAR, show=lambda **_: None)
+    made = StageChoice(Gui(), session, SimpleNamespace(forget=lambda: None), lambda: None)
+    made.judge_by(BAR.estimators)
+
+    def put(scene):
+        made.go_to(scene.problem)
+        session.scene = scene
+        made.judge_by(scene.estimators)
+
+    return made, put
+
+
+def frame(silent):
+    """Estimates of two particles, of which transport's lack a quantity."""
+    estimate = {name: np.ones((2, 4)) for name in ("transport", "companion")}
+    estimate["transport"][:, silent] = np.nan
+    return SimpleNamespace(estimate=estimate)
+
+
+def test_each_problem_keeps_its_own(choice):
+    made, put = choice
+    assert made.estimator == "recovered"
+    put(RING)
+    made.put("companion")
+    put(BAR)
+    assert made.estimator == "recovered"
+    made.put("transport")
+    put(RING)
+    assert made.estimator == "companion"
+    put(BAR)
+    assert made.estimator == "transport"
+
+
+def test_one_that_says_nothing_gives_way_unless_it_was_asked_for(choice):
+    made, put = choice
+    put(RING)
+    assert made.estimator == "transport"
+    made.measure("sigma")
+    made.hear(BAR, frame(2))  # of the problem before
+    assert made.estimator == "transport"
+    made.hear(RING, frame(2))
+    assert made.estimator == "companion"
+    made.put("transport")
+    made.hear(RING, frame(2))
+    assert made.estimator == "transport"  # its silence is what is to be seen
+    made.measure("x")
+    made.hear(RING, frame(2))
+    assert made.estimator == "transport"
