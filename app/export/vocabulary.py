@@ -9,7 +9,7 @@ from app import words
 from app.colours import PALETTE, PINNED, colour_table
 from app.export import quantise
 from app.frame import colour_bar, crossings, field, layout, scale, sentence, silences
-from app.frame.captions import ALIKE, DIFFERENCE, SIDE_BY_SIDE, FieldWords, counting
+from app.frame.captions import ALIKE, DIFFERENCE, ESTIMATE, SIDE_BY_SIDE, TRUTH, FieldWords, counting
 from app.frame.layout import Seat
 from app.frame.marks import Label, Room
 from app.frame.palette import LIGHT
@@ -18,7 +18,9 @@ from app.problems.views import VIEWS
 from solvers.scene.registry import ESTIMATORS
 
 #: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
-ROOMS = {"wide": Room(720.0, high=0.5, gutter=0.18), "narrow": Room(336.0, high=0.84)}
+ROOMS = {"wide": Room(720.0, high=0.58, gutter=0.18), "narrow": Room(336.0, high=0.84)}
+LATER = "…"  # what a run or a frame says
+SAID = Words((ESTIMATE[0], TRUTH), (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
 
 
 def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
@@ -43,7 +45,8 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
     """What of a stage is the same in every frame: images of the body, the axis of the field plot, and in each of the
     ``ROOMS`` where things are, with all labels.
 
-    A label's text is "" where it comes with a run or a frame; x and y are on the stage (``marks``).
+    A label's text is ``LATER`` where it comes with a run or a frame, and "" where it is not written; x and y are on the
+    stage (``marks``).
     """
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
@@ -55,8 +58,8 @@ def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
     """A stage in a room."""
     places = stage.places(room, Seat.ALONE)
     top = layout.top(room, room.high)
-    labels: list[Label] = [*stage.labels(Words(crossings=stage.MARKED), places),
-                           *field.labels(places, stage.PLOT.ends, FieldWords(""), 1, "", True)]
+    labels: list[Label] = [*stage.labels(SAID, places),
+                           *field.labels(places, stage.PLOT.ends, FieldWords(LATER, LATER), 1, LATER, True)]
     of = [label for label in colour_bar.labels(top, room.gutter > 0, "x", []) if label.text]
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,

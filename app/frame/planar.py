@@ -20,7 +20,7 @@ MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey m
 FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06)}
 CROSSED, HALO = 5.5, 8.0  # pixels across: a particle that crossed a cell boundary, and around it
 BELOW = np.array([0, 0, 0.002], np.float32)
-ROOMY = 0.2  # radius of a body on which these are as large
+ROOMY = 130.0  # radius in pixels of a body on which these are as large
 PlaneScene = TypeVar("PlaneScene", bound=PlanarScene)
 Mirrors = tuple[tuple[int, int], ...]
 
@@ -103,7 +103,7 @@ class PlanarStage(Stage[PlaneScene]):
         x = in_view(arrays.position)
         yield from self._halves(x, estimated, true)
         marks = self._images(x[crossed], self.MIRRORS, 0.018)
-        pixel = self._places.room.pixel * min(1.0, self._places.radius / ROOMY)
+        pixel = self._places.room.pixel * min(1.0, self._places.radius / (ROOMY * self._places.room.pixel))
         yield Dots("around", marks - BELOW, self._ink[0], HALO * pixel)
         yield Dots("crossings", marks, self._ink[1], CROSSED * pixel)
         yield self._domains(scene, arrays, x)

@@ -41,7 +41,7 @@ def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
     next_one = wide + GAP * pixel
     middle = 0.5 * wide + next_one * (seat == Seat.SECOND), under + 2 * pixel + 0.5 * free
     left = wide + next_one * (not alone) + beside + GAP * pixel
-    low, high = (1.4 if room.gutter else 2.8) * line, end - (HEADING * pixel if room.gutter else 0.3 * line)
+    low, high = (1.4 if room.gutter else 2.8) * line, end - (HEADING * pixel if room.gutter else 1.4 * line)
     name = (left - 40 * pixel, high + 1.2 * line)
     if not alone:
         share = 0.5 * (end - low)
@@ -50,10 +50,9 @@ def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
         name = (left - 40 * pixel, high + 0.8 * line)
     half = 0.5 * (high - low) / ROOM
     below, named = None if seat == Seat.FIRST else low - 2 * pixel, room.gutter > 0
-    across = 0.5 * (left + 1)
-    magnified: Spot | None = (across, below or 0.0, "top-center") if room.gutter else (1.0, 0.0, "bottom-right")
-    box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == Seat.FIRST else magnified,
-              (1.0, high, "top-right"), name if named else None)
+    magnified: Spot = (1.0, name[1], "center-right") if room.gutter else (1.0, 0.0, "bottom-right")
+    box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == Seat.SECOND else magnified,
+              (1.0, high if room.gutter else end, "top-right"), name if named else None)
     return PlanarPlaces(room, seat, rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
 
 

@@ -19,7 +19,7 @@ function fontOf(letters, bold) {
 // Labels with these texts, or with their own, by their names.
 function writeLabels(pen, place, labels, texts) {
   for (const {name, text: own, x, y, anchor, role, width, size, tone, bold, sign} of labels) {
-    const text = texts[name] ?? own;
+    const text = own && (texts[name] ?? own);  // what is written nowhere has none of its own
     if (!text) continue;
     const letters = place.letters * size, [upright, side] = anchor.split("-"), colour = DATA.colours.tones[bold && tone === "plain" ? "bold" : tone];
     pen.font = fontOf(letters, bold);

@@ -8,11 +8,11 @@ from html import escape
 
 import viser
 
-from app.frame.layout import Rectangle, rectangle
+from app.frame.layout import Rectangle
 from app.frame.marks import Room
 from app.frame.sentence import Said
 from app.frame.slow.phases import PHASES, scaled
-from app.frame.slow.stage import DIGITS, HIGH, SlowStage
+from app.frame.slow.stage import DIGITS, SlowStage
 from app.page.canvas import Canvas
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
@@ -54,9 +54,8 @@ class SlowMotion:
     @property
     def rectangle(self) -> Rectangle | None:
         """Of what is drawn while there is a step on the stage."""
-        with self._lock:
-            stage = self._stages.get(self._step[0].problem) if self._step else None
-            return stage.rectangle if stage else rectangle(HIGH[0])
+        step = self._step  # without the lock: who draws asks, whom those wait for that hold it
+        return None if step is None else self._stages[step[0].problem].rectangle
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
@@ -85,6 +84,7 @@ class SlowMotion:
             if not self.on or report.number < self._asked:
                 return
             if report.breakdown is not None:
+                self._prepare(report.scene.problem)
                 before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
                     self._phase, self._s = 0, 0.0
@@ -162,6 +162,11 @@ class SlowMotion:
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
         self._asked = self._session.break_down(particle, step)
 
+    def _prepare(self, problem: str) -> None:
+        """Have a stage for a problem."""
+        if problem not in self._stages:
+            self._stages[problem] = VIEWS[problem].slow(self._canvas.sheet(f"/slow-{problem}"))
+
     def _draw_loop(self, over: threading.Event) -> None:
         while not over.wait(TICK):
             try:
@@ -173,9 +178,7 @@ class SlowMotion:
 
     def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
         """Draw what there is to see after another tick."""
-        if (stage := self._stages.get(scene.problem)) is None:
-            sheet = self._canvas.sheet(f"/slow-{scene.problem}")
-            stage = self._stages[scene.problem] = VIEWS[scene.problem].slow(sheet)
+        stage = self._stages[scene.problem]
         now = self._phase, self._s, stage.sheet.room
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:

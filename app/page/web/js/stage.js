@@ -10,6 +10,7 @@
   function lay(widget, label, vertical, horizontal, element) {
     const left = label.role === "gutter" ? "var(--pad)" : `calc(var(--stage-left) + (${1.03 * label.x} - 0.015) * var(--u))`;
     const top = `calc(var(--stage-top) + ${label.y} * var(--lab-high) * var(--u))`;
+    if (label.text === "error × 1") element.textContent = "";
     element.classList.add("lab-laid", `lab-under-${widget}`);
     for (const [name, value] of [["left", left], ["top", top], ["up", `-${UP[vertical]}`], ["aside", `-${ASIDE[horizontal]}`]])
       document.body.style.setProperty(`--${widget}-${name}`, value);
@@ -41,6 +42,8 @@
     const {labels, high: height} = JSON.parse(said), names = new Set(labels.map(label => label.name));
     for (const [name, element] of drawn) if (!names.has(name)) { element.remove(); drawn.delete(name); }
     labels.forEach(put);
+    for (const widget of Object.values(LAID))  // what changes nothing that is shown goes
+      document.body.classList.toggle(`lab-no-${widget}`, !stage.querySelector(`.lab-under-${widget}`));
     if (height !== high) document.body.style.setProperty("--lab-high", high = height);
   }
 
