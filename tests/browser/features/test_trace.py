@@ -15,6 +15,7 @@ from tests.browser.driving import (
     row,
     time,
     to_the_ring,
+    unfold,
     until,
 )
 
@@ -31,6 +32,7 @@ def traced(page):
 def a_click_traces_a_particle(page):
     """A plot of its own from the first frames on, until it is said that it is enough; by its number too."""
     until(lambda: time(page) > 0.3, "frames to look back at")
+    unfold(page, "What is drawn")
     click_a_particle(page, 550, 290)  # a third along the bar, in the lower lane
     title = page.get_by_text(re.compile(r"particle \d+, X = 0\.3\d* m"))
     title.wait_for()
@@ -71,6 +73,7 @@ def plots_show_the_last_periods(page):
     speed = row(page, "Speed, typed").get_by_role("textbox")
     speed.fill("8")
     until(lambda: time(page) > 3, "more than two periods", 60)
+    unfold(page, "What is drawn")
     choose(page, "Plots show", "last 2 periods")
 
     def lengths():

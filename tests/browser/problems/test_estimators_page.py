@@ -48,6 +48,7 @@ def the_difference_takes_the_upper_lane(page):
     click(page, "Pause")
     until(lambda: "paused" in readout(page), "paused")
     until(lambda: min(halves(page)) > 0.25, "two coloured lanes")
+    unfold(page, "What is drawn")
     before = stage(page)[180:230]
     choose(page, "Compare", "estimate − truth | truth")
     page.mouse.move(640, 600)
@@ -71,6 +72,7 @@ def test_without_an_exact_solution(page, problem):
         # the drawing is higher up: a notice has its place below it
         until(lambda: (lanes := halves(page, slice(160, 196), slice(240, 276)))[0] > 0.25 and lanes[1] < 0.05,
               "a grey lane below")
+        unfold(page, "What is drawn")
         choose(page, "Compare", "estimate − truth | truth")
         until(lambda: max(halves(page)) < 0.05, "no difference either")
 

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from tests.browser.conftest import PHONE, visit
-from tests.browser.driving import choose, number, row, scene, until
+from tests.browser.driving import choose, number, row, scene, unfold, until
 from tests.browser.page.test_first_picture import summary
 
 PASSED = "nothing happens, as it should"
@@ -19,6 +19,7 @@ def fill(page, label, value):
 
 def test_the_patch_test_comes_and_goes(page):
     assert not page.get_by_text("Stretch F").count()
+    unfold(page, "Motion and material")
     choose(page, "Motion", "patch test")
     until(lambda: scene(page)["motion"] == "patch", "the patch test")
     page.get_by_text("Stretch F").first.wait_for()
@@ -34,6 +35,7 @@ def test_the_patch_test_comes_and_goes(page):
     page.get_by_text("nothing could go wrong").first.wait_for()  # refused in words; the run before it goes on
     fill(page, "Stretch F", "1.1")
     until(lambda: scene(page)["stretch"] == 1.1, "another stretch")
+    unfold(page, "Motion and material")
     choose(page, "Motion", "vibration")
     until(lambda: scene(page)["motion"] == "vibrate", "the vibrating bar")
     assert (scene(page)["ppc"], scene(page)["body_force"], scene(page)["stretch"]) == (2, "material", 1.02)

@@ -71,6 +71,7 @@ def test_methods_layouts_and_domains(ring):
     until(lambda: time(ring) > 1e-4, "the Cartesian layout running")
     ring.get_by_role("button", name="Pause", exact=True).click()
     until(lambda: "paused" in readout(ring), "paused")
+    unfold(ring, "What is drawn")
     before = stage(ring)
     tick(ring, "Show domains")
     until(lambda: np.any(np.abs(stage(ring) - before) > 30, axis=2).mean() > 0.005, "outlines")

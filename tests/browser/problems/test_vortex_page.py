@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, coloured, readout, row, scene, stage, tick, time, until
+from tests.browser.driving import choose, coloured, readout, row, scene, stage, tick, time, unfold, until
 
 
 @pytest.fixture
@@ -39,6 +39,7 @@ def test_methods_and_domains(vortex):
         until(lambda code=code: scene(vortex)["method"] == code and time(vortex) > 1e-3, f"{method} running")
     vortex.get_by_role("button", name="Pause", exact=True).click()
     until(lambda: "paused" in readout(vortex), "paused")
+    unfold(vortex, "What is drawn")
     before = stage(vortex)
     tick(vortex, "Show domains")
     until(lambda: np.any(np.abs(stage(vortex) - before) > 30, axis=2).mean() > 0.005, "outlines")

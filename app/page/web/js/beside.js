@@ -4,6 +4,16 @@
   const set = (element, name, value) => element.getAttribute(name) !== value && element.setAttribute(name, value);
   const heads = ".mantine-Paper-root[style*='cursor: pointer']";
 
+  // Widgets that are made anew for another scene come folded: what a visitor has opened is opened again.
+  const known = new WeakSet(), open = new Map();
+
+  function unfold(head) {
+    const name = head.firstChild.textContent, now = !head.nextElementSibling?.inert;
+    if (!known.has(head) && open.get(name) && !now) head.click();
+    else open.set(name, now);
+    known.add(head);
+  }
+
   function look() {
     for (const mark of document.querySelectorAll("i[data-words]")) {
       const beside = mark.parentElement.nextElementSibling;
@@ -14,6 +24,7 @@
       set(head, "role", "button");
       set(head, "tabindex", "0");
       set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+      unfold(head);
     }
     const foot = document.querySelector("[data-lab~=lab-estimates-foot]");
     if (foot) {
