@@ -26,7 +26,10 @@
     all("[data-scrollarea-viewport], pre", area => set(area, "tabindex", "0"));
     set(document.querySelector("[data-dock-root] > div:first-child"), "role", "main");
     all("[data-dock-region=left]", area => { set(area, "role", "region"); set(area, "aria-label", "measurements"); });
-    all("[data-dock-region=right]", area => { set(area, "role", "region"); set(area, "aria-label", "controls"); });
+    all("[data-dock-region=right], .mantine-Paper-root[style*='position: fixed']", area => {
+      set(area, "role", "region");
+      set(area, "aria-label", "controls");
+    });
   }
 
   let waiting = false;  // numbers change all the time, names seldom
