@@ -104,9 +104,11 @@ def do(page, text, stops):
         if verb:
             before = scene(page), time(page)
             act(page, verb, name, value)
-            if (verb, name) == ("Press", "On the stage") or (verb != "Press" and stops):
+            put = (verb, name) == ("Press", "On the stage")
+            if put or (verb != "Press" and stops):
                 with suppress(AssertionError):  # what was read of the run before would be another run's
-                    until(lambda was=before: scene(page) != was[0] or time(page) < was[1], "another run", SOON)
+                    until(lambda was=before: scene(page) != was[0] or time(page) < was[1], "another run",
+                          LONG if put else SOON)
             continue
         if stops:
             until(lambda: "at its end" in page.locator(".lab-readout").inner_text(), "the end of the run", LONG)
