@@ -44,9 +44,10 @@
 
   const done = event => {
     const typed = event.target.closest?.("[data-lab~=lab-typed] + div input");
+    const name = typed?.closest(".mantine-Flex-root").querySelector("label");
     if (typed && typed.dataset.typed === "yes") {
       typed.dataset.typed = "";
-      dispatchEvent(new CustomEvent("lab-tell", {detail: {entered: typed.id}}));
+      dispatchEvent(new CustomEvent("lab-tell", {detail: {entered: name.htmlFor}}));
     }
   };
   root.addEventListener("input", event => {

@@ -1,0 +1,74 @@
+"""The side panel in a browser: folds by keys, cards and pictures by a click, typed numbers, hints beside it."""
+
+from __future__ import annotations
+
+from tests.browser.driving import row, scene, tick, until
+
+
+def folds_are_buttons_for_keys(page):
+    """Each can be reached, says whether it is open, and opens and closes; made anew for another scene it stays open."""
+    fold = page.get_by_role("button", name="Method details and remedies")
+    assert fold.get_attribute("tabindex") == "0" and fold.get_attribute("aria-expanded") == "false"
+    inside = page.get_by_text("Remedies for long")
+    for key, shown in (("Enter", True), ("Space", False), ("Enter", True)):
+        fold.focus()
+        page.keyboard.press(key)
+        until(lambda shown=shown: inside.is_visible() == shown
+              and fold.get_attribute("aria-expanded") == str(shown).lower(), f"open: {shown}")
+
+
+def a_card_says_the_index_and_its_name_puts_it_on_the_stage(page):
+    """Off it has a price only; switched on by its name, and on the stage then."""
+    card = page.locator(".lab-judge[data-judge=companion]")
+    until(lambda: "lab-off" in card.get_attribute("class"), "a card that is off")
+    assert card.inner_text().endswith("% time") or "%" in card.inner_text()
+    card.get_by_role("button", name="companion").click()
+    until(lambda: page.get_by_label("companion", exact=True).is_checked(), "the switch on")
+    until(lambda: "lab-on-stage" in card.get_attribute("class"), "on the stage")
+    until(lambda: card.locator(".lab-index strong").inner_text() not in ("", "–"), "an index")
+    assert page.get_by_label("On the stage", exact=True).input_value() == "companion"
+    tick(page, "companion")
+    until(lambda: "lab-off" in card.get_attribute("class"), "off again")
+
+
+def a_picture_takes_its_method(page):
+    page.locator(".lab-method[data-method=bspline]").click()
+    until(lambda: scene(page)["method"] == "bspline", "B-splines")
+    until(lambda: page.get_by_label("Method", exact=True).input_value() == "B-spline", "the dropdown")
+
+
+def what_is_typed_is_written_with_its_unit(page):
+    """Once it is entered; what cannot be goes back, and under the control it says why."""
+    typed = page.get_by_label("Amplitude A, typed", exact=True)
+    typed.fill("0.003")
+    typed.press("Enter")
+    until(lambda: typed.input_value() == "3 mm" and scene(page)["amplitude"] == 0.003, "3 mm")
+    typed.fill("0.3")
+    typed.press("Enter")
+    answer = page.locator("[data-answer]")
+    answer.wait_for()
+    assert "0.159" in answer.get_attribute("data-answer")
+    until(lambda: typed.input_value() == "3 mm", "3 mm again")
+    assert scene(page)["amplitude"] == 0.003
+
+
+def a_hint_stands_beside_the_panel(page):
+    """At its left, never on it, and no longer once the control is used."""
+    row(page, "Modulus E").first.locator("label").hover()
+    hint, panel = page.locator(".mantine-Tooltip-tooltip"), page.locator("[data-dock-region=right]").bounding_box()
+    until(lambda: hint.count() and hint.first.is_visible(), "the hint")
+    box = hint.first.bounding_box()
+    assert box["x"] >= 0 and box["x"] + box["width"] <= panel["x"]
+    page.mouse.down()
+    until(lambda: not hint.count() or not hint.first.is_visible(), "no hint")
+    page.mouse.up()
+
+
+def test_the_side_panel(page):
+    """One visitor for all: a page of their own would cost each more than what is looked at."""
+    until(lambda: scene(page)["problem"] == "bar", "a scene")
+    folds_are_buttons_for_keys(page)
+    a_card_says_the_index_and_its_name_puts_it_on_the_stage(page)
+    a_picture_takes_its_method(page)
+    what_is_typed_is_written_with_its_unit(page)
+    a_hint_stands_beside_the_panel(page)
