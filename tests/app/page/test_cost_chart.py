@@ -152,7 +152,7 @@ def test_axes_hold_everything_and_only_grow():
     assert axes(runs, 1e-30, first).up.low > -10  # a line is no reason to squeeze all runs together
     empty = axes([], 1e-5)
     assert empty.up.low < -4 and empty.across.low < empty.across.high and empty.times is None
-    assert axes(runs, 1e-3, empty).across == first.across and axes([], 1e-3, first) == first
+    assert axes(runs, 1e-3, empty).across == first.across and axes([], 0.01, first) == first
 
 
 @pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021]])
