@@ -14,7 +14,6 @@ from app.words import PREFIXES, number, with_unit
 TOPS = {1.0: 4, 1.2: 4, 1.5: 3, 2.0: 4, 2.5: 5, 3.0: 3, 4.0: 4, 5.0: 5, 6.0: 3, 8.0: 4}
 MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
-GROWTH = 1.5  # times the top that it becomes at least where it grows: a colour should mean the same for long
 CALM_SECONDS = 1.0  # for which the top stays, once it has grown ...
 HIDDEN = 3.0  # ... unless errors are so many times as large: they would all look alike
 ZERO = "0, exact"
@@ -65,7 +64,7 @@ class ColourScale:
             return
         if self._begun and now < self._next and size < HIDDEN * self.top:
             return
-        self.top, step = round_up(max(size, GROWTH * self.top) if self._begun else size, TOPS)
+        self.top, step = round_up(size, TOPS)
         self._parts = TOPS[step]
         self._begun, self._next = True, now + CALM_SECONDS
 

@@ -180,7 +180,7 @@ def test_scale_keeps_still_while_errors_come_and_go():
     assert scale.top == 0.1
 
 
-def test_scale_grows_once_a_second_and_by_half_at_least():
+def test_scale_grows_once_a_second():
     """But at once where all would look alike."""
     clock = Clock()
     scale = ColourScale(clock)
@@ -191,8 +191,8 @@ def test_scale_grows_once_a_second_and_by_half_at_least():
         if scale.top != before:
             changes.append((clock.now, scale.top))
         before = scale.top
-    assert all(later - sooner >= 1 and top >= 1.5 * least
-               for (sooner, least), (later, top) in pairwise(changes)) and 2 < len(changes) < 6
+    assert all(later - sooner >= 1 and top > least for (sooner, least), (later, top) in pairwise(changes))
+    assert 5 < len(changes) < 12
     scale.follow(None, np.array([100 * scale.top]))
     assert scale.top >= 100
 

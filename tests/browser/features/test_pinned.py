@@ -21,9 +21,9 @@ def test_a_run_is_pinned_compared_and_let_go(page):
     choose(page, "Method", "MPM (hat functions)")
     until(lambda: "pinned: uGIMP" in readout(page), "what differs", PATIENCE)
     until(lambda: re.search(LINE, readout(page)), "a pinned run's line", PATIENCE)
-    now, norm, picture = time(page), re.search(LINE, readout(page))[1], stage(page)[330:470]
+    now, norm, picture = time(page), re.search(LINE, readout(page))[1], stage(page)[412:540]
     until(lambda: time(page) != now and re.search(LINE, readout(page))[1] != norm, "both going on")
-    until(lambda: np.any(np.abs(stage(page)[330:470] - picture) > 30, axis=2).any(), "the pinned lanes drawn anew")
+    until(lambda: np.any(np.abs(stage(page)[412:540] - picture) > 30, axis=2).any(), "the pinned lanes drawn anew")
     shown(page, "grey: pinned")
     click(page, "Unpin")
     until(lambda: "pinned" not in readout(page), "one run")

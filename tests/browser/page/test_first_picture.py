@@ -114,7 +114,7 @@ def test_colours_use_the_map(page):
     index = {tuple(c): k for k, c in enumerate(colour_table().tolist())}
 
     def brightest():
-        lanes = stage(page)[182:326].reshape(-1, 3)[::5].tolist()
+        lanes = stage(page)[258:391].reshape(-1, 3)[::5].tolist()
         return max((index[tuple(c)] for c in lanes if tuple(c) in index), default=0)
 
     until(lambda: time(page) > 1, "a period")

@@ -28,7 +28,7 @@ from tests.browser.driving import (
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
 
 
-def halves(page, upper=slice(180, 230), lower=slice(280, 326)):
+def halves(page, upper=slice(262, 304), lower=slice(345, 387)):
     """How much of the upper and of the lower lane is coloured, which lie in these rows of the picture."""
     picture = stage(page)
     return coloured(picture[upper]), coloured(picture[lower])
@@ -49,10 +49,10 @@ def the_difference_takes_the_upper_lane(page):
     until(lambda: "paused" in readout(page), "paused")
     until(lambda: min(halves(page)) > 0.25, "two coloured lanes")
     unfold(page, "What is drawn")
-    before = stage(page)[180:230]
+    before = stage(page)[262:304]
     choose(page, "Compare", "estimate − truth | truth")
     page.mouse.move(640, 600)
-    until(lambda: np.any(np.abs(stage(page)[180:230] - before) > 30, axis=2).mean() > 0.1, "another upper lane")
+    until(lambda: np.any(np.abs(stage(page)[262:304] - before) > 30, axis=2).mean() > 0.1, "another upper lane")
     until(lambda: min(halves(page)) > 0.25, "two coloured lanes again")
 
 
@@ -69,9 +69,7 @@ def test_without_an_exact_solution(page, problem):
     page.get_by_text("empty: no exact solution is built in").wait_for()
     assert re.search(r"transport\s+[\d.]+ \S?m\s+–\s+–", readout(page)), readout(page)
     if problem == "vibrating bar":
-        # the drawing is higher up: a notice has its place below it
-        until(lambda: (lanes := halves(page, slice(160, 196), slice(240, 276)))[0] > 0.25 and lanes[1] < 0.05,
-              "a grey lane below")
+        until(lambda: (lanes := halves(page))[0] > 0.25 and lanes[1] < 0.05, "a grey lane below")
         unfold(page, "What is drawn")
         choose(page, "Compare", "estimate − truth | truth")
         until(lambda: max(halves(page)) < 0.05, "no difference either")
