@@ -1,0 +1,48 @@
+"""Where things stand on the stages, in windows of all shapes; and what counts as a crossing now."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from app.frame.crossings import LEAST_SECONDS, WINDOW, ages, recent, window
+from app.frame.field import ROOM
+from app.frame.layout import Seat, top
+from app.frame.marks import Room
+from app.frame.stage import Words
+from app.problems.views import VIEWS
+from solvers.problems.bar.scene import BarScene
+
+#: 1280 × 720, 1920 × 1080, 800 × 1100 and a phone.
+ROOMS = (Room(736.0, high=0.45, gutter=0.16), Room(1248.0, 1.17, 0.53, 0.12), Room(632.0, high=0.5, gutter=0.15),
+         Room(358.0, high=0.84))
+SAID = Words(("Estimate", "Truth"), ("by recovered", "exact solution"), ("", ""), "this run: 80 cells", "a note",
+             "crosses an edge", "Alike?")
+
+
+@pytest.mark.parametrize(("problem", "seat", "room"), product(VIEWS, Seat, ROOMS))
+def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room):
+    """But for names in the gutter, which are as high as the rest."""
+    stage = VIEWS[problem].stage
+    places = stage.places(room.settled(), seat)
+    (x0, x1, y0, y1), box = places.rectangle, places.field
+    end = top(places.room, room.high).end
+    assert y0 == 0 and y1 == pytest.approx(room.high)
+    assert 0 <= box.left < box.right <= 1 and box.half * room.pixels > 15
+    assert y0 < box.middle - ROOM * box.half and box.middle + ROOM * box.half < end
+    for label in stage.labels(SAID, places):
+        assert y0 - 1e-9 <= label.y <= end + 1e-9, label
+        assert x0 <= label.x <= x1 or (room.gutter and -room.gutter - 0.01 <= label.x < 0), label
+
+
+def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen():
+    scene = BarScene()
+    for speed in (0.01, 10.0):
+        long = window(scene, speed * scene.period)
+        assert long == pytest.approx(max(WINDOW * scene.period, LEAST_SECONDS * speed * scene.period))
+        steps = np.array([-1.0, 0.0, 0.4 * long / scene.time_step, 1.1 * long / scene.time_step], np.float32)
+        shown = recent(steps, scene, speed * scene.period)
+        np.testing.assert_array_equal(shown, [False, True, True, False])
+        np.testing.assert_allclose(ages(steps[shown], scene, speed * scene.period), [0, 0.4], rtol=1e-5)
