@@ -82,8 +82,7 @@ class Stepper:
             self.rebuild()
         elif steps > 0 and self.solver.sound and not wish.pace.playing:
             self._advance(min(steps, self.solver.longest_advance), particle)
-            if not len(self._rows[-1]):  # no sample was due: who takes single steps looks at each
-                self._rows.append(self.solver.measure())
+            self._sample()  # who takes single steps looks at each
         elif particle is not None and particle != old.frame.broken_down and self._before_step:
             self.solver.put(*self._before_step)
             self._breakdown = self.solver.break_down(particle)[1]
@@ -137,9 +136,13 @@ class Stepper:
         if wanted * self._seconds_a_step > LAG_SECONDS:
             self._anchor = (perf_counter(), self.solver.time)
         if self.wish.pace.ends and self.solver.step == self._last_step:
-            if not len(self._rows[-1]):  # no sample was due: what a run has come to is read at its end
-                self._rows.append(self.solver.measure())
+            self._sample()  # what a run has come to is read at its end
             self._frame_wanted = True
+
+    def _sample(self) -> None:
+        """Measure this step, unless a sample was due at it; there may have been one shortly before."""
+        if not len(self._rows[-1]) or self.solver.step % self.solver.scene.sample_interval:
+            self._rows.append(self.solver.measure())
 
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""

@@ -208,3 +208,27 @@ def test_frames_say_what_is_not_valid(monkeypatch):
         monkeypatch.setitem(RULES, "transport", lambda scene: "it snows")
         session.accept(replace(session.wish, number=2, scene=replace(SCENE, cells=16)))
         assert session.frame().not_valid == {"transport": "not valid here: it snows"}
+
+
+def test_a_run_is_read_at_its_very_end(clock):
+    """Also where a sample was due a few steps before, in the same turn: the last numbers are those of a plain run."""
+    scene = BarScene(cells=20, amplitude=0.01, cfl=0.1, periods=0.25, sample_every=15)
+    plain = run(scene, prices=False).series["error_x"]
+    assert scene.steps % 15
+    with one_session(Wish(1, 1, "", scene, Pace(speed=0.8, ends=True))) as session:
+        rows = [session.frame().rows]
+        while session.running:
+            memory.clear(session._block)
+            clock.now += 0.2
+            if session.behind:
+                session.turn()
+            if session.ready:
+                rows.append(session.frame().rows)
+        memory.clear(session._block)
+        report = session.frame()
+        rows.append(report.rows)
+    every = np.concatenate(rows)
+    assert report.step == scene.steps and every[-1, samples.column("step")] == scene.steps
+    errors = samples.read(every, scene.estimators, scene.particles, scene.time_step)["error_x"]
+    assert errors[-1] == pytest.approx(plain[-1], rel=1e-12)
+    assert (np.diff(every[:, samples.column("step")]) > 0).all()
