@@ -16,7 +16,7 @@ from solvers.solver.step_breakdown import StepBreakdown
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
 STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
 HIGH = (0.3, 0.9)  # the least and the most that the stage is
-CAPTION, NUMBERS = 1.0, 1.0  # sizes of letters
+CAPTION, NUMBERS = 1.0, 0.9  # sizes of letters
 #: Where the numbers of a node may stand: how they are anchored, and to which side.
 SIDES: tuple[tuple[Anchor, tuple[int, int]], ...] = (
     ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
