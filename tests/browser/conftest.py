@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -9,6 +10,7 @@ import signal
 import subprocess
 import sys
 from contextlib import ExitStack, closing, contextmanager
+from dataclasses import asdict
 
 import pytest
 from playwright.sync_api import sync_playwright
@@ -52,6 +54,12 @@ PHONE = {"width": 390, "height": 844}
 HOME = f"#{state.write(state.State(FIRST_SCENE))}"  # a link: who comes without one sees the opening and its story
 FAILED = pytest.StashKey[bool]()
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
+
+
+def at_home(page) -> bool:
+    """Whether the scene that runs is that of the link: a page has the opening's until it has been told."""
+    said = page.locator(".lab-scene").get_attribute("data-scene")
+    return json.loads(said) == json.loads(json.dumps(asdict(FIRST_SCENE)))
 
 
 def _browser() -> str:
@@ -104,6 +112,8 @@ def visit(chromium, address, query="", script="", size=SIZE, touch=False):
     try:
         page.goto(f"{address}/?fixedDpr=0.5{query}" + ("" if "#" in query else HOME))
         until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+        if "#" not in query:
+            until(lambda: at_home(page), "the link's scene in place of the opening's")
         yield page
     finally:
         page.close()  # one that stayed would go on drawing, beside all tests that follow
@@ -163,6 +173,7 @@ class Place:
         problem = page.get_by_label("Problem", exact=True)
         until(lambda: problem.count() == 1 and problem.get_attribute("id") != before, "controls of its own")
         until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+        until(lambda: at_home(page), "the link's scene in place of the opening's")
 
     def tidy(self):
         """What a failed test has left is nothing to go on from."""

@@ -61,7 +61,7 @@ def steps(page):
 
 def step_size(page):
     """The time step in s."""
-    return size_in(re.search(r"of (\S+ \S*s)\b", readout(page))[1], "s")
+    return size_in(re.search(r"steps\s+[\d,]+ of (\S+ \S*s)\b", readout(page))[1], "s")
 
 
 def again_until(act, condition, what):

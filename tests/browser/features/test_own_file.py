@@ -85,7 +85,7 @@ def test_a_file_that_cannot_be_judged_is_said_and_nothing_is_lost(page):
     said = readout(page)  # once: what is at work now may have ended a moment later
     assert "velocity" in said or "still at work" in said
     until(lambda: "no velocity in the files" in readout(page).lower(), "what it has not", PATIENCE)
-    page.get_by_role("button", name="Play", exact=True).nth(1).click()  # the first one is the file's
+    page.get_by_role("button", name="Play", exact=True).first.click()  # the other one is the file's
     until(lambda: "right.csv" not in readout(page), "our run")
 
 

@@ -40,14 +40,14 @@ from tests.browser.driving import (
 
 
 def the_bar_moves_and_is_coloured(page):
-    """Frames follow each other, lanes carry the map's own colours, time runs and all three plots fill."""
+    """Frames follow each other, lanes carry the map's own colours, time runs and all four plots fill."""
     until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
     first, before = stage(page), time(page)
     until(lambda: np.any(np.abs(stage(page) - first) > 30, axis=2).mean() > 0.005, "another picture")
     until(lambda: time(page) > before, "time running")
     counts = plotted(page)
     until(lambda: all(after[0] > then[0] for after, then in zip(plotted(page), counts, strict=True)), "plots growing")
-    assert len(counts) == 3
+    assert len(counts) == 4
     assert page.title() == "mpm-lab"
 
 
