@@ -9,7 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import asdict
 
 import pytest
@@ -155,10 +155,13 @@ class Place:
 
     def sit_down(self):
         """The page of a visitor who has just come."""
-        if self._page is None:
-            self._page = self._open.enter_context(visit(self._chromium, self._relay.address))
-        else:
+        if self._page is not None:
             self._take_over(self._page)
+            with suppress(AssertionError):
+                until(lambda: at_home(self._page), "the link's scene in place of the opening's", 8.0)
+                return self._page
+            self.tidy()
+        self._page = self._open.enter_context(visit(self._chromium, self._relay.address))
         return self._page
 
     def _take_over(self, page):
@@ -173,7 +176,6 @@ class Place:
         problem = page.get_by_label("Problem", exact=True)
         until(lambda: problem.count() == 1 and problem.get_attribute("id") != before, "controls of its own")
         until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
-        until(lambda: at_home(page), "the link's scene in place of the opening's")
 
     def tidy(self):
         """What a failed test has left is nothing to go on from."""

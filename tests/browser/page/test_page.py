@@ -219,7 +219,7 @@ def test_methods_effects_and_estimator(page):
         choose(page, "Method", method)
         until(lambda: steps(page) > 20, f"{method} running")
     choose(page, "Error of", "stress σ")
-    page.get_by_text("error norm of σ").wait_for()
+    page.locator(".lab-names", has_text="Error norm of σ").wait_for()
     until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes")
     full = coloured(stage(page))
     for estimator in FIRST_SCENE.estimators:

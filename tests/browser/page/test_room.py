@@ -82,7 +82,7 @@ def written_over(page):
         const all = [...document.querySelectorAll(".lab-label, .lab-names > *, .lab-axis > span, #lab-clock, "
             + "[data-lab~=lab-at-quantity] + div input, [data-lab~=lab-at-estimator] + div input, "
             + "[data-lab~=lab-at-magnify] + div input, #lab-summary > span")]
-            .filter(e => e.checkVisibility() && (e.textContent.trim() || e.value)).map(e => {
+            .filter(e => e.checkVisibility({visibilityProperty: true, opacityProperty: true}) && (e.textContent.trim() || e.value)).map(e => {
                 if (!e.value) range.selectNodeContents(e);
                 const r = e.value ? e.getBoundingClientRect() : range.getBoundingClientRect();
                 return [(e.textContent.trim() || e.value).slice(0, 40), r.left, r.top, r.right, r.bottom]; })
@@ -145,6 +145,8 @@ def test_the_stage_follows_a_window_without_the_server(server, chromium):
                             c => ["lab-to-center", "lab-to-right"].includes(c))] || 0;
                         return [e.dataset.key, [(r.left + dx * r.width - box.left) / box.width, box.width]]; })); }""")
 
+        until(lambda: "paused" in readout(page), "paused")
+        until(lambda: places() == (page.wait_for_timeout(800), places())[1], "the last words of the moment")
         before = places()
         os.kill(server[1], signal.SIGSTOP)
         try:
