@@ -82,7 +82,8 @@ def written_over(page):
         const all = [...document.querySelectorAll(".lab-label, .lab-names > *, .lab-axis > span, #lab-clock, "
             + "[data-lab~=lab-at-quantity] + div input, [data-lab~=lab-at-estimator] + div input, "
             + "[data-lab~=lab-at-magnify] + div input, #lab-summary > span")]
-            .filter(e => e.checkVisibility({visibilityProperty: true, opacityProperty: true}) && (e.textContent.trim() || e.value)).map(e => {
+            .filter(e => e.checkVisibility({visibilityProperty: true, opacityProperty: true}))
+            .filter(e => e.textContent.trim() || e.value).map(e => {
                 if (!e.value) range.selectNodeContents(e);
                 const r = e.value ? e.getBoundingClientRect() : range.getBoundingClientRect();
                 return [(e.textContent.trim() || e.value).slice(0, 40), r.left, r.top, r.right, r.bottom]; })
