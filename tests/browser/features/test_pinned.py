@@ -24,7 +24,7 @@ def test_a_run_is_pinned_compared_and_let_go(page):
     now, norm, picture = time(page), re.search(LINE, readout(page))[1], stage(page)[412:540]
     until(lambda: time(page) != now and re.search(LINE, readout(page))[1] != norm, "both going on")
     until(lambda: np.any(np.abs(stage(page)[412:540] - picture) > 30, axis=2).any(), "the pinned lanes drawn anew")
-    shown(page, "grey: pinned")
+    until(page.locator(".lab-heading", has_text="grey: pinned").count, "whose the grey lines are")
     click(page, "Unpin")
     until(lambda: "pinned" not in readout(page), "one run")
     click(page, "Pin this run")

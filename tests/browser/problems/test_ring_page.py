@@ -13,6 +13,7 @@ from tests.browser.driving import (
     readout,
     row,
     stage,
+    stage_box,
     step_size,
     tick,
     time,
@@ -40,7 +41,8 @@ def drag(page, start, end):
 def both_halves_move_and_are_coloured(ring):
     """Left and right of the middle carry the map's colours, and the picture changes."""
     def halves():
-        picture = stage(ring)[150:]  # below the colour bar
+        box = stage_box(ring)  # the body is as wide as high, the plot right of it
+        picture = stage(ring)[int(box["y"]) + 40:int(box["y"] + box["height"]), :int(box["height"])]
         middle = picture.shape[1] // 2
         return coloured(picture[:, :middle]), coloured(picture[:, middle:])
 
@@ -86,10 +88,10 @@ def a_finer_ring_starts_without_compiling(ring):
 
 def the_probe_reads_a_region(ring):
     """A rectangle dragged over the ring reads the particles in it and their errors; an empty one puts it away."""
-    drag(ring, (640, 250), (880, 560))
+    drag(ring, (180, 260), (440, 530))
     until(lambda: "true mean" in readout(ring), "errors in the region")
     assert number(ring, r"region\s+(\d+) particles") > 10
-    drag(ring, (400, 560), (440, 620))
+    drag(ring, (500, 470), (540, 500))
     until(lambda: "drag a rectangle" in readout(ring), "no region")
 
 

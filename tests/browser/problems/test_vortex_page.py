@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, coloured, readout, row, scene, stage, tick, time, unfold, until
+from tests.browser.driving import choose, coloured, readout, row, scene, stage, stage_box, tick, time, unfold, until
 
 
 @pytest.fixture
@@ -20,7 +20,8 @@ def vortex(page):
 def test_both_halves_are_coloured_and_numbers_are_said(vortex):
     """Left and right of the middle carry the map's colours; angular momentum is among the numbers."""
     def halves():
-        picture = stage(vortex)[150:]  # below the colour bar
+        box = stage_box(vortex)
+        picture = stage(vortex)[int(box["y"]) + 40:int(box["y"] + box["height"]), :int(box["height"])]
         middle = picture.shape[1] // 2
         return coloured(picture[:, :middle]), coloured(picture[:, middle:])
 
