@@ -71,7 +71,7 @@ class Measurements:
         self.timeline.have(numbers.estimators, numbers.pinned is not None)
         self._plots.have(numbers.estimators, PLOT_HEIGHT, traced is not None, numbers.pinned is not None)
         if past is None or len(past.series.get("time", ())) < 2:
-            self.timeline.clear()
+            self.timeline.clear(numbers.now)
             self._plots.clear()
             return
         self.timeline.show(past, numbers.valid, quantity, latest, numbers.pinned, numbers.drawn, numbers.now)

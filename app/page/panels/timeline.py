@@ -94,10 +94,11 @@ class Timeline:
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
         return start + part * (end - start)
 
-    def clear(self) -> None:
-        """Show nothing: no time has passed."""
+    def clear(self, now: Now) -> None:
+        """Show nothing but whether it moves: no time has passed."""
         put(self._plot, finite(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
-        self._html.content = ""
+        self._tell({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
+                    "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
     def _scaled(self, past: Past, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
         """Let the axes reach so far; within one run they only grow. The error that is their top."""
@@ -133,6 +134,9 @@ class Timeline:
                 "read": self._at_pointer(words.unit), "lost": None if now.lost is None else part(now.lost),
                 "says": "" if now.lost is None else
                 f"{'unstable' if now.unstable else 'lost'} from {with_unit(now.lost, 's')} on"}
+        self._tell(said)
+
+    def _tell(self, said: dict[str, object]) -> None:
         text = json.dumps(said, separators=(",", ":"), ensure_ascii=False)
         content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
         if content != self._html.content:

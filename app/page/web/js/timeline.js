@@ -31,7 +31,7 @@
       .join(", ")}, transparent ${at.strip.length * step}%)`;
     read.textContent = at.read.join("\n");
     read.hidden = !at.read.length;
-    title.textContent = `Error norm of ${at.symbol}`;
+    title.textContent = at.symbol && `Error norm of ${at.symbol}`;
     clock.textContent = at.clock;
     document.body.classList.toggle("lab-playing", at.playing);
     document.body.classList.toggle("lab-lost", at.lost !== null);
