@@ -65,7 +65,8 @@ class Controls:
 
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Make the widgets of the tab, within it."""
-        self._home = self._tab = tab
+        self._home = tab
+        self._place: viser.GuiTabHandle | viser.GuiFolderHandle = tab
         self._elsewhere = self._gui.add_html(ELSEWHERE, visible=False)
         self._build()
 
@@ -105,13 +106,13 @@ class Controls:
             self._session.choose(scene)
             self._rebuild()
 
-    def offer(self, controls: tuple[str, ...], tab: viser.GuiTabHandle | None = None) -> None:
+    def offer(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
         """Show only these controls, or all where there are none: ``app.lessons.lesson.CONTROLS`` names them; in another
-        ``tab`` than their own, if any."""
+        ``place`` than their own tab, if any."""
         with self._turn:
-            if controls != self._offered or (tab or self._home) is not self._tab:
-                self._offered, self._tab = controls, tab or self._home
-                self._elsewhere.visible = tab is not None
+            if controls != self._offered or (place or self._home) is not self._place:
+                self._offered, self._place = controls, place or self._home
+                self._elsewhere.visible = place is not None
                 self._problem.visible = self._problem_mark.visible = not controls or "problem" in controls
                 self._stage.offer(controls)
                 self._transport.offer(controls)
@@ -204,7 +205,7 @@ class Controls:
         self._transport.show()
         self._bound.forget()
         self._widgets.remove()
-        with self._tab:
+        with self._place:
             self._build()
 
     def _choose_problem(self) -> None:

@@ -19,8 +19,8 @@ class Hands(Protocol):
     def show(self, state: State) -> None:
         """Put all of a state on the stage."""
 
-    def offer(self, controls: tuple[str, ...], tab: viser.GuiTabHandle | None = None) -> None:
-        """Show only these controls, in another tab than their own; all, and there, where nothing is given."""
+    def offer(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
+        """Show only these controls, in another place than their own tab; all, and there, where nothing is given."""
 
     def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
         """Set a field of the scene to what the lesson has ``said``."""

@@ -45,6 +45,7 @@ class Player:
         self._answer: AnswerWidgets | None = None  # of the question that is shown
         self._acts: list[acts.Act] = []  # that the step's text has buttons for
         self._widgets = self._gui.add_folder(None, order=FIRST)
+        self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
         self._build()
         store.heard |= {"open": lambda name: self.open(name) if isinstance(name, str) else None,
                         "choice": self._choose, "do": self._act}
@@ -73,7 +74,7 @@ class Player:
             self._lesson, self._restored = lesson, False
             self._progress = kept.Progress(lesson.name, lesson.fingerprint)
             self._marker.forget()
-        self._controls.offer(lesson.controls, self._tab)
+        self._controls.offer(lesson.controls, self._below)
         self._rebuild()
         self._on_change()
 
