@@ -138,6 +138,19 @@ def stage_box(page):
     return page.locator("[data-dock-root] > div:first-child").bounding_box()
 
 
+def lane(page, name):
+    """The rows of the window in which the lane so called lies, but for its rim: its name stands above its middle."""
+    box = page.locator("#lab-stage .lab-label").filter(has_text=re.compile(f"^{name}")).first.bounding_box()
+    middle = round(box["y"] + box["height"])
+    return slice(middle - 18, middle + 20)
+
+
+def in_lane(page, name, share):
+    """The place in the window that is so much of the way along the lane so called."""
+    box, rows = stage_box(page), lane(page, name)
+    return box["x"] + share * box["width"], (rows.start + rows.stop) / 2
+
+
 def plotted(page):
     """Number of points each plot draws and the last time on it, from the charts themselves."""
     return page.evaluate("Object.values(window.__viserTestpoints.uplots).map(u => "

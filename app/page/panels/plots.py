@@ -118,7 +118,8 @@ class Plots:
         first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
         crossed = np.where(traced.crossed(time), first, np.nan)
         at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
-        heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}", TRACE)
+        heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}", TRACE,
+                                   kind=f"lab-traced' data-particle='{traced.particle}")
         put(plot, (*finite(_time_unit(time[-1])[1] * time, *errors), crossed, at))
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,

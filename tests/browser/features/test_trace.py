@@ -8,11 +8,13 @@ from tests.browser.driving import (
     choose,
     click,
     click_a_particle,
+    in_lane,
     number,
     plotted,
     press,
     readout,
     row,
+    stage_box,
     time,
     to_the_ring,
     unfold,
@@ -25,7 +27,7 @@ def field(page):
 
 
 def traced(page):
-    """What the field says, and how many plots there are."""
+    """What the field says, and how many plots there are: one is the timeline."""
     return field(page).input_value(), len(plotted(page))
 
 
@@ -33,21 +35,21 @@ def a_click_traces_a_particle(page):
     """A plot of its own from the first frames on, until it is said that it is enough; by its number too."""
     until(lambda: time(page) > 0.3, "frames to look back at")
     unfold(page, "What is drawn")
-    click_a_particle(page, 550, 290)  # a third along the bar, in the lower lane
+    click_a_particle(page, *in_lane(page, "Truth", 0.34))
     title = page.get_by_text(re.compile(r"particle \d+, X = 0\.3\d* m"))
     title.wait_for()
     until(lambda: f"particle {traced(page)[0]}, " in title.inner_text(), "its number")
-    until(lambda: len(plotted(page)) == 4 and plotted(page)[-1][0] > 3, "its plot")
+    until(lambda: len(plotted(page)) == 5 and min(plotted(page))[0] > 3, "its plot")
     first = page.evaluate("Math.min(...Object.values(window.__viserTestpoints.uplots).map(u => u.chart.data[0][0]))")
     assert first < 0.3  # the past is there too
     page.get_by_role("button", name="Trace no more").click()
-    until(lambda: traced(page) == ("", 3), "nothing traced")
+    until(lambda: traced(page) == ("", 4), "nothing traced")
     field(page).fill("17")
     page.get_by_text("particle 17, X = 0.1094 m").wait_for()
     field(page).fill("160")
     page.get_by_text("'160' is not the number of one; give one from 0 to 159, or nothing").wait_for()
     field(page).fill("")
-    until(lambda: traced(page) == ("", 3), "nothing traced")
+    until(lambda: traced(page) == ("", 4), "nothing traced")
 
 
 def looking_back_goes_back_and_play_goes_on_from_now(page):
@@ -96,8 +98,11 @@ def test_a_mirror_image_of_the_ring_is_traced(page):
     """In the estimate's half, which is a mirror image; the hole ends it."""
     to_the_ring(page)
     until(lambda: "of 25 µs" in readout(page), "the ring's run")
-    click_a_particle(page, 500, 342)  # on the left of the ring, in the middle of the wall
+    unfold(page, "What is drawn")
+    box = stage_box(page)  # the body stands at its left, as wide as the box is high
+    middle = box["x"] + box["height"] / 2, box["y"] + 0.55 * box["height"]
+    click_a_particle(page, middle[0] - 94 / 366 * box["height"], middle[1])  # in the middle of the wall
     page.get_by_text("particle ").first.wait_for()
-    until(lambda: len(plotted(page)) == 4, "its plot")
-    page.mouse.click(632, 342)
-    until(lambda: traced(page) == ("", 3), "nothing traced")
+    until(lambda: len(plotted(page)) == 5, "its plot")
+    page.mouse.click(middle[0] - 20, middle[1])
+    until(lambda: traced(page) == ("", 4), "nothing traced")

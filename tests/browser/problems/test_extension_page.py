@@ -7,7 +7,7 @@ import re
 import pytest
 
 from tests.browser.conftest import serving, visit
-from tests.browser.driving import choose, coloured, readout, stage, to_the_ring, until
+from tests.browser.driving import choose, coloured, lane, readout, stage, to_the_ring, until
 from tests.solvers.estimators.test_extension import ENVIRONMENT, FIVE
 
 
@@ -29,7 +29,7 @@ def test_a_fifth_estimator_is_chosen_drawn_and_explained(page):
     choose(page, "On the stage", "zero")
     until(lambda: re.search(r"zero\s+unknown", readout(page)), "no worst region by what is on the stage")
     page.mouse.move(640, 600)
-    until(lambda: coloured(stage(page)[262:304]) > 0.25, "a lane in the colours of the map")
+    until(lambda: coloured(stage(page)[lane(page, "Estimate")]) > 0.25, "a lane in the colours of the map")
     to_the_ring(page)
     until(lambda: not boxes["zero"].is_visible() and boxes["two-grid"].is_visible(), "four boxes for the ring")
     page.get_by_role("tab", name="About").click()

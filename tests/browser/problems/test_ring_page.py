@@ -52,15 +52,17 @@ def both_halves_move_and_are_coloured(ring):
 
 
 def the_field_is_against_the_radius(ring):
-    """Below the drawing: another quantity has another caption, and so has a magnified deviation."""
-    def caption():
-        return stage(ring)[684:706, 140:470]  # part of the picture, and no text that could be read
+    """Right of the drawing: another quantity has another title; deviations drawn large move its dots."""
+    def field():
+        box = stage_box(ring)
+        return stage(ring)[int(box["y"]) + 60:int(box["y"] + box["height"]) - 30, int(0.68 * box["width"]):-20]
 
-    until(lambda: np.any(caption() < 128), "a caption")
-    for label, option in (("Error of", "stress σ"), ("Magnify error", "× 1000")):
-        before = caption()
-        choose(ring, label, option)
-        until(lambda: np.any(np.abs(caption() - before) > 60, axis=2).mean() > 0.01, option)  # noqa: B023
+    ring.get_by_text("Radial displacement", exact=True).wait_for()
+    choose(ring, "Error of", "stress σ")
+    ring.get_by_text("Radial displacement", exact=True).wait_for(state="detached")
+    before = field()
+    choose(ring, "Magnify error", "× 1000")
+    until(lambda: np.any(np.abs(field() - before) > 60, axis=2).mean() > 0.01, "× 1000")
 
 
 def test_methods_layouts_and_domains(ring):

@@ -26,12 +26,26 @@
       set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
       unfold(head);
     }
+    followTrace();
     const foot = document.querySelector("[data-lab~=lab-estimates-foot]");
     if (foot) {
       const root = foot.parentElement;
       root.dataset.lab = "lab-root";
       root.parentElement.parentElement.dataset.lab = "lab-around";  // it hides what is beyond it, and nothing sticks in it
     }
+  }
+
+  // A particle that is traced is plotted among the numbers: they open, once for each particle.
+  let particle = "";
+  function followTrace() {
+    const traced = document.querySelector(".lab-traced");
+    const now = traced?.dataset.particle ?? "";
+    if (now === particle) return;
+    particle = now;
+    const head = document.querySelector(`[data-lab~=lab-numbers] + div :is(${heads})`);
+    if (!now || !head) return;
+    if (head.getAttribute("aria-expanded") === "false") head.click();
+    setTimeout(() => traced.scrollIntoView({block: "nearest"}), 700);  // it has its height by then
   }
 
   root.addEventListener("keydown", event => {
