@@ -113,7 +113,8 @@ def visit(chromium, address, query="", script="", size=SIZE, touch=False):
         page.goto(f"{address}/?fixedDpr=0.5{query}" + ("" if "#" in query else HOME))
         until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
         if "#" not in query:
-            until(lambda: at_home(page), "the link's scene in place of the opening's")
+            # Three kinds of run may have to be compiled one after the other, the opening's two first.
+            until(lambda: at_home(page), "the link's scene in place of the opening's", 3 * PATIENCE)
         yield page
     finally:
         page.close()  # one that stayed would go on drawing, beside all tests that follow
