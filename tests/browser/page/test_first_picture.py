@@ -73,9 +73,10 @@ def test_a_refusal_is_not_covered(chromium):
 def test_sentence_says_what_the_numbers_say(page):
     """Recovered against the truth, transport beside it; of a moment the sentence has the table's norms, their ratio and
     its worst region."""
-    until(lambda: re.match(r"So far the displacement is 0\.\d+ % wrong; recovered (finds (9\d|100) % of it|says 1\.\d\d "
-                           r"times as much)\. \S+ .m of 25 mm at most\. Worst at X = 0\.\d\d–\d\.\d\d m\. (\d+|No) "
-                           r"particles? crossed a cell boundary in the last 0.2 s\.$", summary(page)), "the sentence")
+    until(lambda: re.match(r"So far the displacement is 0\.\d+ % wrong; recovered (finds (9\d|100) % of it|"
+                           r"says 1\.\d\d times as much)\. \S+ .m of 25 mm at most\. Worst at X = 0\.\d\d–\d\.\d\d m\. "
+                           r"(\d+|No) particles? crossed a cell boundary in the last 0.2 s\.$", summary(page)),
+          "the sentence")
     click(page, "Pause")
     until(lambda: summary(page).startswith("At t = ") and "paused" in readout(page), "the pause said")
     read = ""  # sentence and table come one after the other
