@@ -109,10 +109,16 @@ FOLDERS = {"Method details": "Remedies for long", "Effects: compute": "contradic
 
 
 def unfold(page, *folders):
-    """Open folders."""
+    """Open folders. One that is on its way opens slowly on a busy machine, and another click would close it again."""
     for folder in folders:
-        inside, head = page.get_by_text(FOLDERS[folder]).first, page.get_by_text(folder).first
-        again_until(lambda: inside.is_visible() or head.click(), inside.is_visible, f"{folder} open")  # noqa: B023
+        inside = page.get_by_text(FOLDERS[folder]).first
+        head = page.locator(".mantine-Paper-root[aria-expanded]").filter(has_text=folder).first
+
+        def opened(head=head):
+            return head.get_attribute("aria-expanded") == "true"
+
+        again_until(lambda: opened() or head.click(), opened, f"{folder} open")  # noqa: B023
+        until(inside.is_visible, f"what is in {folder}")
 
 
 def press(page, label, key, times=1):
