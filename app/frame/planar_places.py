@@ -14,8 +14,9 @@ AROUND = 1.05  # of the outermost the body should come, that its cells are drawn
 WIDEST = {Seat.ALONE: 0.5, Seat.FIRST: 0.31, Seat.SECOND: 0.31}  # of the cells that are drawn
 FIELD = 0.28  # the least width of the plot
 LEAST = 0.3  # width of the cells that are drawn, with words beside them
-#: In pixels: between the body and what is beside it, the words there, the numbers of the plot, and the name above it.
-GAP, NAMES, NUMBERS, HEADING = 12.0, 112.0, 62.0, 42.0
+#: In pixels: between the body and what is beside it, the words there, the numbers of the plot, the room above it for
+#: its name, and the width of that with how many times the error is drawn.
+GAP, NAMES, NUMBERS, HEADING, NAME = 12.0, 112.0, 62.0, 42.0, 236.0
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
     middle = 0.5 * wide + next_one * (seat == Seat.SECOND), under + 2 * pixel + 0.5 * free
     left = wide + next_one * (not alone) + beside + GAP * pixel
     low, high = (1.4 if room.gutter else 2.8) * line, end - (HEADING * pixel if room.gutter else 1.4 * line)
-    name = (left - 40 * pixel, high + 1.2 * line)
+    name = (min(left - 40 * pixel, 1 - NAME * pixel), high + 1.2 * line)
     if not alone:
         share = 0.5 * (end - low)
         high = end - share * (seat == Seat.SECOND) - 1.6 * line

@@ -15,6 +15,7 @@ from tests.browser.conftest import visit
 from tests.browser.driving import choose, click, coloured, readout, stage, stage_box, steps, to_the_ring, unfold, until
 
 LARGE, LAPTOP, SMALL, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (1024, 768), (800, 1100), (390, 844)
+ENLARGED = (640, 360), (960, 540)  # a laptop's window and a large one, at 200 %
 #: What may lie over nothing else: the head, what is said, the stage, the deck and the controls.
 PARTS = ("#lab-head", "#lab-summary", "#lab-stage", "#lab-deck", "[data-dock-region=right]",
          ".mantine-Paper-root[style*='position: fixed']")
@@ -79,7 +80,7 @@ def everything_has_a_place_of_its_own(page):
 
 def nothing_written_lies_over_anything_else_written(page):
     """Of labels on the stage, the names beside it, the deck's and the boxes laid among them."""
-    for size in (LAPTOP, LARGE, SMALL, UPRIGHT, PHONE):
+    for size in (LAPTOP, LARGE, SMALL, UPRIGHT, PHONE, *ENLARGED):
         resize(page, size)
         until(lambda: fitted(page), f"the stage fitted into {size}")
         until(lambda: written_over(page) == [], f"no text over another in {size}: {written_over(page)}")

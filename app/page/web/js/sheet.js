@@ -4,6 +4,7 @@
   const STOPS = [16, 40, 85], body = document.body, phone = matchMedia("(max-width: 640px)");
   const grip = document.getElementById("lab-grip"), more = document.getElementById("lab-more");
   const sparks = document.getElementById("lab-sparks"), verdict = sparks.parentElement;
+  const full = () => Math.max(innerHeight, body.offsetHeight);  // a low window's page is higher, and scrolls
   let stop = 1, from = null;
 
   function set(to) {
@@ -19,11 +20,11 @@
     grip.setPointerCapture(event.pointerId);
   });
   grip.addEventListener("pointermove", event => {
-    if (from !== null) body.style.setProperty("--sheet", `${Math.max(80, innerHeight - event.clientY + 12)}px`);
+    if (from !== null) body.style.setProperty("--sheet", `${Math.max(80, full() - event.clientY - scrollY + 12)}px`);
   });
   grip.addEventListener("pointerup", event => {
     if (from === null) return;
-    const moved = event.clientY - from, high = 100 * (innerHeight - event.clientY + 12) / innerHeight;
+    const moved = event.clientY - from, high = 100 * (full() - event.clientY - scrollY + 12) / full();
     from = null;
     if (Math.abs(moved) < 6) return set((stop + 1) % STOPS.length);
     const nearest = STOPS.indexOf([...STOPS].sort((a, b) => Math.abs(a - high) - Math.abs(b - high))[0]);

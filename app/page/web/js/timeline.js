@@ -31,7 +31,8 @@
       .join(", ")}, transparent ${at.strip.length * step}%)`;
     read.textContent = at.read.join("\n");
     read.hidden = !at.read.length;
-    title.textContent = at.symbol && `Error norm of ${at.symbol}`;
+    const heading = at.symbol && `Error norm of ${at.symbol}`;
+    if (title.textContent !== heading) title.innerHTML = heading.replace("norm ", "<i>norm </i>");  // left out where narrow
     clock.textContent = at.clock;
     document.body.classList.toggle("lab-playing", at.playing);
     document.body.classList.toggle("lab-lost", at.lost !== null);
