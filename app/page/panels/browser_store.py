@@ -10,6 +10,7 @@ import viser
 from app.viewer.widgets import allow
 
 LONGEST = 20_000  # characters that a browser may tell at once
+MOST_KINDS = 40  # of things that are remembered until somebody listens: a browser may invent any number
 MARK = "<i class='lab-store'></i>"
 
 
@@ -21,7 +22,7 @@ class BrowserStore:
         self._listening = False
         self._kept = ""  # the state that the address has
         self.heard: dict[str, Callable[[Any], None]] = {}  # what is done with further things that the browser says
-        self._early: list[dict[str, Any]] = []  # said before anybody listened
+        self._early: dict[str, Any] = {}  # said before anybody listened, the latest of each kind
         gui.add_html(MARK)
         self._text = gui.add_text("kept by the browser", "")
         allow(self._text, LONGEST)
@@ -32,8 +33,7 @@ class BrowserStore:
         """From now on, and to what has been said before: to the state that the address has, and to a lesson's name and
         its kept answers."""
         self._on_link, self._on_answers, self._listening = on_link, on_answers, True
-        for said in self._early:
-            self._act(said)
+        self._act(self._early)
 
     def keep(self, link: str, lesson: str = "", answers: str = "") -> None:
         """Have the browser keep a state, and the answers to a lesson; without answers it tells those that it has."""
@@ -51,8 +51,8 @@ class BrowserStore:
             return
         if self._listening:
             self._act(said)
-        else:
-            self._early = [*self._early[-3:], said]
+        elif len(self._early) < MOST_KINDS:
+            self._early |= said
 
     def _act(self, said: dict[str, Any]) -> None:
         if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
