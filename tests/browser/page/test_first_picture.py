@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from app.colours import colour_table
+from app.page.summary import SAY_SECONDS
 from app.words import size_in
 from tests.browser.conftest import serving
 from tests.browser.driving import PATIENCE, click, coloured, readout, row, stage, time, until
@@ -79,9 +80,9 @@ def test_sentence_says_what_the_numbers_say(page):
           "the sentence")
     click(page, "Pause")
     until(lambda: summary(page).startswith("At t = ") and "paused" in readout(page), "the pause said")
-    read = ""  # sentence and table come one after the other
+    read = ""  # the sentence stands for a while before it is replaced by that of the very last frame
     while read != (read := summary(page) + readout(page)):
-        page.wait_for_timeout(500)
+        page.wait_for_timeout(1.5e3 * SAY_SECONDS)
     true, estimated = (size_in(re.search(rf"{name}\s+([\d.]+ \S?m)", readout(page))[1], "m")
                        for name in ("true", "recovered"))
     said = summary(page)
