@@ -33,5 +33,7 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
 #: Effects that only some problems have: a scene's ``OWN_EFFECTS`` names them.
 OWN: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("spin", "angular momentum", "follow the angular momentum and the torque of the body force"),
+    Effect("budget", "error budget", "divide the error between its causes: crossings, the coarse grid, the body force "
+           "and the time step", needs=("truth",), needs_solution=True),
 )}
 ALL = {**EFFECTS, **OWN}

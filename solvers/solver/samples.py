@@ -6,6 +6,8 @@ columns serve every problem, so that results, plots and the page need to know on
 
 import numpy as np
 
+from solvers.scene.causes import CAUSES, FIELDS
+
 QUANTITIES = ("x", "v", "sigma", "a")
 
 #: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own norm
@@ -20,18 +22,27 @@ MARGIN = BASE.index("margin")  # which the host fills in, once for every stretch
 LOOKS = slice(BASE.index("neighbour_gap"), MARGIN + 1)  # the columns that only some samples have
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.
 EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
+#: Columns of the effect ``budget``, behind all others: of each field sums of e^2, of e_c e and of e_c^2, c a cause.
+BUDGET = tuple(name for field in FIELDS for name in (
+    f"budget/error_{field}", *(f"budget/part_{field}_{cause}" for cause in CAUSES),
+    *(f"budget/size_{field}_{cause}" for cause in CAUSES)))
 
 ROWS = 512  # that fit before the host has to collect them
 
 
-def column_count(estimators: tuple[str, ...]) -> int:
+def column_count(estimators: tuple[str, ...], budget: bool = False) -> int:
     """Numbers in a row."""
-    return len(BASE) + len(EACH) * len(estimators)
+    return len(BASE) + len(EACH) * len(estimators) + len(BUDGET) * budget
 
 
 def column(name: str) -> int:
     """The index of a base column, for kernels (use inside ``ti.static``)."""
     return BASE.index(name)
+
+
+def budget_column(estimators: tuple[str, ...], field: int) -> int:
+    """The index of the first of the budget's columns of one of ``FIELDS``, for kernels."""
+    return column_count(estimators) + len(BUDGET) // len(FIELDS) * field
 
 
 def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: float) -> dict[str, np.ndarray]:
@@ -40,6 +51,7 @@ def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: floa
     Parameters
     ----------
     rows : (T, :func:`column_count`) array
+        With the columns of the budget or without.
     estimators
         Those of the run, in its order.
     particles
@@ -50,12 +62,20 @@ def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: floa
     -------
     dict of (T,) arrays
         ``time`` in s, ``error_x`` ... (RMS over particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings``
-        and, for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too).
+        and, for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the budget,
+        for each of ``FIELDS`` and ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed part of
+        it that the cause has made, mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c.
     """
     names = [*BASE, *(f"{e}/{name}" for e in estimators for name in EACH)]
+    if rows.shape[1] > len(names):
+        names += BUDGET
     series = dict(zip(names, rows.T.copy(), strict=True))
     series["time"] = series.pop("step") * dt
     for name, values in series.items():
-        if name.rpartition("/")[2].startswith(("error_", "estimate_", "difference_")):
+        if name.rpartition("/")[2].startswith(("error_", "estimate_", "difference_", "size_")):
             np.sqrt(values / particles, out=values)
+    for name in BUDGET:
+        if name in series and "/part_" in name:
+            error = series[f"budget/error_{name.split('_')[1]}"]
+            series[name] = np.divide(series[name] / particles, error, out=np.zeros_like(error), where=error != 0)
     return series

@@ -10,6 +10,7 @@ import numpy as np
 
 from solvers.problems.bar import patch, step_bound, validity
 from solvers.problems.bar.patch import PATCH, VIBRATE
+from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
@@ -40,11 +41,15 @@ class BarScene(Scene):
     stretch: float = option(patch.STRETCH, "Stretch F of a patch test, no unit; not 1")
     initial_velocity: float = option(patch.VELOCITY, "Velocity of a patch test", "m/s")
 
+    take_away: str = option(NOTHING, "Cause of error that is taken out of the run; needs the effect budget",
+                            choices=(NOTHING, *CAUSES))
+
     TITLE = "vibrating bar"
     SETTING = "The bar is 1 m long."
     EXTRA_ERROR = "sigma_log"
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     VALIDITY = validity.RULES
+    OWN_EFFECTS = ("budget",)
     REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN)
     RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch.NOTHING_TO_SEARCH)
     STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import taichi as ti
 
 from solvers.estimators.memory import packing
+from solvers.problems.bar.budget.memory import BarBudget, budget
 from solvers.problems.bar.estimators import companion, recovered, transport, two_grid
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.scene import BarScene
@@ -19,7 +20,7 @@ HOOKS = registry.hooks_of("bar", {
 
 
 @dataclass
-class WatchedBar(Watch, BarBody):
+class WatchedBar(Watch, BarBudget, BarBody):
     """A bar and those who watch it."""
 
 
@@ -30,7 +31,7 @@ BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types)
 def allocate_state(scene: BarScene) -> WatchedBar:
     """The initial state."""
     on = switches(scene)
-    return WatchedBar(**body(scene, on), **watch(scene, on, scene.particles, farthest(scene), HOOKS))
+    return WatchedBar(**body(scene, on), **budget(scene, on), **watch(scene, on, scene.particles, farthest(scene), HOOKS))
 
 
 def farthest(scene: BarScene) -> float:

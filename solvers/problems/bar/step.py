@@ -4,6 +4,7 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.kernels.hoist import hoist_scalars
+from solvers.problems.bar.budget import push, sampling
 from solvers.problems.bar.method import margin, remedies
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.method.samples import sample
@@ -39,13 +40,25 @@ def one_step(bar: ti.template(), step, on: ti.template()):
     """Step number ``step``, counted from one: that many have been taken after it."""
     update_grid(bar, (step - 1) * bar.dt, on)
     running.in_step(bar, step, HOOKS, on)
+    if ti.static(on.budget):
+        push.in_step(bar, (step - 1) * bar.dt, on)
     remedies.in_step(bar, step, on)
     nodes_to_particles(bar, step, on)
+    if ti.static(on.budget):
+        push.after_step(bar)
     remedies.after_step(bar, on)
     running.after_step(bar, step, HOOKS, on)
 
 
-PHASES = Phases(one_step, check, sample, HOOKS)
+@ti.func
+def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
+    """One row of samples: the method's, and the budget's."""
+    sample(bar, row, step, looks, on)
+    if ti.static(on.budget):
+        sampling.sample(bar, row, step, on)
+
+
+PHASES = Phases(one_step, check, sample_all, HOOKS)
 
 
 @ti.kernel

@@ -1,0 +1,33 @@
+"""The budget's columns of a sample: of each field sums over particles of e^2, of e_c e and of e_c^2."""
+
+import taichi as ti
+
+from solvers.problems.bar.method.samples import exact_now, true_error
+from solvers.solver.samples import budget_column
+
+
+@ti.func
+def sample(bar: ti.template(), row, step, on: ti.template()):
+    """Write them; F is counted from the bar at rest."""
+    out = ti.static(bar.samples)
+    P = bar.particles
+    now = exact_now(bar, step)
+    for f in ti.static(range(3)):
+        unit = 1.0
+        if ti.static(f == 2):
+            unit = 1 / bar.unstretched
+        square = 0.0
+        shared, own = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+        for p in range(P):
+            e = true_error(bar, p, now, on)[f]
+            if ti.static(f == 2):
+                e /= bar.modulus
+            causes = bar.cause_errors[f * P + p]
+            square += e * e
+            shared += e * causes
+            own += causes * causes
+        at = ti.static(budget_column(on.estimators, f))
+        out[row, at] = unit * unit * square
+        for c in ti.static(range(4)):
+            out[row, at + 1 + c] = unit * unit * shared[c]
+            out[row, at + 5 + c] = unit * unit * own[c]
