@@ -83,7 +83,8 @@ def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: di
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
             "estimate_intervals": np.array(intervals or [NEVER], np.int32), "memory": allocate_memory(hooks, scene),
-            "samples": np.full((ROWS, column_count(on.estimators, on.budget)), np.nan), "verdict": np.zeros(3, np.int32)}
+            "samples": np.full((ROWS, column_count(on.estimators, on.budget)), np.nan),
+            "verdict": np.zeros(3, np.int32)}
 
 
 def remedy_rates(scene: Scene) -> dict[str, float]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
-from solvers.solver import norms
+from solvers.solver import budget, norms
 from solvers.solver.norms import UNBOUNDED, finite, largest, summary
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
@@ -145,6 +145,11 @@ class Result:
                 "drift": norms.angular_momentum_drift(series, series["torque"]),
                 "error": norms.angular_momentum_drift(series, series["exact_angular_momentum"])}
 
+    def budget(self) -> dict | None:
+        """Which part of the error each cause has made (:func:`solvers.solver.budget.summary`); None where the effect is
+        off."""
+        return budget.summary(self.series, self.scene.budget_reference) if self.scene.has("budget") else None
+
     @UNBOUNDED
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
@@ -169,7 +174,7 @@ class Result:
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),
             "grid_crossings": int(crossings) if math.isfinite(crossings) else None, "energy": self.energy(),
-            "angular_momentum": self.angular_momentum(),
+            "angular_momentum": self.angular_momentum(), "budget": self.budget(),
             "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,

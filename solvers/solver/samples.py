@@ -62,9 +62,9 @@ def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: floa
     -------
     dict of (T,) arrays
         ``time`` in s, ``error_x`` ... (RMS over particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings``
-        and, for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the budget,
-        for each of ``FIELDS`` and ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed part of
-        it that the cause has made, mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c.
+        and, for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the
+        budget, for each of ``FIELDS`` and ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed
+        part of it that the cause has made, mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c.
     """
     names = [*BASE, *(f"{e}/{name}" for e in estimators for name in EACH)]
     if rows.shape[1] > len(names):

@@ -5,7 +5,7 @@ Keys of a row::
     schema, key, problem, asked (the inputs as given), scene (all inputs, defaults filled in; null if refused), h,
     status ("ok", "unstable", "lost", "failed", "refused"), reason, t, steps, particles, particle_steps,
     error, estimate, index, distance, not_valid (the last four keyed by estimator), grid_crossings, energy, effects,
-    soundness, life, bytes, seconds, rate, arch, threads, plan, host, version,
+    soundness, life, budget, bytes, seconds, rate, arch, threads, plan, host, version,
     solvers (the fingerprint of the source that measured it)
 
 ``seconds`` holds ``repeats`` (the bare method, run after run), ``min`` of them, ``full`` (the shortest of the runs that
@@ -79,7 +79,7 @@ def _measured(task: Task, scene: Scene) -> dict:
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
     each = {"estimate": full.estimates, "index": full.index, "distance": full.distance}
     row |= {kind: {name: value_of(name) for name in names} for kind, value_of in each.items()}
-    kept = ("not_valid", "grid_crossings", "energy", "soundness", "life", "effects", "bytes")
+    kept = ("not_valid", "grid_crossings", "energy", "soundness", "life", "effects", "bytes", "budget")
     row |= {name: values[name] for name in kept}
     row |= {"seconds": {"repeats": seconds, "min": least, "full": fastest, "compile": full.seconds.compile,
                         "setup": full.seconds.setup, "estimators": prices, "effects": effects}}

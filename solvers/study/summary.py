@@ -5,6 +5,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from solvers.scene.causes import CAUSES
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study.fit import pareto
 from solvers.study.markdown import grid
@@ -12,6 +13,7 @@ from solvers.study.row import FAILED, REFUSED
 from solvers.study.series import error_of, fits, measured, series, varying
 
 SHOWN = ("x", "v", "sigma")
+BUDGETED = ("x", "v")  # of which the shares of each cause are shown
 NOTHING = "–"
 
 
@@ -61,15 +63,18 @@ def summary(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) ->
 
 def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
     estimators = list(dict.fromkeys(name for row in measured(rows) for name in row["index"]))
+    divided = any(row.get("budget") for row in rows)
+    shares = [(field, cause) for field in BUDGETED for cause in CAUSES] if divided else []
     heads = [*names, "status", *(f"error {q}" for q in SHOWN), *(f"{e}: index {q}" for e in estimators for q in SHOWN),
-             "seconds", "10⁶ particle-steps/s"]
+             *(f"{CAUSES[cause]}: share of {field}" for field, cause in shares), "seconds", "10⁶ particle-steps/s"]
     lines = []
     for row in rows:
         values = row["scene"] or row["asked"]
-        index = row.get("index") or {}
+        index, budget = row.get("index") or {}, row.get("budget") or {}
         lines.append([*(_cell(values.get(name)) for name in names), row["status"],
                       *(_number(error_of(row, q), ".3e") for q in SHOWN),
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
+                      *(_number((budget.get(field) or {}).get(cause), ".3f") for field, cause in shares),
                       _number((row.get("seconds") or {}).get("min"), ".4g"), _number(row.get("rate"), ".3g")])
     return "Errors are the largest RMS over particles; seconds the shortest of the bare runs.\n\n" + grid(heads, lines)
 

@@ -2,6 +2,7 @@
 
 from app.words import QUANTITIES, per_cell, unit_of
 from solvers.problems import PROBLEMS
+from solvers.scene.causes import CAUSES, FIELDS
 
 NOTHING = "-"
 SUMMARY = ("final", "max", "mean")
@@ -16,7 +17,18 @@ def run_table(result: dict) -> str:
     if estimates:
         parts += ["index: estimate over truth, 1 is perfect; distance: their difference over truth, 0 is perfect"]
     parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
+    if result.get("budget"):
+        parts.append(budget_table(result["budget"]))
     return "\n\n".join([*parts, _cost(result)])
+
+
+def budget_table(budget: dict) -> str:
+    """Each cause's share of the error, and whose error it is."""
+    rows = [(cause, *(formatted(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
+    whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} says the error is"
+    text = _columns([("share of the error of", *FIELDS), *rows])
+    return text + f"\nshares of {whose} over the run, adding up to 1" \
+        + (f"\n{budget['not_valid']}" if budget["not_valid"] else "")
 
 
 def _heading(result: dict) -> str:

@@ -119,6 +119,8 @@ class BarScene(Scene):
         if "two-grid" in self.active_estimators and validity.noisy(self):
             sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
                              "each of the two grids has in other places")
+        if self.take_away != NOTHING and not self.has("budget"):
+            sentences.append(f"take away {self.take_away}: nothing is taken away without the effects truth and budget")
         if self.is_patch and (step := patch.edge_step(self, self.initial_velocity)):
             sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
                              "says in which cell they are: hat functions show that even with whole particles per cell; "
@@ -163,6 +165,14 @@ class BarScene(Scene):
                              "the method cpgimp; with other methods give grid or particle")
         if self.frozen:
             self._check_frozen()
+        self._check_budget()
+
+    def _check_budget(self) -> None:
+        """Refuse what the budget does not cover."""
+        if "budget" in self.effects:
+            if covered := [name for name in self.remedies if name != FROZEN]:
+                raise SceneError("effects", "budget", f"does not cover the remedy {covered[0]}; leave one of the two "
+                                 "out")
 
     def _check_frozen(self) -> None:
         """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""

@@ -31,7 +31,8 @@ BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types)
 def allocate_state(scene: BarScene) -> WatchedBar:
     """The initial state."""
     on = switches(scene)
-    return WatchedBar(**body(scene, on), **budget(scene, on), **watch(scene, on, scene.particles, farthest(scene), HOOKS))
+    watched = watch(scene, on, scene.particles, farthest(scene), HOOKS)
+    return WatchedBar(**body(scene, on), **budget(scene, on), **watched)
 
 
 def farthest(scene: BarScene) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.vortex import step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, lame
-from solvers.scene.effects import EFFECTS, OWN
+from solvers.scene.effects import EFFECTS
 from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.rules import require_number
 from solvers.scene.scene import DEFAULT_CFL, option
@@ -45,7 +45,7 @@ class VortexScene(PlanarScene):
         "material", "Body force: at material points, none, or two tones; only the first has a built-in solution",
         choices=("material", "none", "two-tone"))
     linearity_preserving: bool = option(False, "Not offered for the vortex: only off is accepted")
-    effects: tuple[str, ...] = option((*EFFECTS, *OWN), "What to compute beside the method, with commas between; what "
+    effects: tuple[str, ...] = option((*EFFECTS, "spin"), "What to compute beside the method, with commas between; what "
                                       "is left out costs nothing", hint="all")
     layout: str = option("polar", "Lattice on which the particles begin", choices=("polar", "cartesian"))
     plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "

@@ -24,7 +24,7 @@ RunBar = commands()["run", "bar"]
 
 QUICK = ["--cells", "8", "--ppc", "2", "--periods", "0.2"]
 KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate", "index", "distance",
-        "soundness", "step", "life", "grid_crossings", "energy", "angular_momentum", "effects", "bytes",
+        "soundness", "step", "life", "grid_crossings", "energy", "angular_momentum", "budget", "effects", "bytes",
         "seconds", "rate", "arch", "threads", "plan", "not_valid"}
 
 
@@ -55,7 +55,7 @@ def test_json_has_exactly_the_contracts_keys(printed):
 def test_json_scene_has_every_flag_with_its_default(printed):
     flags = {"method", "cells", "ppc", "amplitude", "modulus", "density", "dt", "cfl", "t_end", "periods",
              "body_force", "linearity_preserving", "velocity", "estimator", "effects", "remedies", "arch", "threads",
-             "sample_every", "motion"}
+             "sample_every", "motion", "take_away"}
     of_patch = {"stretch", "initial_velocity"}  # which mean nothing here
     assert set(printed["scene"]) == flags | {"problem"} | of_patch
     assert {name for name, value in printed["scene"].items() if value is None} == of_patch
@@ -214,7 +214,7 @@ def test_flags_reach_the_scene(monkeypatch):
                              sample_every=7)]
 
 
-@pytest.mark.parametrize(("text", "effects"), [("none", ()), ("all", tuple(EFFECTS)),
+@pytest.mark.parametrize(("text", "effects"), [("none", ()), ("all", (*EFFECTS, "budget")),
                                                ("truth energy", ("truth", "energy"))])
 def test_words_for_effects(text, effects, monkeypatch):
     seen = []

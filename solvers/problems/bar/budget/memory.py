@@ -33,9 +33,9 @@ class BarBudget(Members):
 def budget(scene: BarScene, on: Switches) -> dict:
     """The members of a :class:`BarBudget` at the start."""
     P, nodes = scene.particles, scene.cells + GHOSTS
-    taken = scene.take_away in CAUSES
+    taken = on.budget and scene.take_away in CAUSES
     return {
         "taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
         "cause_errors": zeros(3 * P, 4, when=on.budget), "corner_node": zeros(P, when=on.budget, kind=np.int32),
         "corner_weights": zeros(P, 4, when=on.budget), "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
-        "removed": zeros(P, 4, when=on.budget and taken)}
+        "removed": zeros(P, 4, when=taken)}

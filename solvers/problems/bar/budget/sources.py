@@ -1,7 +1,8 @@
 """What particles give to nodes for the budget, and the accelerations of nodes that each cause makes.
 
 With f the method's force of the reference's stress, f~ that of the same stress in pieces (``method.pieces``), and
-"down" the mass-weighted mean over the particles of a node, the reference put through the step misses its own acceleration by
+"down" the mass-weighted mean over the particles of a node, the reference put through the step misses its own
+acceleration by
 
     crossings    (f - f~)/m              a particle, or its box, is counted whole where a part of it is in the next cell
     coarse grid  f~/m - down(a0 - b)     pieces of constant stress, and hats or B-splines to see them with
@@ -13,7 +14,7 @@ import taichi as ti
 from solvers.problems.bar.budget.memory import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
 from solvers.problems.bar.budget.reference import motion, slopes
 from solvers.problems.bar.method.forces import force_on_particle, tones
-from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, offset, stencil_of
+from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, stencil_of
 from solvers.problems.bar.method.pieces import corner, corner_nodes, corner_stencil, place
 
 
@@ -50,7 +51,7 @@ def corner_to_nodes(bar: ti.template(), p, x, jump, length, on: ti.template()):
 
 @ti.func
 def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
-    """What particle p adds: S (v + dt a, a, b) and the force of the reference's stress; of the errors velocity and force.
+    """What particle p adds: S (v + dt a, a, b) and the force of the reference's stress; velocity and force of errors.
 
     F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
     so belong to the weights: there the run's own F is the geometry of either.

@@ -1,0 +1,67 @@
+"""The error budget of a run, from its series: the share of each cause in the error (``solvers.solver.samples``)."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from solvers.scene.causes import CAUSES, FIELDS
+from solvers.solver.norms import UNBOUNDED, finite
+
+MOST_CANCELLED = 3.0  # the causes' errors, in sizes of the error itself, up to which shares say who made it
+
+
+@UNBOUNDED
+def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
+    """Of each cause, sum over samples of mean(e_c e) over that of mean(e^2): they add up to 1, and one that makes the
+    error smaller is below 0. None without error."""
+    error = series[f"budget/error_{field}"]
+    known = np.isfinite(error)
+    total = float(np.sum(error[known] ** 2))
+    return {cause: finite(float(np.sum((series[f"budget/part_{field}_{cause}"] * error)[known])) / total)
+            if total > 0 else None for cause in CAUSES}
+
+
+@UNBOUNDED
+def at_end(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
+    """The part of the RMS error at the end that each cause has made, in the field's unit: they add up to it."""
+    return {cause: finite(series[f"budget/part_{field}_{cause}"][-1]) for cause in CAUSES}
+
+
+@UNBOUNDED
+def rms(series: Mapping[str, np.ndarray], field: str, without: str | None = None) -> float | None:
+    """RMS over particles and samples of the error of a field; or of what would be left of it ``without`` a cause, as
+    the budget predicts: e - e_c, of which the mean square is e^2 - 2 e_c e + e_c^2."""
+    error = series[f"budget/error_{field}"]
+    squares = error**2
+    if without is not None:
+        squares = squares - 2 * series[f"budget/part_{field}_{without}"] * error \
+            + series[f"budget/size_{field}_{without}"] ** 2
+    return finite(float(np.sqrt(max(0.0, float(np.mean(squares))))))
+
+
+@UNBOUNDED
+def cancelled(series: Mapping[str, np.ndarray], field: str) -> float:
+    """The causes' errors together, in sizes of the error itself, both RMS over the run: 1 where all pull one way."""
+    error = np.sqrt(np.mean(series[f"budget/error_{field}"] ** 2))
+    causes = sum(np.sqrt(np.mean(series[f"budget/size_{field}_{cause}"] ** 2)) for cause in CAUSES)
+    return float(causes / error) if error > 0 else 0.0
+
+
+def not_valid(series: Mapping[str, np.ndarray]) -> str | None:
+    """Why shares say nothing of this run, as a sentence, or None."""
+    worst = {field: cancelled(series, field) for field in FIELDS}
+    field = max(worst, key=lambda name: worst[name] if np.isfinite(worst[name]) else np.inf)
+    if worst[field] <= MOST_CANCELLED:
+        return None
+    if not np.isfinite(worst[field]):
+        return "not valid here: the run has left numbers too large to be divided between causes"
+    return (f"not valid here: the causes have made errors of {field} {worst[field]:.2g} times as large as the error "
+            f"itself, which cancel; shares mean something up to {MOST_CANCELLED:g} times")
+
+
+def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:
+    """The budget as it stands in results: shares by field and cause, ``at_end`` the parts of the RMS error at the end,
+    the ``reference`` ("exact" or "companion"), and ``not_valid``, a sentence or None."""
+    return {**{field: shares(series, field) for field in FIELDS},
+            "at_end": {field: at_end(series, field) for field in FIELDS},
+            "reference": reference, "not_valid": not_valid(series)}
