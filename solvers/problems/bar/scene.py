@@ -165,14 +165,6 @@ class BarScene(Scene):
                              "the method cpgimp; with other methods give grid or particle")
         if self.frozen:
             self._check_frozen()
-        self._check_budget()
-
-    def _check_budget(self) -> None:
-        """Refuse what the budget does not cover."""
-        if "budget" in self.effects:
-            if covered := [name for name in self.remedies if name != FROZEN]:
-                raise SceneError("effects", "budget", f"does not cover the remedy {covered[0]}; leave one of the two "
-                                 "out")
 
     def _check_frozen(self) -> None:
         """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""

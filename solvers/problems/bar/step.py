@@ -41,11 +41,13 @@ def one_step(bar: ti.template(), step, on: ti.template()):
     update_grid(bar, (step - 1) * bar.dt, on)
     running.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):
-        push.in_step(bar, (step - 1) * bar.dt, on)
+        push.update_grid(bar, (step - 1) * bar.dt, on)
     remedies.in_step(bar, step, on)
+    if ti.static(on.budget):
+        push.in_step(bar, step, on)
     nodes_to_particles(bar, step, on)
     if ti.static(on.budget):
-        push.after_step(bar)
+        push.after_step(bar, on)
     remedies.after_step(bar, on)
     running.after_step(bar, step, HOOKS, on)
 

@@ -45,8 +45,8 @@ class VortexScene(PlanarScene):
         "material", "Body force: at material points, none, or two tones; only the first has a built-in solution",
         choices=("material", "none", "two-tone"))
     linearity_preserving: bool = option(False, "Not offered for the vortex: only off is accepted")
-    effects: tuple[str, ...] = option((*EFFECTS, "spin"), "What to compute beside the method, with commas between; what "
-                                      "is left out costs nothing", hint="all")
+    effects: tuple[str, ...] = option((*EFFECTS, "spin"), "What to compute beside the method, with commas between; "
+                                      "what is left out costs nothing", hint="all")
     layout: str = option("polar", "Lattice on which the particles begin", choices=("polar", "cartesian"))
     plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
                        "particles", choices=("auto", "serial", "parallel"))

@@ -23,7 +23,7 @@ class BarBudget(Members):
     """P particles; arrays of length one where the effect is off."""
 
     taken_away: Integer  # lane of the cause whose sources are taken out of the run, or KEEPS_ALL
-    cause_errors: Quads  # errors of x, then of v, then of F, a lane a cause (3 P, 4)
+    cause_errors: Quads  # errors of x, then of v, then of F, a lane a cause (3 P, 4); with some remedies P more
     corner_node: Integers  # first node of each particle's left corner (P,)
     corner_weights: Quads  # and the base functions there, in three entries (P, 4)
     budget_nodes: Quads  # layers as above (5 (N+4), 4)
@@ -34,8 +34,9 @@ def budget(scene: BarScene, on: Switches) -> dict:
     """The members of a :class:`BarBudget` at the start."""
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
+    layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
     return {
         "taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
-        "cause_errors": zeros(3 * P, 4, when=on.budget), "corner_node": zeros(P, when=on.budget, kind=np.int32),
+        "cause_errors": zeros(layers * P, 4, when=on.budget), "corner_node": zeros(P, when=on.budget, kind=np.int32),
         "corner_weights": zeros(P, 4, when=on.budget), "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
         "removed": zeros(P, 4, when=taken)}

@@ -2,6 +2,7 @@
 
 import taichi as ti
 
+from solvers.problems.bar.budget import remedies
 from solvers.problems.bar.budget.memory import FORCE, VELOCITY
 from solvers.problems.bar.budget.reference import moment, motion, slopes
 from solvers.problems.bar.budget.sources import particles_to_nodes, update_nodes
@@ -13,19 +14,28 @@ SHORTEST = 1e-12  # of a piece's length, in cells, by which the slope in it is s
 
 
 @ti.func
-def in_step(bar: ti.template(), t, on: ti.template()):
-    """The turn of the budget between nodes and particles, in a step that begins at t."""
-    now = moment(bar, t)
-    particles_to_nodes(bar, t, now, on)
+def update_grid(bar: ti.template(), t, on: ti.template()):
+    """The first half of the budget's step, from time t, when the run's nodes have their new motion."""
+    particles_to_nodes(bar, t, moment(bar, t), on)
     update_nodes(bar, t, on)
     if bar.taken_away >= 0:
         spread(bar.node_motion, bar.cells)
+
+
+@ti.func
+def in_step(bar: ti.template(), step, on: ti.template()):
+    """The second half, of step number ``step``, when the remedies have had their turn and before particles move."""
+    now = moment(bar, (step - 1) * bar.dt)
+    if ti.static(on.filtered or on.coupled):
+        remedies.in_step(bar, step, now, on)
     nodes_to_particles(bar, now, on)
 
 
 @ti.func
-def after_step(bar: ti.template()):
+def after_step(bar: ti.template(), on: ti.template()):
     """Take from the particles what the cause that is taken away has given to them, beside what it gave to nodes."""
+    if ti.static(on.centred):
+        remedies.after_step(bar)
     if bar.taken_away >= 0:
         for p in range(bar.particles):
             bar.position[p] -= bar.removed[p][0]
