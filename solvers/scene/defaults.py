@@ -50,11 +50,6 @@ class SceneDefaults:
         return self.body_force != "two-tone"
 
     @property
-    def budget_reference(self) -> str:
-        """What the effect ``budget`` compares the run with."""
-        return "exact"
-
-    @property
     def for_gpu(self) -> bool:
         """Whether it is to run on a GPU, if there is one: what it may be does not depend on that."""
         return self.arch != "cpu" and self.DIMENSIONS > 1

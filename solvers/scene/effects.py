@@ -34,6 +34,7 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
 OWN: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("spin", "angular momentum", "follow the angular momentum and the torque of the body force"),
     Effect("budget", "error budget", "divide the error between its causes: crossings, the coarse grid, the body force "
-           "and the time step", needs=("truth",), needs_solution=True),
+           "and the time step; against the exact solution, or without it against the estimator companion",
+           needs=("truth", "estimate")),
 )}
 ALL = {**EFFECTS, **OWN}

@@ -148,7 +148,8 @@ class Result:
     def budget(self) -> dict | None:
         """Which part of the error each cause has made (:func:`solvers.solver.budget.summary`); None where the effect is
         off."""
-        return budget.summary(self.series, self.scene.budget_reference) if self.scene.has("budget") else None
+        reference: str = getattr(self.scene, "budget_reference", "")  # of a problem that has budgets
+        return budget.summary(self.series, reference) if self.scene.has("budget") else None
 
     @UNBOUNDED
     def life(self) -> dict[str, float | None]:

@@ -104,6 +104,16 @@ class BarScene(Scene):
         """Of a patch test the stress counts too: it is all that there is to get wrong."""
         return {"sigma": patch.FAILED} if self.is_patch else {}
 
+    @property
+    def budget_reference(self) -> str:
+        """What the effect ``budget`` compares the run with: "exact" or "companion"."""
+        return "exact" if self.has("truth") else "companion"
+
+    def has(self, effect: str) -> bool:
+        """As every scene; a budget needs the truth, or of the estimators the companion."""
+        known = effect != "budget" or super().has("truth") or "companion" in self.active_estimators
+        return known and super().has(effect)
+
     def to_dict(self) -> dict:
         """As every scene; None for what means nothing in this motion."""
         idle = ("amplitude",) if self.is_patch else ("stretch", "initial_velocity")
@@ -119,8 +129,11 @@ class BarScene(Scene):
         if "two-grid" in self.active_estimators and validity.noisy(self):
             sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
                              "each of the two grids has in other places")
+        if "budget" in self.effects and not self.has("budget"):
+            sentences.append("error budget: there is none without the effect truth and an exact solution, or without "
+                             "the estimator companion; switch one of the two on")
         if self.take_away != NOTHING and not self.has("budget"):
-            sentences.append(f"take away {self.take_away}: nothing is taken away without the effects truth and budget")
+            sentences.append(f"take away {self.take_away}: nothing is taken away without the effect budget")
         if self.is_patch and (step := patch.edge_step(self, self.initial_velocity)):
             sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
                              "says in which cell they are: hat functions show that even with whole particles per cell; "

@@ -4,7 +4,7 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.kernels.hoist import hoist_scalars
-from solvers.problems.bar.budget import push, sampling
+from solvers.problems.bar.budget import companion, push, sampling
 from solvers.problems.bar.method import margin, remedies
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.method.samples import sample
@@ -50,6 +50,8 @@ def one_step(bar: ti.template(), step, on: ti.template()):
         push.after_step(bar, on)
     remedies.after_step(bar, on)
     running.after_step(bar, step, HOOKS, on)
+    if ti.static(on.budget and not on.truth):
+        companion.after_step(running.with_memory(bar, HOOKS, "companion"), step)
 
 
 @ti.func

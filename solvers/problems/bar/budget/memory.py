@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.kernels.kinds import Integer, Integers, Quads
+from solvers.kernels.kinds import Integer, Integers, Quads, Reals
+from solvers.problems.bar import exact
+from solvers.problems.bar.estimators.companion import mesh
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.causes import CAUSES
@@ -27,6 +29,10 @@ class BarBudget(Members):
     corner_node: Integers  # first node of each particle's left corner (P,)
     corner_weights: Quads  # and the base functions there, in three entries (P, 4)
     budget_nodes: Quads  # layers as above (5 (N+4), 4)
+    reference_motion: Quads  # the companion's, as the step begins: v + dt a and a (P, 4); where it is the reference
+    reference_slopes: Quads  # F, the slope of v + dt a along X, and u (P, 4)
+    reference_elements: Quads  # u, v, a and u_X at the points of its elements (n, 4)
+    reference_rates: Reals  # and the slope of v + dt a (n,)
     removed: Quads  # what the step's end takes from x, v and F of a run without a cause (P, 4)
 
 
@@ -39,4 +45,22 @@ def budget(scene: BarScene, on: Switches) -> dict:
         "taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
         "cause_errors": zeros(layers * P, 4, when=on.budget), "corner_node": zeros(P, when=on.budget, kind=np.int32),
         "corner_weights": zeros(P, 4, when=on.budget), "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
+        **_companion(scene, on),
         "removed": zeros(P, 4, when=taken)}
+
+
+def _companion(scene: BarScene, on: Switches) -> dict:
+    """The companion as reference at the start: the data that the run begins with, which it shares."""
+    P, elements = scene.particles, mesh(scene.cells)
+    used = on.budget and not on.truth
+    points = elements.count * (elements.order + 1)
+    motion, slopes = zeros(P, 4, when=used), zeros(P, 4, when=used)
+    if used:
+        X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
+        motion[:, 0] = exact.velocity(scene, X, 0.0)
+        slopes[:, 0] = 1.0
+        if scene.swings:
+            slopes[:, 1] = scene.motion_amplitude * scene.angular_frequency * exact.WAVENUMBER \
+                * np.cos(exact.WAVENUMBER * X)
+    return {"reference_motion": motion, "reference_slopes": slopes,
+            "reference_elements": zeros(points, 4, when=used), "reference_rates": zeros(points, when=used)}

@@ -1,4 +1,5 @@
-"""What the reference, the exact solution, does in a step at a particle, in numbers that follow from X alone."""
+"""What the reference does in a step at a particle: the exact solution, in numbers that follow from X and the time
+alone, or, where that is not looked at, the companion (``companion``)."""
 
 import taichi as ti
 
@@ -15,17 +16,24 @@ def moment(bar: ti.template(), t):
 
 @ti.func
 def motion(bar: ti.template(), p, now, on: ti.template()):
-    """v + dt a, a, and what a step of symplectic Euler misses of u and of v."""
-    size = 0.0
-    if ti.static(on.motion == "vibrate"):
+    """v + dt a, a, and what a step of symplectic Euler misses of u and of v, which the companion says later."""
+    known = ti.Vector([bar.drift_velocity, 0.0, 0.0, 0.0])
+    if ti.static(not on.truth):
+        known = bar.reference_motion[p]
+    elif ti.static(on.motion == "vibrate"):
         size = bar.amplitude * bar.sine[p]
-    return ti.Vector([size * now[1] + bar.drift_velocity, size * now[2], size * now[3], size * now[4]])
+        known = ti.Vector([size * now[1], size * now[2], size * now[3], size * now[4]])
+    return known
 
 
 @ti.func
 def slopes(bar: ti.template(), p, now, on: ti.template()):
     """F, the slope of v + dt a along X, and what a step misses of F."""
-    size = 0.0
-    if ti.static(on.motion == "vibrate"):
+    known = ti.Vector([1.0, 0.0, 0.0])
+    if ti.static(not on.truth):
+        kept = bar.reference_slopes[p]
+        known = ti.Vector([kept[0], kept[1], 0.0])
+    elif ti.static(on.motion == "vibrate"):
         size = 2 * ti.math.pi * bar.amplitude * bar.cosine[p]
-    return ti.Vector([1 + size * now[0], size * now[1], size * now[3]])
+        known = ti.Vector([1 + size * now[0], size * now[1], size * now[3]])
+    return known

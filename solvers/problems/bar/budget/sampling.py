@@ -1,4 +1,5 @@
-"""The budget's columns of a sample: of each field sums over particles of e^2, of e_c e and of e_c^2."""
+"""The budget's columns of a sample: of each field sums over particles of e^2, of e_c e and of e_c^2, where e is
+the true error, or what the companion says of it."""
 
 import taichi as ti
 
@@ -12,6 +13,9 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
     out = ti.static(bar.samples)
     P = bar.particles
     now = exact_now(bar, step)
+    base = 0
+    if ti.static(not on.truth):
+        base = ti.static(on.estimators.index("companion")) * P
     for f in ti.static(range(3)):
         unit = 1.0
         if ti.static(f == 2):
@@ -19,7 +23,11 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
         square = 0.0
         shared, own = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(P):
-            e = true_error(bar, p, now, on)[f]
+            e = 0.0
+            if ti.static(on.truth):
+                e = true_error(bar, p, now, on)[f]
+            else:
+                e = bar.estimate[base + p][f]
             if ti.static(f == 2):
                 e /= bar.modulus
             causes = bar.cause_errors[f * P + p]

@@ -70,7 +70,7 @@ def body(scene: BarScene, on: Switches) -> dict:
         "angular_frequency": w, "force_scale": 3 * w * w * scene.amplitude,
         "material_position": X, "position": X, "velocity": exact.velocity(scene, X, 0.0),
         "deformation_gradient": np.ones(P),
-        "sine": np.sin(exact.WAVENUMBER * X) if (on.truth and swings) or material else zeros(1),
+        "sine": np.sin(exact.WAVENUMBER * X) if (on.truth and swings) or material or on.budget else zeros(1),
         "cosine": np.cos(exact.WAVENUMBER * X) if (on.truth and swings) or on.body_force == "two-tone" else zeros(1),
         "first_node": zeros(P, kind=np.int32), "weights": zeros(P, 4), "acceleration": zeros(P, when=on.acceleration),
         "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),
