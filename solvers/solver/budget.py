@@ -7,7 +7,11 @@ import numpy as np
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver.norms import UNBOUNDED, finite
 
-MOST_CANCELLED = 3.0  # the causes' errors, in sizes of the error itself, up to which shares say who made it
+#: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 300 random runs, three causes
+#: taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of the error
+#: before in 96.6 % of the cases, beyond in 88 %, and from 10 on it missed by up to three times the error.
+MOST_CANCELLED = 3.0
+ROUND_OFF = 1e-12  # m: an error of x up to which it may be that of the last digits, of numbers up to some metres
 
 
 @UNBOUNDED
@@ -47,8 +51,11 @@ def cancelled(series: Mapping[str, np.ndarray], field: str) -> float:
     return float(causes / error) if error > 0 else 0.0
 
 
+@UNBOUNDED
 def not_valid(series: Mapping[str, np.ndarray]) -> str | None:
     """Why shares say nothing of this run, as a sentence, or None."""
+    if np.sqrt(np.mean(series["budget/error_x"] ** 2)) <= ROUND_OFF:
+        return "not valid here: the error is no more than round-off, and nobody's"
     worst = {field: cancelled(series, field) for field in FIELDS}
     field = max(worst, key=lambda name: worst[name] if np.isfinite(worst[name]) else np.inf)
     if worst[field] <= MOST_CANCELLED:

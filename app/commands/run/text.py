@@ -5,6 +5,7 @@ from solvers.problems import PROBLEMS
 from solvers.scene.causes import CAUSES, FIELDS
 
 NOTHING = "-"
+UNITS = {"x": "m", "v": "m/s", "F": "1"}
 SUMMARY = ("final", "max", "mean")
 
 
@@ -68,6 +69,14 @@ def _by_estimator(result: dict) -> dict:
     if len(names) == 1:
         return {names[0]: blocks}
     return {name: [block[name] for block in blocks] for name in names}
+
+
+def take_away_table(values: dict) -> str:
+    """What is left of the error without a cause, as predicted and as it came."""
+    heads = {"before": "before", "predicted": "predicted", "again": "run again"}
+    rows = [(words, *(formatted(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
+    return _columns([(f"without {CAUSES[values['class']]}, RMS", *(f"{field} ({UNITS[field]})" for field in FIELDS)),
+                     *rows])
 
 
 def _cost(result: dict) -> str:

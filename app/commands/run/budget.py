@@ -1,0 +1,69 @@
+"""``mpm-lab budget PROBLEM``: who made the error of a run, and what is left of it without one of the causes."""
+
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
+
+from app.commands.flags import BadInput, PathFlag, Switch, default_hint
+from app.commands.output import Target, json_target, put_result, say, working
+from app.commands.run.command import BROKEN, OK
+from app.commands.run.text import budget_table, take_away_table
+from app.commands.scene_flags import SceneFlags
+from solvers.scene.scene import Scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Budget(SceneFlags):
+    """What is done with the budget of a scene."""
+
+    HELP: ClassVar[str] = """Say who made the error of a run of the {title}: which part of it each cause has made.
+
+    Causes are crossings (particles, or their boxes, counted whole where a part lies in the next cell), the coarse grid,
+    the body force and the time step; their shares add up to 1. With --take-away the same scene runs again without a
+    cause, and what is left stands beside what the budget predicts. {setting}
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 a run went unstable or is lost.
+    """
+
+    json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
+    """File for the budget as a JSON object; - is standard output."""
+    plot: Annotated[PathFlag, default_hint("no picture")] = None
+    """File for a picture of it over time, .png."""
+    quiet: Annotated[Switch, default_hint("off")] = False
+    """No progress bar, no warnings and no remarks on standard error."""
+
+    def execute(self) -> int:
+        scene = self._scene()
+        target = json_target(self.json)
+        picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
+        if target and picture and target.path == picture.path:
+            raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
+        for sentence in () if self.quiet else scene.warnings():
+            say(f"warning: {sentence}")
+        with working(self.quiet) as show:
+            from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
+            found = run_budget(scene, scene.take_away, show)
+        put_result(found.to_dict(), target, _tables)
+        if picture:
+            from app.pictures.budget import budget_figure
+            from app.pictures.run import png_bytes
+            picture.write(png_bytes(budget_figure(found)))
+        broken = [result for result in (found.result, found.again) if result and result.status != "ok"]
+        for result in broken:
+            say(result.reason)
+        return BROKEN if broken else OK
+
+    def _scene(self) -> Scene:
+        """The scene with the budget switched on, whatever other effects it has."""
+        scene = self.scene()
+        scene = replace(scene, effects=tuple(dict.fromkeys((*scene.effects, "budget"))))
+        if not scene.has("budget"):
+            raise BadInput("effects", " ".join(scene.effects), "a budget needs the effect truth and an exact solution, "
+                           "or the effect estimate and --estimator companion")
+        return scene
+
+
+def _tables(values: dict) -> str:
+    """The budget, and what was taken away, in words."""
+    parts = [budget_table(values["budget"])]
+    if values["take_away"]:
+        parts.append(take_away_table(values["take_away"]))
+    return "\n\n".join(parts)

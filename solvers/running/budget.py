@@ -1,0 +1,55 @@
+"""A scene's error budget, and what happens when one of its causes is taken away: foretold, and run again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from solvers.running.run import run
+from solvers.scene.causes import FIELDS, NOTHING
+from solvers.scene.scene import Scene
+from solvers.solver import budget
+from solvers.solver.result import Result
+
+SCHEMA = "mpm-lab/budget/1"
+
+
+@dataclass(frozen=True)
+class BudgetResult:
+    """A run with its budget, and the same without the ``cause`` that was taken away, if one was."""
+
+    result: Result
+    cause: str
+    again: Result | None
+
+    def take_away(self) -> dict | None:
+        """RMS over particles and samples of the errors of x (m), v (m/s) and F: ``before``, ``predicted`` by the budget
+        without the cause, and ``again``, of the run without it; None where nothing was taken away."""
+        if self.again is None:
+            return None
+        series = self.result.series
+        return {"class": self.cause, "before": {field: budget.rms(series, field) for field in FIELDS},
+                "predicted": {field: budget.rms(series, field, without=self.cause) for field in FIELDS},
+                "again": {field: budget.rms(self.again.series, field) for field in FIELDS}}
+
+    def to_dict(self) -> dict:
+        """The object of ``mpm-lab budget --json``."""
+        values = self.result.budget()
+        assert values is not None  # the scene has the effect
+        return {"schema": SCHEMA, "scene": self.result.scene.to_dict(), "reference": values["reference"],
+                "budget": values, "take_away": self.take_away()}
+
+
+def run_budget(scene: Scene, cause: str = NOTHING, on_progress: Callable[[float], None] | None = None) -> BudgetResult:
+    """Run a scene that has the effect ``budget``, and again without a cause (see its field ``take_away``)."""
+    parts = 1 if cause == NOTHING else 2
+
+    def show(part: float, before: int = 0) -> None:
+        if on_progress:
+            on_progress((before + part) / parts)
+
+    result = run(replace(scene, take_away=NOTHING), show, prices=False)
+    again = None
+    if cause != NOTHING:
+        again = run(replace(scene, take_away=cause), lambda part: show(part, 1), prices=False, mid_run=False)
+    return BudgetResult(result, cause, again)
