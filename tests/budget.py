@@ -16,6 +16,7 @@ import numpy as np
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.remedies import FROZEN
 from solvers.scene.rules import SceneError
 from solvers.solver.budget import MOST_CANCELLED, ROUND_OFF
 from solvers.study.markdown import grid
@@ -132,8 +133,9 @@ def causal_table(found: Sequence[Trial]) -> str:
     heads = ["scene", "without", *(f"{field}: {what}" for field in FIELDS for what in ("before", "foretold", "came",
                                                                                          "miss"))]
     return grid(heads, [[words(trial.scene), CAUSES[trial.cause], *(
-        f"{values[k]:.2e}" if values is not trial.miss else f"{values[k]:.3f}" for k in range(len(FIELDS))
-        for values in (trial.before, trial.foretold, trial.came, trial.miss))] for trial in found], heads[:2])
+        format(values[k], form) for k in range(len(FIELDS))
+        for values, form in ((trial.before, ".2e"), (trial.foretold, ".2e"), (trial.came, ".2e"),
+                             (trial.miss, ".3f")))] for trial in found], heads[:2])
 
 
 def calibration_table(found: Sequence[Trial]) -> str:
@@ -156,17 +158,17 @@ def document() -> str:
     many = [trial for scene in islice(drawn(SEED), 300) for trial in trials(scene)]
     return f"""# The error budget: take a cause away, and run again
 
-Made by `uv run python -m tests.budget`. {len(found) // 3} random scenes of the bar, chosen by the seed {SEED}, and of
-each three causes taken away. Errors are RMS over particles and samples, of x in m, v in m/s and F; foretold is the error
-less that cause's part, particle by particle; the miss is the RMS of what came less what was foretold, over the error
-before. In {good} of {len(found)} trials all three fields miss by {GOOD} at most.
+Made by `uv run python -m tests.budget`. {len(found) // 3} random scenes of the bar, chosen by the seed {SEED},
+and of each three causes taken away. Errors are RMS over particles and samples, of x in m, v in m/s and F; foretold
+is the error less that cause's part, particle by particle; the miss is the RMS of what came less what was foretold,
+over the error before. In {good} of {len(found)} trials all three fields miss by {GOOD} at most.
 
 {causal_table(found)}
 
 ## How far a budget can be relied upon
 
-300 random scenes with every remedy, {len(many)} trials of three fields each. Cancelled: the sum of the causes' RMS errors
-over the RMS error itself. Beyond {MOST_CANCELLED:g} a budget says that it is not valid.
+300 random scenes with every remedy, {len(many)} trials of three fields each. Cancelled: the sum of the causes' RMS
+errors over the RMS error itself. Beyond {MOST_CANCELLED:g} a budget says that it is not valid.
 
 {calibration_table(many)}
 """

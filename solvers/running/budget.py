@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 from solvers.running.run import run
 from solvers.scene.causes import FIELDS, NOTHING
-from solvers.scene.scene import Scene
 from solvers.solver import budget
 from solvers.solver.result import Result
 
@@ -40,7 +40,7 @@ class BudgetResult:
                 "budget": values, "take_away": self.take_away()}
 
 
-def run_budget(scene: Scene, cause: str = NOTHING, on_progress: Callable[[float], None] | None = None) -> BudgetResult:
+def run_budget(scene: Any, cause: str = NOTHING, on_progress: Callable[[float], None] | None = None) -> BudgetResult:
     """Run a scene that has the effect ``budget``, and again without a cause (see its field ``take_away``)."""
     parts = 1 if cause == NOTHING else 2
 

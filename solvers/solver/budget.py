@@ -7,9 +7,9 @@ import numpy as np
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver.norms import UNBOUNDED, finite
 
-#: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 300 random runs, three causes
-#: taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of the error
-#: before in 96.6 % of the cases, beyond in 88 %, and from 10 on it missed by up to three times the error.
+#: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 300 random runs, three
+#: causes taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of
+#: the error before in 96.6 % of the cases, beyond in 88 %, and from 10 on it missed by up to three times the error.
 MOST_CANCELLED = 3.0
 ROUND_OFF = 1e-12  # m: an error of x up to which it may be that of the last digits, of numbers up to some metres
 

@@ -1,14 +1,13 @@
 """``mpm-lab budget PROBLEM``: who made the error of a run, and what is left of it without one of the causes."""
 
 from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, PathFlag, Switch, default_hint
 from app.commands.output import Target, json_target, put_result, say, working
 from app.commands.run.command import BROKEN, OK
 from app.commands.run.text import budget_table, take_away_table
 from app.commands.scene_flags import SceneFlags
-from solvers.scene.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +50,7 @@ class Budget(SceneFlags):
             say(result.reason)
         return BROKEN if broken else OK
 
-    def _scene(self) -> Scene:
+    def _scene(self) -> Any:
         """The scene with the budget switched on, whatever other effects it has."""
         scene = self.scene()
         scene = replace(scene, effects=tuple(dict.fromkeys((*scene.effects, "budget"))))
