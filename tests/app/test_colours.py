@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from itertools import product
+from itertools import combinations, product
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from app import colours
 from app.colours import GROUNDS, LINES, PALETTE, TEXTS, rgb
+from solvers.scene.causes import CAUSES
 from solvers.scene.registry import ESTIMATORS
 
 TOKENS = Path(colours.__file__).parent / "page" / "web" / "css" / "00-tokens.css"
@@ -43,6 +45,37 @@ def test_words_and_lines_stand_out_from_every_ground(shade):
 
 def test_methods_stand_out_from_white():
     assert all(contrast(colour, "#ffffff") >= 3 for colour in (*colours.METHOD_COLOURS.values(), colours.PINNED))
+
+
+#: What people see who lack one kind of cone, of linear red, green and blue (Machado, Oliveira & Fernandes 2009).
+BLINDNESS = {
+    "none": np.eye(3),
+    "protanopia": np.array([[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+                            [-0.003882, -0.048116, 1.051998]]),
+    "deuteranopia": np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
+                              [-0.011820, 0.042940, 0.968881]]),
+    "tritanopia": np.array([[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+                            [0.004733, 0.691367, 0.303900]])}
+
+
+def lightness_and_hue(colour: str, seen: np.ndarray) -> np.ndarray:
+    """L*, a*, b* of CIE 1976 under D65, as somebody sees it."""
+    parts = np.array(rgb(colour)) / 255
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]) \
+        @ np.clip(seen @ linear, 0, 1) / np.array([0.9505, 1.0, 1.089])
+    x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("shade", (0, 1), ids=("light", "dark"))
+@pytest.mark.parametrize("blindness", BLINDNESS)
+def test_causes_are_told_apart(shade, blindness):
+    """Areas side by side, and the ground: 20 in L*a*b*, where 2 can just be seen."""
+    assert list(colours.CAUSES) == list(CAUSES)
+    several = [*(both[shade] for both in colours.CAUSES.values()), GROUNDS["ground"][shade]]
+    seen = [lightness_and_hue(colour, BLINDNESS[blindness]) for colour in several]
+    assert min(np.linalg.norm(one - other) for one, other in combinations(seen, 2)) >= 20
 
 
 def test_the_page_has_the_same_palette():

@@ -1,0 +1,69 @@
+"""``mpm-lab budget``: its JSON object, its table, its picture, and what it refuses; budgets in runs and sweeps."""
+
+import json
+
+import pytest
+
+from app.cli import main
+from solvers.scene.causes import CAUSES, FIELDS
+from solvers.study.summary import csv_text, summary
+
+QUICK = ("--cells", "8", "--ppc", "2", "--periods", "0.3", "--quiet")
+
+
+def printed(capfd, *arguments: str) -> dict:
+    assert main([*arguments, "--json", "-"]) == 0
+    return json.loads(capfd.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+
+
+def test_json_is_the_contracts(capfd):
+    values = printed(capfd, "budget", "bar", *QUICK, "--take-away", "crossings")
+    assert set(values) == {"schema", "scene", "reference", "budget", "take_away"}
+    assert values["schema"] == "mpm-lab/budget/1" and values["reference"] == "exact"
+    assert values["scene"]["take_away"] == "nothing"  # of the run that has the budget
+    for field in FIELDS:
+        assert list(values["budget"][field]) == list(values["budget"]["at_end"][field]) == list(CAUSES)
+        assert sum(values["budget"][field].values()) == pytest.approx(1, abs=1e-6)
+    assert values["take_away"]["class"] == "crossings"
+    assert all(set(values["take_away"][key]) == set(FIELDS) for key in ("before", "predicted", "again"))
+
+
+def test_a_run_has_the_same_budget(capfd):
+    run = printed(capfd, "run", "bar", *QUICK, "--effects", "truth", "budget", "--estimator", "none")
+    alone = printed(capfd, "budget", "bar", *QUICK, "--estimator", "none")
+    assert alone["take_away"] is None and "budget" in run["effects"]
+    for field in FIELDS:
+        assert run["budget"][field] == pytest.approx(alone["budget"][field], abs=1e-12)
+
+
+def test_words_and_picture(capfd, tmp_path):
+    file = tmp_path / "budget.png"
+    assert main(["budget", "bar", *QUICK, "--take-away", "coarse_grid", "--plot", str(file)]) == 0
+    said = capfd.readouterr().out
+    assert all(name in said for name in CAUSES.values()) and "without coarse grid" in said and "run again" in said
+    assert file.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("arguments", "said"), [
+    (("--effects", "none"), "a budget needs the effect truth"),
+    (("--body-force", "two-tone"), "--estimator companion"),
+    (("--take-away", "gravity"), "coarse_grid"),
+    (("--plot", "budget.pdf"), "ends in .png")])
+def test_what_it_cannot_do_it_refuses(arguments, said, capfd):
+    assert main(["budget", "bar", *QUICK, *arguments]) == 2
+    told = capfd.readouterr().err
+    assert said in told and told.count("\n") == 1
+
+
+def test_other_problems_have_none(capfd):
+    assert main(["budget", "ring"]) == 2 and "bar" in capfd.readouterr().err
+
+
+def test_rows_and_their_summary_have_the_shares():
+    shares = dict.fromkeys(CAUSES, 0.25)
+    row = {"status": "ok", "reason": None, "problem": "bar", "asked": {}, "scene": {"method": "mpm", "cells": 8},
+           "h": 0.125, "index": {}, "error": {}, "seconds": {"min": 1.0}, "rate": 1.0,
+           "budget": {field: shares for field in FIELDS} | {"reference": "exact"}}
+    assert "budget.v.crossings" in csv_text([row]).splitlines()[0].split(",")
+    assert "crossings: share of v" in summary("bar", [row]) and "0.250" in summary("bar", [row])
+    assert "share of" not in summary("bar", [{**row, "budget": None}])
