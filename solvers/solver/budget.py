@@ -41,7 +41,7 @@ def rms(series: Mapping[str, np.ndarray], field: str, without: str | None = None
     if without is not None:
         squares = squares - 2 * series[f"budget/part_{field}_{without}"] * error \
             + series[f"budget/size_{field}_{without}"] ** 2
-    return finite(float(np.sqrt(max(0.0, float(np.mean(squares))))))
+    return finite(float(np.sqrt(np.maximum(np.mean(squares), 0.0))))  # rounding may leave a little less than nothing
 
 
 @UNBOUNDED
@@ -49,7 +49,7 @@ def cancelled(series: Mapping[str, np.ndarray], field: str) -> float:
     """The causes' errors together, in sizes of the error itself, both RMS over the run: 1 where all pull one way."""
     error = np.sqrt(np.mean(series[f"budget/error_{field}"] ** 2))
     causes = sum(np.sqrt(np.mean(series[f"budget/size_{field}_{cause}"] ** 2)) for cause in CAUSES)
-    return float(causes / error) if error > 0 else 0.0
+    return 0.0 if error == 0 else float(causes / error)
 
 
 @UNBOUNDED
