@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, fields
 
 from solvers.problems import PROBLEMS
-from solvers.scene.causes import CAUSES, NOTHING
+from solvers.scene import causes
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.rules import field_flag, field_label
 from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
@@ -66,7 +66,7 @@ CHOICES = {"method": {code: str(method) for code, method in METHODS.items()},
                           "two-tone": "two-tone: no exact solution known"},
            "velocity": {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"},
            "motion": {"vibrate": "vibration", "patch": "patch test"},
-           "take_away": {NOTHING: "nothing", **CAUSES},
+           "take_away": {causes.NOTHING: "nothing", **causes.CAUSES},
            "remedies": {remedy.name: remedy.label for remedy in REMEDIES.values()},
            "layout": {"polar": "polar", "cartesian": "Cartesian"}}
 
