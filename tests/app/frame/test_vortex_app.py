@@ -58,8 +58,8 @@ def test_a_state_and_words():
 
 def test_spin_is_an_effect_of_the_vortex_alone():
     assert VortexScene.choices("effects") == (*EFFECTS, "spin")
-    for problem in ("bar", "ring"):
-        assert PROBLEMS[problem].scene.choices("effects") == tuple(EFFECTS)
+    for problem, own in (("bar", ("budget",)), ("ring", ())):
+        assert PROBLEMS[problem].scene.choices("effects") == (*EFFECTS, *own)
 
 
 def test_the_page_begins_with_half_a_period_and_an_estimate_that_holds():
