@@ -78,7 +78,7 @@ def errors(scene: BarScene) -> np.ndarray | None:
     solver, kept = BarSolver(scene), []
     while solver.step < scene.steps and solver.sound:
         solver.advance(min(scene.sample_interval, scene.steps - solver.step))
-        kept.append(solver._arrays.cause_errors[:3 * scene.particles].reshape(3, -1, len(CAUSES)).copy())
+        kept.append(solver._arrays.cause_errors.copy())
     return np.array(kept) if solver.sound else None
 
 

@@ -16,7 +16,7 @@ import taichi as ti
 from solvers.kernels import kinds
 from solvers.kernels.hoist import untranslated, variable
 
-PREFIX = "memory_"  # of the arrays that hold the others
+PREFIX = "memory_"  # of the arrays that hold the others, unless a packing has one of its own
 #: Types of arrays that can be packed, by name, with the shape of an entry.
 ARRAYS = {"integers": (), "integer_quads": (4,), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
 
@@ -27,8 +27,9 @@ class Packing:
     ``types`` are the state's members that hold them, ``values`` fills these, ``parts`` finds the members in them again.
     """
 
-    def __init__(self, members: Mapping[str, object]):
+    def __init__(self, members: Mapping[str, object], prefix: str = PREFIX):
         self.types: dict[str, object] = {}
+        self.prefix = prefix
         self.places: dict[str, tuple[str, int, bool]] = {}  # array, entry in front, whether it is an array
         self.front = {"integers": 0, "reals": 0}
         for name, kind in members.items():
@@ -41,7 +42,7 @@ class Packing:
             self.places[name] = (array or held, self.front[held], array is not None)
             self.front[held] += 1
         used = {"integers", "reals"} | {place[0] for place in self.places.values()}
-        self.types.update({PREFIX + array: getattr(kinds, array) for array in ARRAYS if array in used})
+        self.types.update({prefix + array: getattr(kinds, array) for array in ARRAYS if array in used})
 
     def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """The packed arrays that hold these members."""
@@ -54,17 +55,17 @@ class Packing:
             if is_array:
                 pieces[array].append(np.asarray(members[name], _dtype(array)).reshape(-1, *ARRAYS[array]))
                 length[array] += len(pieces[array][-1])
-        packed = {PREFIX + array: np.concatenate(piece) for array, piece in pieces.items()}
+        packed = {self.prefix + array: np.concatenate(piece) for array, piece in pieces.items()}
         return {name: packed[name] if name in packed else members[name] for name in self.types}
 
     def parts(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The arrays among the members, as they are now."""
-        found = {name: memory[name] for name in self.types if not name.startswith(PREFIX)}
+        found = {name: memory[name] for name in self.types if not name.startswith(self.prefix)}
         for array in ARRAYS:
-            begins = sorted((int(memory[PREFIX + "integers"][slot]), name)
+            begins = sorted((int(memory[self.prefix + "integers"][slot]), name)
                             for name, (held, slot, is_array) in self.places.items() if is_array and held == array)
             for k, (begin, name) in enumerate(begins):
-                found[name] = memory[PREFIX + array][begin:begins[k + 1][0] if k + 1 < len(begins) else None]
+                found[name] = memory[self.prefix + array][begin:begins[k + 1][0] if k + 1 < len(begins) else None]
         return found
 
 
@@ -80,8 +81,8 @@ class MemoryView:
         for name in names:
             if name in packing.places:
                 array, slot, is_array = packing.places[name]
-                own = getattr(state, PREFIX + array)
-                number = variable(_entry(getattr(state, PREFIX + "integers") if is_array else own, slot))
+                own = getattr(state, packing.prefix + array)
+                number = variable(_entry(getattr(state, packing.prefix + "integers") if is_array else own, slot))
                 self._members[name] = _Array(own, number) if is_array else number
 
     def __getattr__(self, name: str) -> object:

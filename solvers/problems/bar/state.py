@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import taichi as ti
 
 from solvers.estimators.memory import packing
-from solvers.problems.bar.budget.memory import BarBudget, budget
+from solvers.problems.bar.budget.memory import BUDGET, budget
 from solvers.problems.bar.estimators import companion, recovered, transport, two_grid
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.scene import BarScene
@@ -20,19 +21,25 @@ HOOKS = registry.hooks_of("bar", {
 
 
 @dataclass
-class WatchedBar(Watch, BarBudget, BarBody):
+class WatchedBar(Watch, BarBody):
     """A bar and those who watch it."""
+
+    @property
+    def cause_errors(self) -> np.ndarray:
+        """Errors of x, v and F of the P particles by cause (3, P, causes), a view; of a run with the effect budget."""
+        return BUDGET.parts(self.memory)["cause_errors"][:3 * self.particles].reshape(3, self.particles, -1)
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
-BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types)
+BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types, **BUDGET.types)
 
 
 def allocate_state(scene: BarScene) -> WatchedBar:
     """The initial state."""
     on = switches(scene)
     watched = watch(scene, on, scene.particles, farthest(scene), HOOKS)
-    return WatchedBar(**body(scene, on), **budget(scene, on), **watched)
+    watched["memory"] |= budget(scene, on)
+    return WatchedBar(**body(scene, on), **watched)
 
 
 def farthest(scene: BarScene) -> float:

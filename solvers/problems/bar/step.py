@@ -5,6 +5,7 @@ import taichi as ti
 from solvers.estimators import running
 from solvers.kernels.hoist import hoist_scalars
 from solvers.problems.bar.budget import companion, push, sampling
+from solvers.problems.bar.budget.memory import with_budget
 from solvers.problems.bar.method import margin, remedies
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.method.samples import sample
@@ -41,17 +42,17 @@ def one_step(bar: ti.template(), step, on: ti.template()):
     update_grid(bar, (step - 1) * bar.dt, on)
     running.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):
-        push.update_grid(bar, (step - 1) * bar.dt, on)
+        push.update_grid(with_budget(bar), (step - 1) * bar.dt, on)
     remedies.in_step(bar, step, on)
     if ti.static(on.budget):
-        push.in_step(bar, step, on)
+        push.in_step(with_budget(bar), step, on)
     nodes_to_particles(bar, step, on)
     if ti.static(on.budget):
-        push.after_step(bar, on)
+        push.after_step(with_budget(bar), on)
     remedies.after_step(bar, on)
     running.after_step(bar, step, HOOKS, on)
     if ti.static(on.budget and not on.truth):
-        companion.after_step(running.with_memory(bar, HOOKS, "companion"), step)
+        companion.after_step(running.with_memory(with_budget(bar), HOOKS, "companion"), step)
 
 
 @ti.func
@@ -59,7 +60,7 @@ def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
     """One row of samples: the method's, and the budget's."""
     sample(bar, row, step, looks, on)
     if ti.static(on.budget):
-        sampling.sample(bar, row, step, on)
+        sampling.sample(with_budget(bar), row, step, on)
 
 
 PHASES = Phases(one_step, check, sample_all, HOOKS)

@@ -1,17 +1,20 @@
 """What the budget of a run keeps: errors by cause, corners of pieces, sums at the nodes."""
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import taichi as ti
 
-from solvers.kernels.kinds import Integer, Integers, Quads, Reals
+from solvers.kernels.hoist import untranslated
+from solvers.kernels.kinds import integers, quads, reals
+from solvers.kernels.packing import MemoryView, Packing
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators.companion import mesh
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.causes import CAUSES
 from solvers.scene.switches import Switches
-from solvers.solver.arrays import Members, zeros
+from solvers.solver.arrays import zeros
 
 #: Layers of ``budget_nodes``, each of all nodes: of the reference its v + dt a, a, b and the method's force of its
 #: stress; of pieces their force, their length (by linearity preservation's measure) and sum S P; and, a lane a cause,
@@ -20,33 +23,40 @@ REFERENCE, PIECES, VELOCITY, FORCE, STRESS = range(5)
 KEEPS_ALL = -1
 
 
-@dataclass
-class BarBudget(Members):
-    """P particles; arrays of length one where the effect is off."""
+#: What it keeps; P particles, and arrays of length one where the effect is off. One array for each type holds them all,
+#: so that a run without a budget has few more arguments to launch.
+MEMBERS = {
+    "taken_away": ti.i32,  # lane of the cause whose sources are taken out of the run, or KEEPS_ALL
+    "cause_errors": quads,  # errors of x, then of v, then of F, a lane a cause (3 P, 4); with some remedies P more
+    "corner_node": integers,  # first node of each particle's left corner (P,)
+    "corner_weights": quads,  # and the base functions there, in three entries, and where it is (P, 4)
+    "budget_nodes": quads,  # layers as above (5 (N+4), 4)
+    "reference_motion": quads,  # the companion's, as the step begins: v + dt a and a (P, 4); where it is the reference
+    "reference_slopes": quads,  # F, the slope of v + dt a along X, and u (P, 4)
+    "reference_elements": quads,  # u, v, a and u_X at the points of its elements (n, 4)
+    "reference_rates": reals,  # and the slope of v + dt a (n,)
+    "removed": quads,  # what the step's end takes from x, v and F of a run without a cause (P, 4)
+}
+BUDGET = Packing(MEMBERS, "budget_")
 
-    taken_away: Integer  # lane of the cause whose sources are taken out of the run, or KEEPS_ALL
-    cause_errors: Quads  # errors of x, then of v, then of F, a lane a cause (3 P, 4); with some remedies P more
-    corner_node: Integers  # first node of each particle's left corner (P,)
-    corner_weights: Quads  # and the base functions there, in three entries (P, 4)
-    budget_nodes: Quads  # layers as above (5 (N+4), 4)
-    reference_motion: Quads  # the companion's, as the step begins: v + dt a and a (P, 4); where it is the reference
-    reference_slopes: Quads  # F, the slope of v + dt a along X, and u (P, 4)
-    reference_elements: Quads  # u, v, a and u_X at the points of its elements (n, 4)
-    reference_rates: Reals  # and the slope of v + dt a (n,)
-    removed: Quads  # what the step's end takes from x, v and F of a run without a cause (P, 4)
+
+@untranslated
+def with_budget(state: Any) -> MemoryView:
+    """For kernels: the state with these as attributes."""
+    return MemoryView(state, BUDGET, MEMBERS)
 
 
 def budget(scene: BarScene, on: Switches) -> dict:
-    """The members of a :class:`BarBudget` at the start."""
+    """The packed members at the start."""
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
-    return {
+    return BUDGET.values({
         "taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
         "cause_errors": zeros(layers * P, 4, when=on.budget), "corner_node": zeros(P, when=on.budget, kind=np.int32),
         "corner_weights": zeros(P, 4, when=on.budget), "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
         **_companion(scene, on),
-        "removed": zeros(P, 4, when=taken)}
+        "removed": zeros(P, 4, when=taken)})
 
 
 def _companion(scene: BarScene, on: Switches) -> dict:
