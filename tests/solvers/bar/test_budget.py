@@ -161,6 +161,25 @@ def test_what_is_foretold_comes(inputs, cause):
         assert np.abs(gap(found.again.series, field)).max() <= 1e-6
 
 
+def test_estimators_of_the_step_leave_a_run_without_a_cause_alone():
+    """Those of the motion go on: their index of x stays within a tenth."""
+    every = ("transport", "recovered", "companion", "two-grid")
+    result = run(replace(SCENE, method="mpm", estimators=every, effects=(*EFFECTS, "estimate"), take_away="crossings"),
+                 prices=False)
+    assert set(result.not_valid) == {"transport", "two-grid"} and "taken out" in result.not_valid["transport"]
+    assert all(result.index(name)["x"] == pytest.approx(1, abs=0.1) for name in ("recovered", "companion"))
+
+
+@pytest.mark.parametrize("cause", CAUSES)
+def test_against_the_companion_what_is_foretold_comes_too(cause):
+    found = run_budget(replace(SCENE, method="mpm", body_force="two-tone", periods=0.5, **ALONE), cause)
+    taken = found.take_away()
+    assert taken is not None and found.again is not None
+    for field in FIELDS:
+        assert abs(taken["predicted"][field] - taken["again"][field]) <= GOOD * taken["before"][field]
+        assert np.abs(gap(found.again.series, field)).max() <= 1e-6
+
+
 def test_without_the_force_at_the_nodes_it_is_the_force_at_material_points():
     """To round-off: what is taken away is b at the node less the mean of b over its particles."""
     node, material = (BarSolver(replace(SCENE, body_force=force, take_away=cause)) for force, cause in
