@@ -2,6 +2,7 @@
 
     error.x.max < 1e-5                      of the step's first run
     hat.index.recovered.x in 0.9..1.1       of the run called hat
+    budget.v.crossings > 0.8                share of a cause in the error of v, with the effect budget
     order(grids.error.x.max) in 1.9..2.1    of a run on several grids
     node.error.x.max / material.error.x.max > 10
     status == lost
@@ -20,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from app.words import EXTRA_NORMS, QUANTITIES
+from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.registry import ESTIMATORS
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
@@ -30,7 +32,7 @@ PATHS: dict[str, tuple[tuple[str, ...], ...]] = {
     "error": ((*QUANTITIES, *EXTRA_NORMS), _NORMS),
     "estimate": (_ESTIMATORS, tuple(QUANTITIES), _NORMS),
     "index": (_ESTIMATORS, tuple(QUANTITIES)), "distance": (_ESTIMATORS, tuple(QUANTITIES)),
-    "valid": (_ESTIMATORS,), "status": (), "grid_crossings": (), "steps": (), "particles": (), "t": (),
+    "budget": (FIELDS, tuple(CAUSES)), "valid": (_ESTIMATORS,), "status": (), "grid_crossings": (), "steps": (), "particles": (), "t": (),
     "energy": (("initial", "final", "drift"),), "step": (("dt", "bound", "margin"),),
     "life": (("accurate", "sound", "first_period"),), "seconds": (("run", "estimate"),),
     "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}

@@ -7,7 +7,8 @@ import pytest
 from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, decide, needed, value
 
 FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "not_valid": {}, "status": "ok",
-        "error": {"x": {"final": 1e-4, "max": 2e-4, "mean": None}}, "index": {"x": 0.98}, "grid_crossings": 12}
+        "error": {"x": {"final": 1e-4, "max": 2e-4, "mean": None}}, "index": {"x": 0.98}, "grid_crossings": 12,
+        "budget": {"v": {"crossings": 0.87, "coarse_grid": None}}}
 COARSE = {**FINE, "scene": {**FINE["scene"], "cells": 20}, "error": {"x": {"final": 4e-4, "max": 8e-4, "mean": 1e-4}}}
 LOST = {**FINE, "status": "lost", "scene": {"estimator": ["recovered", "transport"]},
         "not_valid": {"transport": "not valid here"}, "index": {"recovered": {"x": 1.1}, "transport": {"x": None}}}
@@ -25,7 +26,7 @@ SCOPE = Scope({"fine": Outcome([FINE]), "grids": Outcome([COARSE, FINE], "cells"
     ("gone.status != ok", True), ("index.recovered.x in 0.9..1.1", True), ("gone.index.recovered.x >= 1.1", True),
     ("gone.valid.transport == no", True), ("valid.recovered == yes", True),
     ("error.x.max / scene.amplitude < 0.01", True),
-    ("grid_crossings == 12", True)])
+    ("budget.v.crossings in 0.8..0.9", True), ("grid_crossings == 12", True)])
 def test_a_claim_is_judged(claim, holds):
     check_claim(claim, SCOPE.outcomes, SCOPE.main)
     assert decide(claim, SCOPE).holds is holds
@@ -35,7 +36,8 @@ def test_a_claim_is_judged(claim, holds):
     ("error.x.final", "claims nothing"), ("error.x < 1", "after error.x give one of final, max, mean"),
     ("error.q.max < 1", "after error give one of x"), ("eror.x.max < 1", "neither a run nor part of a result"),
     ("slow.error.x.max < 1", "neither a run nor part"), ("error.x.max.more < 1", "nothing comes after error.x.max"),
-    ("index.oracle.x < 1", "after index give one of"), ("error.x.max <", "claims nothing"),
+    ("budget.sigma.crossings < 1", "after budget give one of x, v, F"),
+    ("budget.v.gravity < 1", "one of crossings"), ("index.oracle.x < 1", "after index give one of"), ("error.x.max <", "claims nothing"),
     ("(error.x.max < 1", "cannot be read"),
     ("__import__('os') < 1", "means nothing here"), ("error.x.max[0] < 1", "means nothing here"),
     ("mean(grids.error.x.max) < 1", "give order(…)"), ("order() < 1", "give order(…)"), ("fine < 1", "a run alone")])
@@ -48,7 +50,7 @@ def test_what_claims_nothing_is_told(claim, said):
 @pytest.mark.parametrize("text, said", [
     ("grids.error.x.max", "has 2 values"), ("error.x.mean", "is not known"), ("index.transport.x", "does not run"),
     ("gone.index.transport.x", "is not known"), ("order(error.x.max)", "several values"),
-    ("status + 1", "is no number"),
+    ("budget.v.coarse_grid", "is not known"), ("status + 1", "is no number"),
     ("error.x.max / 0", "has no value")])
 def test_what_has_no_value_is_told(text, said):
     with pytest.raises(ClaimError) as told:
