@@ -32,7 +32,8 @@ PATHS: dict[str, tuple[tuple[str, ...], ...]] = {
     "error": ((*QUANTITIES, *EXTRA_NORMS), _NORMS),
     "estimate": (_ESTIMATORS, tuple(QUANTITIES), _NORMS),
     "index": (_ESTIMATORS, tuple(QUANTITIES)), "distance": (_ESTIMATORS, tuple(QUANTITIES)),
-    "budget": (FIELDS, tuple(CAUSES)), "valid": (_ESTIMATORS,), "status": (), "grid_crossings": (), "steps": (), "particles": (), "t": (),
+    "budget": (FIELDS, tuple(CAUSES)),
+    "valid": (_ESTIMATORS,), "status": (), "grid_crossings": (), "steps": (), "particles": (), "t": (),
     "energy": (("initial", "final", "drift"),), "step": (("dt", "bound", "margin"),),
     "life": (("accurate", "sound", "first_period"),), "seconds": (("run", "estimate"),),
     "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}

@@ -37,7 +37,8 @@ def test_a_claim_is_judged(claim, holds):
     ("error.q.max < 1", "after error give one of x"), ("eror.x.max < 1", "neither a run nor part of a result"),
     ("slow.error.x.max < 1", "neither a run nor part"), ("error.x.max.more < 1", "nothing comes after error.x.max"),
     ("budget.sigma.crossings < 1", "after budget give one of x, v, F"),
-    ("budget.v.gravity < 1", "one of crossings"), ("index.oracle.x < 1", "after index give one of"), ("error.x.max <", "claims nothing"),
+    ("budget.v.gravity < 1", "one of crossings"),
+    ("index.oracle.x < 1", "after index give one of"), ("error.x.max <", "claims nothing"),
     ("(error.x.max < 1", "cannot be read"),
     ("__import__('os') < 1", "means nothing here"), ("error.x.max[0] < 1", "means nothing here"),
     ("mean(grids.error.x.max) < 1", "give order(…)"), ("order() < 1", "give order(…)"), ("fine < 1", "a run alone")])
