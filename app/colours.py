@@ -68,6 +68,12 @@ def rgb(colour: str) -> tuple[int, int, int]:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
+def cause_token(cause: str) -> str:
+    """What the colour of a cause of error is called among the variables of a style."""
+    return f"made-{cause.replace('_', '-')}"
+
+
 def tokens() -> str:
-    """The light shades of the palette as variables of a style."""
-    return f":root {{ {' '.join(f'--{name}: {shades.light};' for name, shades in PALETTE.items())} }}\n"
+    """The light shades of the palette, and of the causes of error, as variables of a style."""
+    named = PALETTE | {cause_token(cause): shades for cause, shades in CAUSES.items()}
+    return f":root {{ {' '.join(f'--{name}: {shades.light};' for name, shades in named.items())} }}\n"

@@ -150,6 +150,8 @@ def _said(scene: Scene) -> list[str]:
 
 def _field_said(scene: Scene, field: str, unit: str) -> str:
     value, label, names = getattr(scene, field), field_label(field), choices(type(scene), field)
+    if field == "take_away":
+        return "as it is" if value == causes.NOTHING else f"without {causes.CAUSES[value]}"
     if isinstance(value, bool):
         return label if value else f"not {label}"
     if isinstance(value, tuple):

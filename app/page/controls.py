@@ -11,6 +11,7 @@ from app.page.features.slow.panel import SlowMotion
 from app.page.panels.answers import Answers
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.browser_store import BrowserStore
+from app.page.panels.budget import EFFECT, WHO
 from app.page.panels.change import RunWidgets
 from app.page.panels.drawn import Drawn
 from app.page.panels.estimators import Judges
@@ -223,6 +224,8 @@ class Controls:
             self._run.build(self._gui, self._part)
             with self._part("estimators"):
                 self._judges.build(self._gui)
+                if EFFECT in scene.OWN_EFFECTS:
+                    self._gui.add_html(WHO)
             with self._fold("What is drawn", "estimators", "colours", "trace", "domains"):
                 self._drawn.build(self._gui, self._part)
             if view.motion or view.material:

@@ -20,6 +20,7 @@ from app.page.features.slow.panel import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore
+from app.page.panels.budget import BudgetFold
 from app.page.panels.head import add_head, set_up
 from app.page.panels.keys import follow_keys
 from app.page.panels.looking import Looking
@@ -90,7 +91,7 @@ class Page:
                                   "phase": self._slow.forward, "phase back": self._slow.back,
                                   "present": self._presenter.begin})
         self._problems = ProblemButtons(client.gui, self._store, self._controls.choose_problem)
-        self._store.heard["spark"] = self._sparks.press
+        self._store.heard["spark"], self._store.heard["budget"] = self._sparks.press, self._budget.press
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
@@ -117,6 +118,7 @@ class Page:
         self._looking = looking = Looking(self._session, self._recent, self._trace, self._redraw)
         self._controls = Controls(client.gui, self._session, self._scale, self._redraw, looking, self._slow,
                                   self._store)
+        self._budget = BudgetFold(client.gui, self._session, lambda: self._controls.state, self._controls.show)
         self._measurements.build(client.gui)
         self._controls.open_on(OPENING)
         tabs = client.gui.add_tab_group()
@@ -223,6 +225,7 @@ class Page:
             self._measurements.reading = bool(self._player.name) or self._own.shown is not None
             self._controls.judge(numbers.readout.judged)
             self._measurements.show(numbers, choice.quantity, choice.latest)
+            self._budget.show(numbers, choice, bool(self._player.name))
         if self._session.playing and not presented and self._session.untouched > UNTOUCHED:
             self._session.rest()
         notice = self._own.notice() or source.notice()

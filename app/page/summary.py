@@ -9,6 +9,7 @@ from time import monotonic
 import numpy as np
 import viser
 
+from app.frame.budget import blamed
 from app.frame.crossings import recent, window
 from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
 from app.frame.view import View
@@ -74,7 +75,9 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     said = errors(words, QUANTITIES[quantity].unit, true, estimate,
                   index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
-    facts = [*said.facts, f"worst at {region.name}" if region else "", *_crossings(report, arrays, speed)]
+    who = blamed(report.scene, series, quantity)
+    facts = [*said.facts[:1], who, *said.facts[1:],
+             f"worst at {region.name}" if region else "", *_crossings(report, arrays, speed)]
     if beside:  # in place of what it is compared with
         facts[:1] = [*said.facts[1:], beside]
     headline = said.headline

@@ -1,0 +1,168 @@
+"""Who made the error of a run, as html: parts of it stacked over time, each cause's share, and what became of the error
+without one of them. Colours are the style's (``css/37-budget.css``)."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+from app.colours import cause_token
+from app.frame.budget import CAPTION, MEANINGS, UNITS, error, percent, stacked
+from app.frame.scale import round_up
+from app.page.visit.downsampled import until
+from app.words import number, per_cent, with_unit
+from solvers.scene.causes import CAUSES, NOTHING
+from solvers.scene.scene import Scene
+from solvers.solver import budget
+
+ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
+TICKS = (1, 2, 5)
+MOST = 160  # times of a chart: further ones are left out
+WIDTH, HEIGHT = 600, 200  # of a chart, in units of its own
+PHRASES = {"before": "before", "predicted": "foretold", "again": "run again"}
+
+
+@dataclass(frozen=True)
+class Divided:
+    """A run with a budget: its ``name`` where there are two, its ``scene``, the ``series`` of all of it, and of what
+    plots show of it."""
+
+    name: str
+    scene: Scene
+    series: dict[str, np.ndarray]
+    plotted: dict[str, np.ndarray]
+
+    @property
+    def not_valid(self) -> str:
+        """Why shares say nothing of it, or ""."""
+        return budget.not_valid(self.series) or ""
+
+
+@dataclass(frozen=True)
+class _Axes:
+    """The periods and the errors between which charts reach: the same for runs beside each other."""
+
+    start: float
+    end: float
+    low: float
+    top: float
+
+    def places(self, run: Divided, values: np.ndarray) -> list[str]:
+        """Points of a chart, for a path."""
+        time = run.plotted["time"] / run.scene.period
+        kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
+        x = np.rint(WIDTH * (time[kept] - self.start) / (self.end - self.start)).astype(int)
+        y = np.rint(HEIGHT * (self.top - values[kept]) / (self.top - self.low)).astype(int)
+        return [f"{at} {high}" for at, high in zip(x.tolist(), y.tolist(), strict=True)]
+
+    def part(self, value: float) -> str:
+        """How far below the top a value stands, as the style has it."""
+        return f"{100 * (self.top - value) / (self.top - self.low):.1f}%"
+
+
+def taken_away(scene: Scene) -> str:
+    """The cause that is taken out of a scene's run, or ``NOTHING``."""
+    return getattr(scene, "take_away", NOTHING)  # problems without a budget have no such field
+
+
+def chart(runs: Sequence[Divided], field: str) -> str:
+    """The runs' errors of a field, stacked over time, on one scale; below, the share of each cause over the run so far.
+    A run whose budget says nothing has the reason in its place."""
+    drawn = [run for run in runs if not run.not_valid]
+    axes = _axes(drawn, field) if drawn else None
+    figures = "".join(_figure(run, field, axes) if axes and not run.not_valid else
+                      _titled(run, f"<p class='lab-no-budget'>{escape(_sentence(run.not_valid))}</p>") for run in runs)
+    caption = f"<p class='lab-caption'>{CAPTION}</p>" if drawn else ""
+    return f"<div class='lab-budget-chart'>{figures}{_shares(drawn, field) if drawn else ''}{caption}</div>"
+
+
+def _axes(runs: Sequence[Divided], field: str) -> _Axes:
+    highest, lowest, end, start = 0.0, 0.0, 0.0, math.inf
+    for run in runs:
+        layers, time = stacked(run.plotted, field), run.plotted["time"] / run.scene.period
+        highest = max(highest, float(error(run.plotted, field).max()), *(float(one.above.max()) for one in layers))
+        lowest = min(lowest, *(float(one.below.min()) for one in layers), 0.0)
+        end, start = max(end, float(time[-1])), min(start, float(time[0]))
+    start = start if start > 1 else 0.0
+    span = round_up(end - start, ENDS)[0] if end > start else 1.0
+    top = round_up(highest, ENDS)[0] if highest > 0 else 1.0
+    return _Axes(start, start + span, -round_up(-lowest, ENDS)[0] if lowest < -0.02 * top else min(lowest, 0.0), top)
+
+
+def _figure(run: Divided, field: str, axes: _Axes) -> str:
+    """One run's chart with its axes."""
+    paths = []
+    for layer in stacked(run.plotted, field):
+        colour = f"style='fill:var(--{cause_token(layer.cause)})'"
+        for inner, outer in (layer.above, layer.below):
+            if np.any(inner != outer):
+                around = [*axes.places(run, outer), *axes.places(run, inner)[::-1]]
+                paths.append(f"<path {colour} d='M{'L'.join(around)}Z'/>")
+    line, zero = axes.places(run, error(run.plotted, field)), axes.part(0.0)
+    tick = round_up(0.5 * axes.top, TICKS)[0]
+    period, unit = run.scene.period, UNITS[field]
+    size = with_unit(tick, unit) if unit else number(tick)
+    begins = with_unit(axes.start * period, "s") if axes.start else "0"
+    svg = f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' preserveAspectRatio='none' role='img' " \
+          f"aria-label='{_said(run, field)}'>" \
+          f"{''.join(paths)}<path class='lab-whole' d='M{'L'.join(line)}'/></svg>"
+    return _titled(run, f"<div class='lab-made'>{svg}<i style='top:{axes.part(tick)}'></i><i style='top:{zero}'></i>"
+                        f"<span style='top:{axes.part(tick)}'>{size}</span><span style='top:{zero}'>0</span></div>"
+                        f"<div class='lab-made-times'><span>{begins}</span><span>t</span>"
+                        f"<span>{with_unit(axes.end * period, 's')}</span></div>")
+
+
+def _titled(run: Divided, inside: str) -> str:
+    title = f"<b>{escape(run.name)}</b>" if run.name else ""
+    return f"<figure>{title}{inside}</figure>"
+
+
+def _said(run: Divided, field: str) -> str:
+    """The chart in words."""
+    shares = budget.shares(run.series, field)
+    parts = ", ".join(f"{CAUSES[cause]} {percent(share)}" for cause, share in shares.items())
+    return escape(f"error of {field} over time, made by {parts}", quote=True)
+
+
+def _shares(runs: Sequence[Divided], field: str) -> str:
+    """The legend: each cause with what it is, and its share in each run."""
+    shares = [budget.shares(run.series, field) for run in runs]
+    several = len(runs) > 1
+    whose = "" if all(run.scene.has("truth") for run in runs) else ", as companion sees it"
+    head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<th></th>"
+    rows = "".join(
+        f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{words}</b> "
+        f"<span>{MEANINGS[cause]}</span></td>{''.join(f'<td>{percent(one[cause])}</td>' for one in shares)}</tr>"
+        for cause, words in CAUSES.items())
+    of = f"share of the error of {field} over the run{whose}"
+    return f"<table class='lab-causes'><tr><th>{of}</th>{head}</tr>{rows}</table>"
+
+
+def outcome(before: Divided, again: Divided, field: str) -> str:
+    """The error before, as the budget of then foretold it without a cause, and of the run without it: RMS over the time
+    that both have. The cause is what the second run's scene takes away."""
+    cause = taken_away(again.scene)
+    end = min(run.series["time"][-1] for run in (before, again)) * (1 + 1e-9)
+    first, second = until(before.series, end), until(again.series, end)
+    sizes = {"before": budget.rms(first, field), "predicted": budget.rms(first, field, without=cause),
+             "again": budget.rms(second, field)}
+    if not (whole := sizes["before"]):
+        return ""
+    rows = "".join(_bar(PHRASES[key], size, whole, UNITS[field], key) for key, size in sizes.items())
+    return f"<div class='lab-outcome'><p>RMS of {field} over the run, without {CAUSES[cause]}</p>{rows}</div>"
+
+
+def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> str:
+    """A size as a bar and in words, beside the ``whole``."""
+    if size is None:
+        return f"<p data-size='{key}'><span>{words}</span> <b>–</b></p>"
+    said = with_unit(size, unit) if unit else number(size)
+    share = "" if key == "before" else f" <small>{per_cent(size / whole)}</small>"
+    return f"<p data-size='{key}'><span>{words}</span> <b>{said}</b>{share}" \
+           f"<i style='width:{100 * min(1.0, size / whole):.1f}%'></i></p>"
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
