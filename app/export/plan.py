@@ -10,6 +10,7 @@ from app.export.record import CURVE_POINTS, Wanted
 from app.problems.views import VIEWS
 from app.state import State, read, write
 from app.words import METHODS, in_a_line, unit_of, with_unit
+from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 
 LABELS = {field: name for name, field in lattice.CONTROLS.items()}
@@ -85,7 +86,8 @@ def _bytes(plan: Plan, particles: int) -> int:
     scene, quantities = plan.scene, len(plan.quantities)
     norms = 4 * (3 + 4 * (1 + 3 * len(scene.estimators)))
     each = scene.DIMENSIONS + len(scene.estimators) * (1 + plan.state.difference)
-    return plan.pictures * (norms + 2 * CURVE_POINTS * quantities
+    parts = len(FIELDS) * (5 + len(CAUSES)) * scene.has("budget")
+    return plan.pictures * (norms + parts + 2 * CURVE_POINTS * quantities
                             + particles * ((2 + 2 * plan.state.domains) * scene.DIMENSIONS + quantities * each))
 
 

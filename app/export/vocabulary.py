@@ -6,15 +6,16 @@ from dataclasses import asdict
 from typing import Any
 
 from app import words
-from app.colours import PALETTE, PINNED, colour_table
+from app.colours import CAUSES, PALETTE, PINNED, colour_table
 from app.export import quantise
-from app.frame import colour_bar, crossings, field, layout, scale, sentence, silences
+from app.frame import budget, colour_bar, crossings, field, layout, scale, sentence, silences
 from app.frame.captions import ALIKE, DIFFERENCE, ESTIMATE, SIDE_BY_SIDE, TRUTH, FieldWords, counting
 from app.frame.layout import Seat
 from app.frame.marks import Label, Room
 from app.frame.palette import LIGHT
 from app.frame.stage import Stage, Words
 from app.problems.views import VIEWS
+from solvers.scene import causes
 from solvers.scene.registry import ESTIMATORS
 
 #: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
@@ -36,6 +37,9 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "sentences": {"unstable": sentence.UNSTABLE, "last": sentence.LAST, "lost": sentence.LOST,
                           "now": sentence.NOW, "paused": sentence.PAUSED, "less": sentence.LESS,
                           "more": sentence.MORE, "all": sentence.ALL_OF_IT, "not_counted": silences.NOT_COUNTED},
+            "budget": {"causes": {name: {"words": said, "meaning": budget.MEANINGS[name], "colour": CAUSES[name].light}
+                                  for name, said in causes.CAUSES.items()}, "fields": causes.FIELDS,
+                       "units": budget.UNITS, "seen": budget.SEEN, "caption": budget.CAPTION},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
             "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)}}

@@ -82,5 +82,9 @@ def blamed(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str
     if not scene.has("budget") or quantity not in FIELDS or not divided(series) \
             or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
         return ""
-    whose = "" if scene.has("truth") else ", as companion sees it"
-    return f"{_WHO[found[0]]} made {per_cent(found[1])} of the error of {QUANTITIES[quantity].symbol}{whose}"
+    return f"{_WHO[found[0]]} made {per_cent(found[1])} of the error of {QUANTITIES[quantity].symbol}{whose(scene)}"
+
+
+def whose(scene: Scene) -> str:
+    """What is said behind a share where the error is not the true one."""
+    return "" if scene.has("truth") else ", as companion sees it"

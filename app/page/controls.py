@@ -7,11 +7,11 @@ from typing import Any
 import viser
 
 from app.frame.scale import ColourScale
+from app.page.budget import EFFECT, WHO
 from app.page.features.slow.panel import SlowMotion
 from app.page.panels.answers import Answers
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.budget import EFFECT, WHO
 from app.page.panels.change import RunWidgets
 from app.page.panels.drawn import Drawn
 from app.page.panels.estimators import Judges

@@ -10,6 +10,7 @@ import viser
 from app import state
 from app.frame.scale import ColourScale
 from app.frame.sentence import Said
+from app.page.budget import BudgetFold
 from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.features.cost.panel import CostTab
@@ -20,7 +21,6 @@ from app.page.features.slow.panel import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.budget import BudgetFold
 from app.page.panels.head import add_head, set_up
 from app.page.panels.keys import follow_keys
 from app.page.panels.looking import Looking

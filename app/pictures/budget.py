@@ -1,7 +1,10 @@
 """The error budget over time: what each cause has made of the error, stacked, with the error itself on top."""
 
+from __future__ import annotations
+
 import textwrap
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,17 +14,16 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from app.colours import CAUSES as COLOURS
 from app.colours import INK, INK2, INK3, PINNED
+from app.frame.budget import CAPTION, UNITS, error, largest_share, percent, stacked
 from app.renderers.look import FEW, in_sizes, sheet
 from app.words import method_name, moving
-from solvers.running.budget import BudgetResult
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver.result import Result
 
+if TYPE_CHECKING:
+    from solvers.running.budget import BudgetResult  # which has Taichi, for which a picture need not wait
+
 WIDTH, HEIGHT, MORE = 12.5, 4.4, 2.6  # inches; the last for the bars of what was taken away
-CAPTION = ("The black line is the error; each colour is the part of it that one cause has made, below zero where it "
-           "makes it smaller.")
-UNITS = {"x": "m", "v": "m/s", "F": ""}
-SEEN = 2e-3  # of the largest error: a cause that never makes more is not drawn
 BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": "run again without it"}
 
 
@@ -34,30 +36,20 @@ def budget_figure(found: BudgetResult) -> Figure:
     if taken:
         for k, field in enumerate(FIELDS):
             _bars(figure.add_subplot(places[1, k]), taken, field, named=k == 0)
-    handles = [Patch(color=COLOURS[cause].light, label=name) for cause, name in CAUSES.items()]
-    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
-    figure.supxlabel("\n".join(textwrap.wrap(CAPTION, 130)), x=0.012, ha="left", fontsize=10, color=INK2)
+    name_causes(figure)
     return figure
 
 
 def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> None:
     """The stacked parts of the error of each field, one to a panel; ``series`` of a run with the effect budget."""
     for axes, field in zip(panels, FIELDS, strict=True):
-        time, error = series["time"], series[f"budget/error_{field}"]
-        error = np.where(np.isfinite(error), error, np.nan)
-        above, below = np.zeros_like(time), np.zeros_like(time)
-        largest = float(np.nanmax(error, initial=0.0))
-        for cause in CAUSES:
-            part = np.nan_to_num(series[f"budget/part_{field}_{cause}"], posinf=0.0, neginf=0.0)
-            if np.abs(part).max(initial=0.0) <= SEEN * largest:
-                continue
-            up, down = np.maximum(part, 0), np.minimum(part, 0)
-            for base, piece in ((above, up), (below, down)):
-                axes.fill_between(time, base, base + piece, color=COLOURS[cause].light, linewidth=0)
-            above, below = above + up, below + down
-        axes.plot(time, error, color=INK, linewidth=1.4)
+        for layer in stacked(series, field):
+            for edges in (layer.above, layer.below):
+                axes.fill_between(series["time"], *edges, color=COLOURS[layer.cause].light, linewidth=0)
+        axes.plot(series["time"], error(series, field), color=INK, linewidth=1.4)
         axes.axhline(0, color=INK, linewidth=0.6)
-        axes.set_title(f"Error of {field}, RMS over particles")
+        most = largest_share(series, field)
+        axes.set_title(f"Error of {field}, RMS" + (f": {CAUSES[most[0]]} made {percent(most[1])}" if most else ""))
         axes.margins(x=0)
         if UNITS[field]:
             in_sizes(axes.yaxis, UNITS[field])
@@ -65,6 +57,15 @@ def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> Non
             axes.yaxis.set_major_locator(MaxNLocator(FEW, steps=[1, 2, 2.5, 5, 10]))
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}".replace("-", "\u2212")))
         in_sizes(axes.xaxis, "s", few=False)
+
+
+def name_causes(figure: Figure, where: Literal["upper", "lower"] = "upper") -> None:
+    """What the colours are, at the upper or the lower edge of a figure, and how a stacked picture is read."""
+    handles = [Patch(color=COLOURS[cause].light, label=name) for cause, name in CAUSES.items()]
+    figure.legend(handles=handles, loc="outside upper right" if where == "upper" else "outside lower right",
+                  ncols=len(handles))
+    words = textwrap.wrap(CAPTION, 150 if where == "upper" else 85)  # characters: there the colours stand beside them
+    figure.supxlabel("\n".join(words), x=0.012, ha="left", fontsize=10, color=INK2)
 
 
 def _bars(axes: Axes, taken: dict, field: str, named: bool) -> None:

@@ -14,15 +14,19 @@ from matplotlib.figure import Figure
 
 from app.colours import ESTIMATE_INK, INK3, TRUTH
 from app.frame.silences import NOTHING_TO_SHOW
+from app.pictures.budget import draw_budget, name_causes
 from app.problems.views import VIEWS
 from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet
 from app.renderers.picture import positive, say, styled
 from app.words import QUANTITIES, method_name, moving, per_cell, unit_of
+from solvers.scene.causes import FIELDS
+from solvers.solver import budget
 from solvers.solver.norms import RunningIndex
 from solvers.solver.result import Result
 
 DOTS_PER_INCH = 110
 WIDTH, MIN_SHARE = 12.5, 0.3  # inches, and what bodies beside each other need of the height of one at least
+MADE = 3.2  # inches, of what each cause of error has made
 DRAWN = ("x", "v", "sigma")
 INDEX_STYLES = {"x": "-", "v": "--", "sigma": ":"}
 INDEX_COLOUR = "#333333"  # of one estimator; several have their shades, for the line styles tell quantities apart
@@ -38,8 +42,9 @@ def run_figure(result: Result) -> Figure:
         several = max(1, len(result.scene.active_estimators))
         upper, lower = height / (1 + lower), lower * (MIN_SHARE + (1 - MIN_SHARE) / several)
         height = upper * (1 + lower)
-    figure = sheet(WIDTH, height, _title(result))
-    places = figure.add_gridspec(2, 2, height_ratios=(1, lower))
+    divided = result.scene.has("budget") and budget.not_valid(result.series) is None
+    figure = sheet(WIDTH, height + MADE * divided, _title(result))
+    places = figure.add_gridspec(2 + divided, 2, height_ratios=(1, lower, MADE * (1 + lower) / height)[:2 + divided])
     norms = places[0, 0].subgridspec(len(DRAWN), 1).subplots(squeeze=False)[:, 0]
     index, space = places[0, 1].subgridspec(2, 1).subplots(squeeze=False)[:, 0]
     for axes, quantity in zip(norms, DRAWN, strict=True):
@@ -48,6 +53,9 @@ def run_figure(result: Result) -> Figure:
     norms[-1].set_xlabel("time t")
     _draw_index(index, result)
     view.draw(figure, space, places[1, :], result)
+    if divided:
+        draw_budget(places[2, :].subgridspec(1, len(FIELDS)).subplots(squeeze=False)[0], result.series)
+        name_causes(figure, "lower")
     return figure
 
 

@@ -9,7 +9,7 @@ from html import escape
 import numpy as np
 
 from app.colours import cause_token
-from app.frame.budget import CAPTION, MEANINGS, UNITS, error, percent, stacked
+from app.frame.budget import CAPTION, MEANINGS, UNITS, error, percent, stacked, whose
 from app.frame.scale import round_up
 from app.page.visit.downsampled import until
 from app.words import number, per_cent, with_unit
@@ -20,6 +20,7 @@ from solvers.solver import budget
 ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
 TICKS = (1, 2, 5)
 MOST = 160  # times of a chart: further ones are left out
+WHOLE = 1e-9  # by which rounding may take a run beyond its last period
 WIDTH, HEIGHT = 600, 200  # of a chart, in units of its own
 PHRASES = {"before": "before", "predicted": "foretold", "again": "run again"}
 
@@ -86,7 +87,7 @@ def _axes(runs: Sequence[Divided], field: str) -> _Axes:
         lowest = min(lowest, *(float(one.below.min()) for one in layers), 0.0)
         end, start = max(end, float(time[-1])), min(start, float(time[0]))
     start = start if start > 1 else 0.0
-    span = round_up(end - start, ENDS)[0] if end > start else 1.0
+    span = round_up((end - start) * (1 - WHOLE), ENDS)[0] if end > start else 1.0
     top = round_up(highest, ENDS)[0] if highest > 0 else 1.0
     return _Axes(start, start + span, -round_up(-lowest, ENDS)[0] if lowest < -0.02 * top else min(lowest, 0.0), top)
 
@@ -130,13 +131,12 @@ def _shares(runs: Sequence[Divided], field: str) -> str:
     """The legend: each cause with what it is, and its share in each run."""
     shares = [budget.shares(run.series, field) for run in runs]
     several = len(runs) > 1
-    whose = "" if all(run.scene.has("truth") for run in runs) else ", as companion sees it"
     head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<th></th>"
     rows = "".join(
         f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{words}</b> "
         f"<span>{MEANINGS[cause]}</span></td>{''.join(f'<td>{percent(one[cause])}</td>' for one in shares)}</tr>"
         for cause, words in CAUSES.items())
-    of = f"share of the error of {field} over the run{whose}"
+    of = f"share of the error of {field} over the run{whose(runs[-1].scene)}"
     return f"<table class='lab-causes'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
@@ -144,7 +144,7 @@ def outcome(before: Divided, again: Divided, field: str) -> str:
     """The error before, as the budget of then foretold it without a cause, and of the run without it: RMS over the time
     that both have. The cause is what the second run's scene takes away."""
     cause = taken_away(again.scene)
-    end = min(run.series["time"][-1] for run in (before, again)) * (1 + 1e-9)
+    end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)
     first, second = until(before.series, end), until(again.series, end)
     sizes = {"before": budget.rms(first, field), "predicted": budget.rms(first, field, without=cause),
              "again": budget.rms(second, field)}

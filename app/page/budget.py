@@ -1,6 +1,7 @@
 """Who made this error? A fold with the chart of the error budget, and a cause to take away and run again without: the
 first run stays pinned beside the second, with what the budget has foretold and what has come."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from html import escape
@@ -39,7 +40,7 @@ class BudgetFold:
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  clock: Callable[[], float] = monotonic):
         self._session, self._state, self._show, self._clock = session, state, show, clock
-        self._followed, self._drawn_at = "", 0.0
+        self._followed, self._drawn_at = "", -math.inf
         self._mark = gui.add_html(marked("lab-budget"))
         self._fold = gui.add_folder(QUESTION, expand_by_default=False)
         with self._fold:
@@ -91,7 +92,7 @@ class BudgetFold:
         field = self._shown_field
         now = self._clock()
         if not runs:
-            self._drawn_at = 0.0
+            self._drawn_at = -math.inf
             _say(self._mark, marked("lab-budget", words="" if on else "not asked yet"))
             _say(self._outcome, "")
         elif not numbers.now.playing or now >= self._drawn_at + REDRAWN:
@@ -109,11 +110,11 @@ class BudgetFold:
     def _follow(self, quantity: str) -> None:
         """Another quantity is on the stage: its field is divided."""
         if quantity != self._followed:
-            self._followed, self._drawn_at = quantity, 0.0
+            self._followed, self._drawn_at = quantity, -math.inf
             self._field.value = _NAMES[field_of(quantity)]  # type: ignore[misc]
 
     def _redraw(self) -> None:
-        self._drawn_at = 0.0
+        self._drawn_at = -math.inf
 
     def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[Divided]:
         """A pinned run with a budget, and the one on the stage, if that has one yet."""
