@@ -22,6 +22,7 @@ from app.frame.stage import one_in
 from app.lessons.reading import parse
 from app.problems.views import VIEWS
 from solvers.problems.planar.layout import particle_layout
+from solvers.scene.causes import FIELDS
 from tests.app.lessons.test_lesson_format import TEXT
 
 BAR = "bar cells=10 periods=0.25 estimators=recovered,transport"
@@ -105,6 +106,21 @@ def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
     every = one_in(len(result.final.position), VIEWS[scene.problem].stage.MOST_MARKED)
     assert set(crossed) == {p for p in np.flatnonzero(result.final.last_crossing > 0) if p % every == 0} != set()
     assert (np.diff(found["crossings.time"][:, 0]) >= 0).all()
+
+
+def test_who_made_the_error_is_kept_where_the_run_has_it(simulate):
+    """The shares are those of the run, and the parts of each picture add up to its error; elsewhere nothing is kept."""
+    text = "bar cells=10 periods=0.25 estimators=none effects=truth,budget"
+    result, made = simulate(state.read(text).scene), recording(Wanted(text, 9, 1000, ("x",)))
+    found, said = decoded(made), made["head"]["budget"]
+    assert said["not_valid"] is None and said["whose"] == ""
+    for field in FIELDS:
+        assert said["shares"][field] == pytest.approx(result.budget()[field], abs=1e-9)
+        error, *parts = found[f"budget.{field}"].T
+        assert near(error[-1:], result.series[f"budget/error_{field}"][-1:], 1 / 254)
+        assert np.abs(sum(parts) - error).max() <= 5 / 254 * np.abs(found[f"budget.{field}"]).max()
+    plain = recording(Wanted(BAR, 3, 1000, ("x",)))
+    assert plain["head"]["budget"] is None and not any(name.startswith("budget") for name in decoded(plain))
 
 
 def test_domains_are_kept_where_they_are_asked_for():

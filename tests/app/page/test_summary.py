@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,6 +17,7 @@ from app.frame.view import look
 from app.page.stage.worst import WorstRegions
 from app.page.summary import SAY_SECONDS, WAITING, Speaker, compared, summary
 from app.words import per_cent
+from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
 
@@ -140,3 +142,17 @@ def test_shares_have_two_digits_and_no_exponents():
     shares = {0.0: "0 %", 3e-6: "0.0003 %", 0.00286: "0.29 %", 0.0642: "6.4 %", 0.0999: "10 %", 0.534: "53 %",
               23.0: "2,300 %", 1e6: "1 × 10⁸ %"}
     assert {share: per_cent(share) for share in shares} == shares
+
+
+def test_who_made_most_of_the_error_is_a_fact():
+    """Of a run whose error is divided; after the size, before the place."""
+    scene = replace(BAR, effects=(*BAR.effects, "budget"))
+    series = SERIES | {f"budget/{kind}_{field}_{cause}": [0.0, 0.0]
+                       for kind, field, cause in product(("part", "size"), FIELDS, CAUSES)}
+    series |= {f"budget/error_{field}": [0.0, 0.004] for field in FIELDS}
+    series |= {"budget/part_x_crossings": [0.0, 0.0035], "budget/part_x_coarse_grid": [0.0, 0.0005],
+               "budget/size_x_crossings": [0.0, 0.0035], "budget/size_x_coarse_grid": [0.0, 0.0005]}
+    fact = "2.5 mm of 25 mm at most. Crossings made 88 % of the error of x. Worst at X = 0.30"
+    assert fact in said(scene, series=series)
+    assert "made" not in said(series=series)
+    assert "made" not in said(scene, series=series | {"budget/size_x_crossings": [0.0, 0.05]})

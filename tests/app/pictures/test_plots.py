@@ -11,11 +11,14 @@ import pytest
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 
+from app.colours import CAUSES as CAUSE_COLOURS
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
+from app.frame.budget import percent
 from app.pictures.run import png_bytes, run_figure, save_png
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import run, shown_step
+from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.registry import ESTIMATORS, Estimator
 from solvers.solver.result import Result
 
@@ -112,6 +115,24 @@ def test_a_single_sample_is_a_visible_mark(result, rows):
     marks = [line.get_marker() for axes in figure.axes[:3] for line in axes.get_lines()]
     assert all(mark == "o" for mark in marks) and (marks or rows.start == 0)
     assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_who_made_the_error_is_drawn_where_the_run_has_it(result):
+    """Three panels more, with the colours and the share of the cause that made most; none where shares mean nothing."""
+    scene = replace(result.scene, method="mpm", effects=("truth", "budget"))
+    divided = run(scene, prices=False)
+    figure, plain = run_figure(divided), run_figure(result)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    for field in FIELDS:
+        cause, share = max(divided.budget()[field].items(), key=lambda item: item[1])
+        assert f"Error of {field}, RMS: {CAUSES[cause]} made {percent(share)}" in titles
+    assert len(figure.legends[0].get_texts()) == len(CAUSES) and not plain.legends
+    assert not any(" made " in axes.get_title(loc="left") for axes in plain.axes)
+    crossings = to_rgb(CAUSE_COLOURS["crossings"].light)
+    assert any(np.allclose(part.get_facecolor()[0, :3], crossings) for axes in figure.axes[-3:]
+               for part in axes.collections)
+    noise = {f"budget/size_x_{cause}": 5 * divided.series["budget/error_x"] for cause in CAUSES}
+    assert not run_figure(replace(divided, series=divided.series | noise)).legends
 
 
 def test_save_png_writes_the_picture(result, tmp_path):
