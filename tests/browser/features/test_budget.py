@@ -1,0 +1,71 @@
+"""Who made this error? A press below the judges, the chart, a suspect taken away: every number is that of the same runs
+without a page."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from app import state
+from app.frame.budget import percent
+from app.words import per_cent
+from solvers.running.budget import run_budget
+from solvers.scene.causes import CAUSES
+from tests.browser.conftest import visit
+from tests.browser.driving import choose, scene, until
+from tests.browser.page.test_first_picture import summary
+
+LONG = 90.0  # seconds of patience for what is compiled, and takes a period
+HATS = "bar;method=mpm;cells=20;ppc=2;estimators=recovered;periods=1;stops;speed=0.5;error-of=v"
+
+
+def legend(page):
+    """Of each cause its shares, of one run or of two."""
+    return page.locator(".lab-causes tr[data-cause]").evaluate_all(
+        "rows => Object.fromEntries(rows.map(row => "
+        "[row.dataset.cause, [...row.cells].slice(1).map(cell => cell.textContent)]))")
+
+
+def outcome(page):
+    """The three sizes, in mm/s."""
+    said = page.locator(".lab-outcome").inner_text()
+    return [float(re.search(rf"{words}\s+(\S+) mm/s", said)[1]) for words in ("before", "foretold", "run again")]
+
+
+def test_who_made_it_and_what_is_left_without_it(server, chromium):
+    with visit(chromium, server[0], f"#{HATS}") as page:
+        who = page.get_by_role("button", name="Who made this error? crossings")
+        who.click()
+        until(lambda: "budget" in scene(page)["effects"], "the effect", LONG)
+        chart = page.locator(".lab-made svg")
+        until(chart.count, "the chart", LONG)
+        until(lambda: 0 < chart.bounding_box()["y"] < 720, "the chart in the window")
+        box = page.get_by_label("error budget", exact=True)
+        assert box.is_checked(), "the box among the effects says so"
+        whole = replace(state.read(HATS).scene, effects=(*state.read(HATS).scene.effects, "budget"))
+        found = run_budget(whole, "crossings")
+        shares = found.result.budget()["v"]
+        expected = {cause: [percent(shares[cause])] for cause in CAUSES}
+        until(lambda: legend(page) == expected, f"{expected}", LONG)
+        assert f"Crossings made {per_cent(shares['crossings'])} of the error of v." in summary(page)
+        assert "crossings" in chart.get_attribute("aria-label")
+
+        page.get_by_role("button", name="Take it away and run again").click()
+        until(lambda: scene(page)["take_away"] == "crossings", "the scene without crossings", LONG)
+        until(lambda: chart.count() == 2, "both charts", LONG)
+        taken = found.take_away()
+        sizes = [1e3 * taken[key]["v"] for key in ("before", "predicted", "again")]
+        until(lambda: page.locator(".lab-outcome p").count() == 4
+              and outcome(page) == pytest.approx(sizes, rel=6e-3), f"{sizes}", LONG)
+        until(lambda: legend(page)["crossings"][0] == percent(shares["crossings"]), "the shares before")
+        until(lambda: "without crossings" in page.locator(".lab-budget-chart").inner_text(), "which is which")
+
+        choose(page, "Who made the error of", "displacement x")
+        until(lambda: "share of the error of x" in page.locator(".lab-causes").inner_text(), "the error of x")
+        page.get_by_role("button", name="Put it back").click()
+        until(lambda: scene(page)["take_away"] == "nothing", "the scene as it is")
+        until(lambda: chart.count() == 1 and not page.locator(".lab-outcome").count(), "one chart", LONG)
+        choose(page, "Problem", "expanding ring")
+        until(lambda: not page.get_by_text("Who made this error?").locator("visible=true").count(), "nothing of it")
