@@ -16,11 +16,11 @@ from app.page.panels.budget_chart import Divided, chart, outcome, taken_away
 from app.page.panels.marks import marked
 from app.page.source import Choice
 from app.page.visit.session import Session
-from app.problems.spark import NotNow, asked
 from app.state import State
 from app.words import differing
 from solvers.problems import PROBLEMS
 from solvers.scene.causes import CAUSES, NOTHING
+from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 
 EFFECT = "budget"
@@ -129,11 +129,15 @@ class BudgetFold:
 
     def _take_away(self) -> None:
         state = self._state()
-        cause = next(cause for cause, words in CAUSES.items() if words == self._cause.value)
+        before = _whole(state.scene)
+        changes: dict[str, Any] = {
+            "take_away": next(cause for cause, words in CAUSES.items() if words == self._cause.value)}
         try:
-            self._show(asked(replace(state, scene=_whole(state.scene)), {"take_away": cause}))
-        except NotNow as reason:
-            self._session.refuse(f"Take it away: {reason}")
+            after = replace(before, **changes)
+        except SceneError as error:
+            self._session.refuse(f"Take it away: {error.sentence}")
+        else:
+            self._show(replace(state, scene=after, pinned=before))
 
     def _put_back(self) -> None:
         state = self._state()

@@ -13,6 +13,7 @@ from typing import Any
 
 from app import state
 from app.lessons.lesson import Lesson, filled
+from app.page.budget import EFFECT
 from app.page.visit.opening import OPENING
 from app.page.visit.session import first_scene
 from app.problems.views import VIEWS
@@ -31,21 +32,30 @@ def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]
         return [scene for first in firsts for scene in change(first)]
 
     opening = [scene for scene in (OPENING.scene, OPENING.pinned) if scene]
-    return [*opening, *firsts, *taught.get(opened, ()), *of_each(_clicks),
+    asked = [scene for one in opening for scene in _divided(one)]
+    return [*opening, *firsts, *taught.get(opened, ()), *asked, *of_each(_clicks),
             *(scene for some in taught.values() for scene in some), *of_each(_alone), *of_each(_details),
             *of_each(_effects)]
 
 
 def _clicks(first: Scene) -> Iterator[Scene]:
-    """One estimator more or fewer, another method or another motion."""
+    """One estimator more or fewer, another method or another motion; and who made the error of each method."""
     names = first.choices("estimators")
     for name in names:
         yield from _with(first, estimators=tuple(e for e in names if (e in first.estimators) != (e == name)))
-    for method in first.choices("method"):
-        yield from _with(first, method=method)
+    methods = [scene for method in first.choices("method") for scene in _with(first, method=method)]
+    yield from methods
+    for scene in methods:
+        yield from _divided(scene)
     if motion := VIEWS[first.problem].motion:
         for choice in first.choices("motion"):
             yield motion.change(first, choice, first.estimators)
+
+
+def _divided(scene: Scene) -> Iterator[Scene]:
+    """The scene when the visitor has asked who made its error."""
+    if EFFECT in scene.OWN_EFFECTS and EFFECT not in scene.effects:
+        yield from _with(scene, effects=(*scene.effects, EFFECT))
 
 
 def _stages(lesson: Lesson) -> Iterator[Scene]:

@@ -55,8 +55,13 @@ class _Axes:
         time = run.plotted["time"] / run.scene.period
         kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
         x = np.rint(WIDTH * (time[kept] - self.start) / (self.end - self.start)).astype(int)
-        y = np.rint(HEIGHT * (self.top - values[kept]) / (self.top - self.low)).astype(int)
+        y = np.rint((self.top - values[kept]) / self.unit).astype(int)
         return [f"{at} {high}" for at, high in zip(x.tolist(), y.tolist(), strict=True)]
+
+    @property
+    def unit(self) -> float:
+        """Of a chart's height, as an error."""
+        return (self.top - self.low) / HEIGHT
 
     def part(self, value: float) -> str:
         """How far below the top a value stands, as the style has it."""
@@ -98,7 +103,7 @@ def _figure(run: Divided, field: str, axes: _Axes) -> str:
     for layer in stacked(run.plotted, field):
         colour = f"style='fill:var(--{cause_token(layer.cause)})'"
         for inner, outer in (layer.above, layer.below):
-            if np.any(inner != outer):
+            if np.max(np.abs(outer - inner)) > 0.5 * axes.unit:
                 around = [*axes.places(run, outer), *axes.places(run, inner)[::-1]]
                 paths.append(f"<path {colour} d='M{'L'.join(around)}Z'/>")
     line, zero = axes.places(run, error(run.plotted, field)), axes.part(0.0)

@@ -45,6 +45,8 @@ def test_the_likeliest_come_first(lessons):
     click, box = replace(first[0], method="mpm"), replace(first[0], effects=first[0].effects[1:])
     assert places[combination(click)] < places[combination(first[0].__class__(estimators=()))] \
         < places[combination(box)]
+    asked = replace(click, effects=(*click.effects, "budget"))
+    assert places[combination(click)] < places[combination(asked)] < places[combination(box)], "who made the error"
     name = list(lessons)[-1]
     opened = usual_scenes(lessons, name)
     some = 2 + len(first) + 2 * len(lessons[name].steps)
