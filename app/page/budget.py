@@ -26,8 +26,8 @@ from solvers.scene.scene import Scene
 EFFECT = "budget"
 REDRAWN = 0.9  # seconds between two charts of a run that plays
 #: Below the judges' cards: it opens the fold (``js/budget.js``).
-WHO = (f"<button type='button' class='lab-who'><b>{QUESTION}</b> <span>crossings, the coarse grid, the body force or "
-       "the time step</span></button>")
+WHO = (f"<button type='button' class='lab-who'><b>{QUESTION}</b> <span>crossings, grid, body force or time step"
+       "</span></button>")
 OFFER = ("<p class='lab-budget-offer'>Which part of the error have crossings made, and which the coarse grid, the body "
          "force and the time step? Computed beside the run, from t = 0 on.</p>")
 WAITING = "<p class='lab-budget-offer'>The run begins again, with the errors of each cause beside it.</p>"
@@ -46,7 +46,7 @@ class BudgetFold:
         with self._fold:
             self._offer = gui.add_html(OFFER)
             self._find = gui.add_button("Find out", hint="switch the effect error budget on: the run begins again")
-            self._field = gui.add_dropdown("Who made the error of", tuple(_NAMES.values()),
+            self._field = gui.add_dropdown("Divide the error of", tuple(_NAMES.values()),
                                            hint="it follows the quantity on the stage, as far as that has a budget")
             self._chart = gui.add_html("")
             self._cause = gui.add_dropdown("Suspect", tuple(CAUSES.values()),
@@ -161,7 +161,7 @@ def _named(name: str, scene: Scene, other: Scene) -> str:
 def _verdict(run: Divided, field: str) -> str:
     """Who has made most of the error, for the right of the fold's name."""
     found = largest_share(run.series, field)
-    return "" if found is None else f"{CAUSES[found[0]]} {percent(found[1])} of {field}"
+    return "not valid here" if found is None else f"{CAUSES[found[0]]} {percent(found[1])}"
 
 
 def _missing(scene: Scene) -> str:

@@ -63,7 +63,8 @@ def not_valid(series: Mapping[str, np.ndarray]) -> str | None:
         return None
     if not np.isfinite(worst[field]):
         return "not valid here: the run has left numbers too large to be divided between causes"
-    return (f"not valid here: the causes have made errors of {field} {worst[field]:.2g} times as large as the error "
+    times = f"{worst[field]:,.0f}" if worst[field] >= 10 else f"{worst[field]:.2g}"
+    return (f"not valid here: the causes have made errors of {field} {times} times as large as the error "
             f"itself, which cancel; shares mean something up to {MOST_CANCELLED:g} times")
 
 

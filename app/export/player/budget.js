@@ -53,17 +53,17 @@ function drawMade(run, field) {
   const left = 58, right = box.width - 8, high = 24, floor = box.height - 20;
   const x = (time) => left + (right - left) * time / end, y = (size) => high + (floor - high) * (top - size) / (top - low);
   const points = (edge) => edge.map((size, k) => [x(times[k]), y(size)]);
-  words(pen, `error of ${field}, and who made it`, 0, 3, "left", "top");
+  words(pen, `error of ${field}, RMS over particles`, 0, 3, "left", "top");
+  pen.strokeStyle = "#e2e5eb";
+  for (const size of [0, top / 2, top]) {
+    if (size) stroke(pen, [[left, y(size)], [right, y(size)]]);
+    words(pen, !size ? "0" : unit ? withUnit(size, unit) : number(size), left - 5, y(size), "right", "middle", "#454b58");
+  }
   for (const [colour, inner, outer] of layers) {
     pen.beginPath();
     [...points(outer), ...points(inner).reverse()].forEach(([along, down]) => pen.lineTo(along, down));
     pen.fillStyle = colour;
     pen.fill();
-  }
-  pen.strokeStyle = "#e2e5eb";
-  for (const size of [0, top / 2, top]) {
-    if (size) stroke(pen, [[left, y(size)], [right, y(size)]]);
-    words(pen, !size ? "0" : unit ? withUnit(size, unit) : number(size), left - 5, y(size), "right", "middle", "#454b58");
   }
   Object.assign(pen, {strokeStyle: "#15171c", lineWidth: 1.4});
   stroke(pen, points(error));

@@ -142,7 +142,7 @@ def _shares(runs: Sequence[Divided], field: str) -> str:
         f"<span>{MEANINGS[cause]}</span></td>{''.join(f'<td>{percent(one[cause])}</td>' for one in shares)}</tr>"
         for cause, words in CAUSES.items())
     of = f"share of the error of {field} over the run{whose(runs[-1].scene)}"
-    return f"<table class='lab-causes'><tr><th>{of}</th>{head}</tr>{rows}</table>"
+    return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
 def outcome(before: Divided, again: Divided, field: str) -> str:

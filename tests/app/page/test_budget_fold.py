@@ -175,7 +175,7 @@ def test_it_is_asked_for_by_a_button_and_follows_the_quantity():
     history = ran(HATS, 0.5)
     for quantity, field in (("x", "x"), ("v", "v"), ("a", "F"), ("sigma", "F")):
         assert f"share of the error of {field} over the run" in stage.look(history, quantity=quantity)
-    stage.gui.made["Who made the error of"].value = "velocity v"
+    stage.gui.made["Divide the error of"].value = "velocity v"
     assert "share of the error of v over the run" in stage.look(history, quantity="sigma")
     assert "crossings" in stage.fold._mark.content
 

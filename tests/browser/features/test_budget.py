@@ -10,7 +10,7 @@ import pytest
 
 from app import state
 from app.frame.budget import percent
-from app.words import per_cent
+from app.words import per_cent, size_in
 from solvers.running.budget import run_budget
 from solvers.scene.causes import CAUSES
 from tests.browser.conftest import visit
@@ -29,9 +29,10 @@ def legend(page):
 
 
 def outcome(page):
-    """The three sizes, in mm/s."""
+    """The three sizes, in m/s."""
     said = page.locator(".lab-outcome").inner_text()
-    return [float(re.search(rf"{words}\s+(\S+) mm/s", said)[1]) for words in ("before", "foretold", "run again")]
+    return [size_in(re.search(rf"{words}\s+(\S+ \S*m/s)", said)[1], "m/s")
+            for words in ("before", "foretold", "run again")]
 
 
 def test_who_made_it_and_what_is_left_without_it(server, chromium):
@@ -56,13 +57,13 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         until(lambda: scene(page)["take_away"] == "crossings", "the scene without crossings", LONG)
         until(lambda: chart.count() == 2, "both charts", LONG)
         taken = found.take_away()
-        sizes = [1e3 * taken[key]["v"] for key in ("before", "predicted", "again")]
+        sizes = [taken[key]["v"] for key in ("before", "predicted", "again")]
         until(lambda: page.locator(".lab-outcome p").count() == 4
               and outcome(page) == pytest.approx(sizes, rel=6e-3), f"{sizes}", LONG)
         until(lambda: legend(page)["crossings"][0] == percent(shares["crossings"]), "the shares before")
         until(lambda: "without crossings" in page.locator(".lab-budget-chart").inner_text(), "which is which")
 
-        choose(page, "Who made the error of", "displacement x")
+        choose(page, "Divide the error of", "displacement x")
         until(lambda: "share of the error of x" in page.locator(".lab-causes").inner_text(), "the error of x")
         page.get_by_role("button", name="Put it back").click()
         until(lambda: scene(page)["take_away"] == "nothing", "the scene as it is")

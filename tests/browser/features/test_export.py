@@ -18,6 +18,7 @@ from app.export.lesson import lesson_page
 from app.export.page import quantities, scene_page
 from app.export.record import recording
 from app.export.vocabulary import formats
+from app.frame.budget import CAPTION, percent
 from app.frame.captions import captions, field_words
 from app.frame.silences import not_estimated, why_no_estimate, why_no_truth
 from app.lessons import progress
@@ -27,6 +28,7 @@ from app.lessons.outcomes import Outcomes
 from app.lessons.reading import parse
 from app.page.features.lesson.answer import number
 from app.problems.views import VIEWS
+from solvers.scene.causes import CAUSES
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import SIZE
 
@@ -312,3 +314,20 @@ def test_a_name_draws_the_same_numbers_as_on_the_page(chromium, lesson, lesson_f
         for name in NAMES:
             page.get_by_label("Your name").fill(name)
             assert f"Begin with A = {drawn(lesson, name)['A']}." in page.locator("#lesson").inner_text()
+
+
+def test_who_made_the_error_is_in_the_file_where_the_run_has_it(chromium, tmp_path, simulate):
+    """Areas in the colours of the causes and the shares of the run; another quantity has its own."""
+    text = "bar;method=mpm;cells=10;periods=0.5;estimators=none;effects=truth,budget;error-of=x"
+    result, file = simulate(state.read(text).scene), tmp_path / "budget.html"
+    file.write_text(scene_page(text, 1, silent, {}), encoding="utf-8")
+    with opened(chromium, file) as page:
+        for key, field in (("x", "x"), ("v", "v"), ("sigma", "F")):
+            page.get_by_role("combobox", name="Error of").select_option(label=str(words.QUANTITIES[key]))
+            rows = page.locator("#causes tr:not(.head)").all_inner_texts()
+            shares = result.budget()[field]
+            assert [row.split("\t")[1] for row in rows] == [percent(shares[cause]) for cause in CAUSES]
+            assert CAUSES["crossings"] in rows[0] and page.locator("#divided").inner_text() == CAPTION
+    file.write_text(scene_page(text.replace(",budget", ""), 1, silent, {}), encoding="utf-8")
+    with opened(chromium, file) as page:
+        assert not page.locator("#budget").is_visible()

@@ -5,17 +5,22 @@
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   const head = () => document.querySelector("[data-lab~=lab-budget] + div .mantine-Paper-root[style*='cursor: pointer']");
 
-  function go(left) {
-    const fold = head();
-    if (fold?.getAttribute("aria-expanded") === "false") fold.click();
-    const place = fold?.parentElement.querySelector(".lab-budget-chart figure");
-    if (place || (fold && !left)) fold.scrollIntoView({block: "start", behavior: still.matches ? "auto" : "smooth"});
-    else if (left) setTimeout(() => go(left - 1), ROOM);
+  const show = (element, block) => element.scrollIntoView({block, behavior: still.matches ? "auto" : "smooth"});
+  function wait(found, act, left = PATIENCE) {
+    const element = found(left);
+    if (element) act(element); else if (left) setTimeout(() => wait(found, act, left - 1), ROOM);
   }
 
   document.getElementById("root").addEventListener("click", event => {
-    if (!event.target.closest(".lab-who")) return;
-    dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
-    go(PATIENCE);
+    if (event.target.closest(".lab-who")) {
+      dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
+      wait(left => {
+        const fold = head();
+        if (fold?.getAttribute("aria-expanded") === "false") fold.click();
+        return left && !fold?.parentElement.querySelector(".lab-budget-chart figure") ? null : fold;
+      }, fold => show(fold, "start"));
+    }
+    if (event.target.closest("[data-lab~=lab-budget] + div button"))  // what has become of the error is below what grows
+      wait(() => document.querySelector(".lab-outcome"), outcome => show(outcome, "end"));
   });
 })();
