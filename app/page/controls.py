@@ -280,7 +280,7 @@ class Controls:
         material = [f"{slider[0].split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
         return {"What is drawn": self._drawn.words, "Motion and material": ", ".join([*motion, *material]),
                 "details": ", ".join(REMEDIES[name].label for name in scene.remedies) or "none",
-                "effects": f"{len(scene.effects)} of {len(ALL)}"}
+                "effects": f"{len(scene.effects)} of {len(scene.choices('effects'))}"}
 
     def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Another motion has other controls."""

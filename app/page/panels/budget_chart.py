@@ -136,7 +136,7 @@ def _shares(runs: Sequence[Divided], field: str) -> str:
     """The legend: each cause with what it is, and its share in each run."""
     shares = [budget.shares(run.series, field) for run in runs]
     several = len(runs) > 1
-    head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<th></th>"
+    head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<td></td>"
     rows = "".join(
         f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{words}</b> "
         f"<span>{MEANINGS[cause]}</span></td>{''.join(f'<td>{percent(one[cause])}</td>' for one in shares)}</tr>"

@@ -16,6 +16,7 @@ from solvers.scene.causes import CAUSES
 from tests.browser.conftest import visit
 from tests.browser.driving import choose, scene, until
 from tests.browser.page.test_first_picture import summary
+from tests.browser.page.test_room import serious
 
 LONG = 90.0  # seconds of patience for what is compiled, and takes a period
 HATS = "bar;method=mpm;cells=20;ppc=2;estimators=recovered;periods=1;stops;speed=0.5;error-of=v"
@@ -62,6 +63,7 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
               and outcome(page) == pytest.approx(sizes, rel=6e-3), f"{sizes}", LONG)
         until(lambda: legend(page)["crossings"][0] == percent(shares["crossings"]), "the shares before")
         until(lambda: "without crossings" in page.locator(".lab-budget-chart").inner_text(), "which is which")
+        until(lambda: serious(page) == [], f"names for all: {serious(page)}")
 
         choose(page, "Divide the error of", "displacement x")
         until(lambda: "share of the error of x" in page.locator(".lab-causes").inner_text(), "the error of x")
