@@ -55,6 +55,7 @@ class Stepper:
         self.solver.compile()
         self._watch = SoundnessWatch(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame
+        self._measured = 0  # the last step that was measured without a sample being due
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._real_speed: float | None = None
         self._breakdown: StepBreakdown | None = None  # of the last step
@@ -83,6 +84,8 @@ class Stepper:
         elif steps > 0 and self.solver.sound and not wish.pace.playing:
             self._advance(min(steps, self.solver.longest_advance), particle)
             self._sample()  # who takes single steps looks at each
+        elif old.pace.playing and not wish.pace.playing:
+            self._sample()  # and so does who looks at one moment
         elif particle is not None and particle != old.frame.broken_down and self._before_step:
             self.solver.put(*self._before_step)
             self._breakdown = self.solver.break_down(particle)[1]
@@ -140,9 +143,10 @@ class Stepper:
             self._frame_wanted = True
 
     def _sample(self) -> None:
-        """Measure this step, unless a sample was due at it; there may have been one shortly before."""
-        if not len(self._rows[-1]) or self.solver.step % self.solver.scene.sample_interval:
+        """Measure this step, unless that has been done or was due; there may have been a sample shortly before."""
+        if self.solver.step != self._measured and self.solver.step % self.solver.scene.sample_interval:
             self._rows.append(self.solver.measure())
+            self._measured = self.solver.step
 
     def frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""

@@ -1,7 +1,10 @@
 """What the browser keeps for its visitor (``browser_store.js``): the state in its address, and answers to lessons."""
 
 import json
+import threading
+from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from html import escape
 from typing import Any
 
@@ -10,7 +13,7 @@ import viser
 from app.viewer.widgets import allow
 
 LONGEST = 20_000  # characters that a browser may tell at once
-MOST_KINDS = 40  # of things that are remembered until somebody listens: a browser may invent any number
+MOST_KINDS = 40  # of things that are remembered until somebody hears them: a browser may say any number
 MARK = "<i class='lab-store'></i>"
 
 
@@ -27,7 +30,10 @@ class BrowserStore:
         self._text = gui.add_text("kept by the browser", "")
         allow(self._text, LONGEST)
         self._mark = gui.add_html("")
-        self._text.on_update(lambda _: self._hear(self._text.value))
+        self._waiting: deque[str] = deque(maxlen=MOST_KINDS)  # what it has said and nobody has heard yet
+        self._hearing = threading.Lock()
+        self._text.on_update(self._take)
+        self._text.on_update(lambda _: self._hear_all())
 
     def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
         """From now on, and to what has been said before: to the state that the address has, and to a lesson's name and
@@ -41,6 +47,20 @@ class BrowserStore:
                   f"data-answers='{escape(answers)}'></i>"
         if self._mark.content != content:
             self._mark.content, self._kept = content, link
+
+    async def _take(self, _: viser.GuiEvent) -> None:
+        """Called in the very turn in which a message has come: when a thread has been found to hear it, on a busy
+        machine, the next one may have taken its place in the text."""
+        self._waiting.append(self._text.value)
+
+    def _hear_all(self) -> None:
+        """Hear what waits, in its order: one thread at a time, and whoever comes meanwhile leaves his to it."""
+        while self._waiting and self._hearing.acquire(blocking=False):
+            try:
+                with suppress(IndexError):
+                    self._hear(self._waiting.popleft())
+            finally:
+                self._hearing.release()
 
     def _hear(self, text: str) -> None:
         try:

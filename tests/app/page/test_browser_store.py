@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import inspect
 import json
 from types import SimpleNamespace
 
@@ -13,18 +15,35 @@ from app.page.panels.browser_store import BrowserStore
 class Gui:
     """Makes one text, and html that only holds what it shows."""
 
+    def __init__(self):
+        self.acts, self.later = [], []
+
     def add_html(self, content):
         return SimpleNamespace(content=content)
 
     def add_text(self, label, value):
         self.text = SimpleNamespace(label=label, value=value)
-        self.text.on_update = lambda act: setattr(self, "changed", act)
+        self.text.on_update = self.acts.append
         return self.text
 
+    def comes(self, text):
+        """A message comes: what wants to know at once is told, the rest when a thread is free."""
+        self.text.value = text
+        for act in self.acts:
+            if inspect.iscoroutinefunction(act):
+                asyncio.run(act(None))
+            else:
+                self.later.append(act)
+
+    def turn(self):
+        """The threads come to their turn."""
+        while self.later:
+            self.later.pop(0)(None)
+
     def says(self, **what):
-        """The browser says something."""
-        self.text.value = json.dumps(what)
-        self.changed(None)
+        """The browser says something, and is heard."""
+        self.comes(json.dumps(what))
+        self.turn()
 
 
 @pytest.fixture
@@ -53,8 +72,19 @@ def test_what_a_browser_invents_is_not_hoarded(store):
         gui.says(**{f"thing {number}": number})
     assert len(kept._early) <= 40
     gui.says(window=1)
-    gui.text.value = "no JSON"
-    gui.changed(None)
-    gui.text.value = "[1, 2]"
-    gui.changed(None)
+    for text in ("no JSON", "[1, 2]"):
+        gui.comes(text)
+        gui.turn()
     kept.listen(lambda link: None, lambda *lesson: None)
+
+
+def test_what_comes_while_no_thread_is_free_is_heard_in_its_order(store):
+    """The viewer keeps only the last value of a text, and calls from any thread."""
+    gui, kept = store
+    heard = []
+    kept.heard["spark"] = heard.append
+    kept.listen(heard.append, lambda *lesson: heard.append(lesson))
+    for said in ({"link": "bar"}, {"spark": 2}, {"lesson": "05", "answers": "all"}, {"spark": 1}):
+        gui.comes(json.dumps(said))
+    gui.turn()
+    assert heard == ["bar", 2, ("05", "all"), 1]

@@ -232,3 +232,20 @@ def test_a_run_is_read_at_its_very_end(clock):
     errors = samples.read(every, scene.estimators, scene.particles, scene.time_step)["error_x"]
     assert errors[-1] == pytest.approx(plain[-1], rel=1e-12)
     assert (np.diff(every[:, samples.column("step")]) > 0).all()
+
+
+def test_a_run_that_is_paused_is_read_where_it_stands(clock):
+    """Between two samples, too, and once: what is said of the moment and what the table says of it are the same."""
+    scene = BarScene(cells=20, amplitude=0.01, cfl=0.1, sample_every=50)
+    with one_session(Wish(1, 1, "", scene, Pace(speed=0.3))) as session:
+        rows = [session.frame().rows]
+        for number, playing in ((2, False), (3, True), (4, False)):
+            memory.clear(session._block)
+            if session.running:
+                clock.now += 0.1
+                session.turn()
+            session.accept(replace(session.wish, number=number, pace=replace(session.wish.pace, playing=playing)))
+            report = session.frame()
+            rows.append(report.rows)
+        every = np.concatenate(rows)[:, samples.column("step")]
+    assert report.step % 50 and every[-1] == report.step and (np.diff(every) > 0).all()

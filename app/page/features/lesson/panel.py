@@ -172,7 +172,7 @@ class Player:
         self._answer = None if fixed else widgets
         for text in widgets.texts:
             allow(text, LONGEST)
-        self._said = self._gui.add_html("" if answered is None else self._taken(step, None))
+        said = self._gui.add_html("" if answered is None else self._taken(step, None))
         self._gui.add_html(MAIN)
         record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
                                       disabled=fixed)
@@ -181,8 +181,8 @@ class Player:
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
             if why := trouble(step.asked, answer):
-                self._said.content = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
-                return
+                trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
+                return self._show(said, lambda: trouble_said)
             with self._lock:
                 self._progress.answer(step.key, answer, monotonic() - self._shown_at)
                 self._shown_at = monotonic()
@@ -190,8 +190,7 @@ class Player:
             if step.kind == PREDICT:
                 self._rebuild()
             else:
-                onward.disabled = False
-                self._check(lesson, step)
+                self._check(lesson, step, said, onward)
 
         record.on_click(take)
 
@@ -234,10 +233,13 @@ class Player:
         told = answer.attempts >= TOLD_AFTER
         return page.recorded_html(said, f"It is {found.expected}." if told else "Look again, and try once more.", False)
 
-    def _check(self, lesson: Lesson, step: Step) -> None:
-        """Mark the answer, which may need a run, and say so."""
-        said = self._said
-        said.content = self._taken(step, "" if step.asked.kind == TEXT else "Being checked against the run …")
+    def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle, onward: viser.GuiButtonHandle) -> None:
+        """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
+        with self._lock:
+            if is_removed(said):
+                return
+            onward.disabled = False
+            said.content = self._taken(step, "" if step.asked.kind == TEXT else "Being checked against the run …")
         self._marker.check(lesson, step, self._progress, lambda found: self._show(
             said, lambda: self._taken(step, found)))
 

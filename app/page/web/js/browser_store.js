@@ -37,6 +37,7 @@
     if (!found) { field = lesson = null; return; }
     if (found !== field) {
       field = found;
+      lesson = null;  // what the one before was told may not have been passed on
       tellLink();
       dispatchEvent(new Event("lab-asked"));
     }
