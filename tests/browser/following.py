@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, drawn, filled
 from app.words import size_in
-from tests.browser.driving import FOLDERS, click, row, scene, time, unfold, until
+from tests.browser.driving import FOLDERS, again_until, click, row, scene, time, unfold, until
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".
 SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
@@ -86,7 +86,8 @@ def answer(page, step, text):
     """Answer a question: a choice by its first option, a number by ``text``."""
     asked = step.question
     if asked.options:
-        page.get_by_role("radiogroup", name="Answer").get_by_role("radio").first.check()
+        first = page.get_by_role("radiogroup", name="Answer").get_by_role("radio").first
+        again_until(first.click, first.is_checked, "the first answer chosen")
     elif asked.kind == "interval":
         page.get_by_label(re.compile("^At least")).fill("0")
         page.get_by_label(re.compile("^At most")).fill("1")
