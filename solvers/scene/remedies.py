@@ -19,6 +19,7 @@ class Remedy:
 
 
 FILTER, COUPLED, CENTRED, FROZEN = "null-space-filter", "coupled-deformation", "zero-drift", "frozen-weights"
+PIECES = "pieces"
 
 REMEDIES: dict[str, Remedy] = {remedy.name: remedy for remedy in (
     Remedy(FILTER, "filtered", "null-space filter",
@@ -32,5 +33,8 @@ REMEDIES: dict[str, Remedy] = {remedy.name: remedy for remedy in (
     Remedy(FROZEN, "frozen", "frozen weights",
            "computes the weights once, where the material was at rest (total Lagrangian): no particle ever crosses a "
            "cell; cheaper too, but numerical fracture is impossible"),
+    Remedy(PIECES, "pieces", "forces of pieces",
+           "cuts the material into pieces without gaps, a particle each, with corners half way between neighbours; a "
+           "piece that lies in two cells pulls at the nodes of both, so that nobody is counted in the wrong cell"),
 )}
 SWITCHES = {remedy.switch: name for name, remedy in REMEDIES.items()}

@@ -12,7 +12,7 @@ from solvers.problems.bar import patch, step_bound, validity
 from solvers.problems.bar.patch import PATCH, VIBRATE
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.defaults import MOST_PER_CELL
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene, option
 
@@ -50,7 +50,7 @@ class BarScene(Scene):
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     VALIDITY = validity.RULES
     OWN_EFFECTS = ("budget",)
-    REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN)
+    REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN, PIECES)
     RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch.NOTHING_TO_SEARCH)
     STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT
     GENTLE_AMPLITUDE = 1e-3

@@ -28,8 +28,6 @@ KEEPS_ALL = -1
 MEMBERS = {
     "taken_away": ti.i32,  # lane of the cause whose sources are taken out of the run, or KEEPS_ALL
     "cause_errors": quads,  # errors of x, then of v, then of F, a lane a cause (3 P, 4); with some remedies P more
-    "corner_node": integers,  # first node of each particle's left corner (P,)
-    "corner_weights": quads,  # and the base functions there, in three entries, and where it is (P, 4)
     "budget_nodes": quads,  # layers as above (5 (N+4), 4)
     "reference_motion": quads,  # the companion's, as the step begins: v + dt a and a (P, 4); where it is the reference
     "reference_slopes": quads,  # F, the slope of v + dt a along X, and u (P, 4)
@@ -53,8 +51,8 @@ def budget(scene: BarScene, on: Switches) -> dict:
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
     return BUDGET.values({
         "taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
-        "cause_errors": zeros(layers * P, 4, when=on.budget), "corner_node": zeros(P, when=on.budget, kind=np.int32),
-        "corner_weights": zeros(P, 4, when=on.budget), "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
+        "cause_errors": zeros(layers * P, 4, when=on.budget),
+        "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
         **_companion(scene, on),
         "removed": zeros(P, 4, when=taken)})
 

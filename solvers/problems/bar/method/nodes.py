@@ -6,6 +6,7 @@ Nodes are stored with periodic images: entry 1 is node 0 at x = 0, entry 0 and e
 import taichi as ti
 
 from solvers.kernels.shapes import stencil
+from solvers.problems.bar.method.pieces import gather_lengths
 
 GHOSTS = 4  # node arrays hold one periodic image on the left and three on the right
 MOST_HALF_WIDTH = 0.5  # in cells: a domain meets at most two cells, so that three nodes suffice
@@ -63,7 +64,7 @@ def divergence_form(bar: ti.template(), i, on: ti.template()):
 
 
 @ti.func
-def gather_moments(bar: ti.template()):
+def gather_moments(bar: ti.template(), on: ti.template()):
     """Nodal sums of D*, D* r, S r and S sigma with r = x_p - x_i, and V_i = sum S F V0."""
     for i in range(bar.cells + GHOSTS):
         bar.node_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -75,10 +76,14 @@ def gather_moments(bar: ti.template()):
         volume = bar.deformation_gradient[p] * bar.volume
         stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
         for k in ti.static(range(3)):
-            D = -dS[k] * volume
+            D = 0.0
+            if ti.static(not on.pieces):
+                D = -dS[k] * volume
             r_k = r - k * bar.spacing
             bar.node_moments[i + k] += ti.Vector([D, D * r_k, S[k] * r_k, S[k] * stress])
             bar.node_volume[i + k] += S[k] * volume
+    if ti.static(on.pieces):
+        gather_lengths(bar, on)
     fold(bar.node_moments, bar.cells)
     fold(bar.node_volume, bar.cells)
 

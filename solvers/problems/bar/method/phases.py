@@ -7,6 +7,7 @@ to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
 import taichi as ti
 
 from solvers.kernels.shapes import weights_1d
+from solvers.problems.bar.method import pieces
 from solvers.problems.bar.method.forces import force_on_particle, tones
 from solvers.problems.bar.method.nodes import (
     EMPTY,
@@ -69,10 +70,15 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
             interpolated[3] = force_on_particle(bar, p, size, on)
         force = ti.Vector([0.0, 0.0, -volume * stress, 0.0])
         for k in ti.static(range(3)):
-            bar.node_sums[i + k] += S[k] * interpolated + dS[k] * force
+            if ti.static(on.pieces):
+                bar.node_sums[i + k] += S[k] * interpolated
+            else:
+                bar.node_sums[i + k] += S[k] * interpolated + dS[k] * force
+    if ti.static(on.pieces):
+        pieces.corners_to_nodes(bar, on)
     fold(bar.node_sums, bar.cells)
     if ti.static(on.linearity_preserving):
-        gather_moments(bar)
+        gather_moments(bar, on)
 
 
 @ti.func
@@ -134,6 +140,8 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
         bar.position[p] = x
         if ti.static(on.frozen):
             bar.deformation_gradient[p] += bar.dt * L  # the gradient of S is with respect to X
-        else:
+        elif ti.static(not on.pieces):
             bar.deformation_gradient[p] *= 1 + bar.dt * L
+    if ti.static(on.pieces):
+        pieces.stretch_pieces(bar, on)
     bar.totals[0] += jumps
