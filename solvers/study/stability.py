@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import LOOKS_A_PERIOD, Scene
 from solvers.scene.step_bound import SAFE
@@ -38,6 +38,8 @@ TREATMENTS: dict[str, dict[str, Any]] = {
     "tiled": {"velocity": "corners"},
     "tiled+filter": {"velocity": "corners", "remedies": [FILTER]},
     "frozen": {"remedies": [FROZEN]},
+    "pieces": {"remedies": [PIECES]},
+    "pieces+filter": {"remedies": [PIECES, FILTER]},
 }
 
 

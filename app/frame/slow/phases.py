@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.words import PREFIXES
+from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
@@ -53,6 +54,9 @@ def _of_force(scene: Scene) -> str:
     body = {"none": "; no body force", "node": " + body force at the node, × its mass"}
     corrected = ", corrected to be exact for linear stress" * scene.linearity_preserving
     volume = "volume at rest" if scene.frozen else "volume"
+    if PIECES in scene.remedies:
+        return (f"force of a node = sum over the corners between pieces of its function there × jump of the stress"
+                f"{corrected}" + body.get(scene.body_force, " + sum of weight × body force"))
     return (f"force of a node = − sum of slope × {volume} × stress of the particles{corrected}"
             + body.get(scene.body_force, " + sum of weight × body force"))
 
@@ -64,6 +68,9 @@ def _of_motion(scene: Scene) -> str:
 
 
 def _of_stress(scene: Scene) -> str:
+    if PIECES in scene.remedies:
+        return ("F grows by time step × difference of the nodes' new v at the corners of the piece / its length × F; "
+                "stress follows from the new F")
     gradient = "sum of slope × new v of the nodes"
     return f"F grows by time step × {gradient}{'' if scene.frozen else ' × F'}; stress follows from the new F"
 
@@ -81,6 +88,8 @@ def _given(_: Scene, a: StepBreakdown) -> list[str]:
 
 
 def _pulled(scene: Scene, a: StepBreakdown) -> list[str]:
+    if PIECES in scene.remedies:
+        return [f"stress {_tensor(a.before.stress[0])}, the same in the whole piece"]
     if scene.frozen:
         return [f"volume × stress at rest {_tensor(a.tension[0], 'N m', True)}",
                 "the weights stay those of the particle at rest"]

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from solvers.scene.defaults import MOST_PER_CELL
+from solvers.scene.remedies import PIECES
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene
 
@@ -104,7 +105,8 @@ def edge_step(scene: Scene, velocity: float) -> int | None:
     it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
     a_step = velocity * scene.time_step / scene.spacing  # in cells
     places = group(scene)[1]  # in a cell, at which particles begin
-    if scene.method != "mpm" or scene.linearity_preserving or scene.frozen or not a_step or places > MOST_PER_CELL:
+    held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies
+    if scene.method != "mpm" or held or not a_step or places > MOST_PER_CELL:
         return None
     starts = (np.arange(places) + 0.5) / scene.ppc % 1
     after = starts + a_step * np.arange(1, min(scene.steps, MOST_EDGE_STEPS) + 1)[:, None]

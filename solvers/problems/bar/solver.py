@@ -11,13 +11,13 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
 from solvers.problems.bar.step import advance, find_margin, freeze
 from solvers.problems.bar.step_breakdown import breakdown, carried
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.switches import switches
 from solvers.solver.base import MEASURE, REPORT, STEP, Solver
 from solvers.solver.result import Snapshot
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
-HATS_LIMIT = 0.14  # amplitude from which on no remedy holds hat functions together
+HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat functions together
 
 
 class BarSolver(Solver):
@@ -87,8 +87,9 @@ class BarSolver(Solver):
     def _other_advice(self) -> str:
         """The remedies that the scene has not yet called for; measured in ``assets/stability.md``."""
         scene = self.scene
-        if scene.method == "mpm" and not scene.frozen and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
-            return f"hat functions hold here only with the remedy {FROZEN}; or take another method"
+        whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
+        if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
+            return f"call for the remedy {FROZEN} or {PIECES}, or take another method"
         if scene.linearity_preserving and CENTRED not in scene.remedies:
             return f"call for the remedy {CENTRED}, or for {FROZEN} without linearity preservation"
         if not scene.remedies:

@@ -87,4 +87,4 @@ def find_margin(bar: BarState, on: ti.template()):
     """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long and called seldom."""
     ti.loop_config(serialize=True)
     for _ in range(1):
-        margin.step_margin(bar)
+        margin.step_margin(bar, on)

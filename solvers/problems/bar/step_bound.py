@@ -4,6 +4,7 @@ V0."""
 import numpy as np
 
 from solvers.problems.bar import patch
+from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import INSTANTS, bound, stencil
 
@@ -47,5 +48,23 @@ def _grid_bound(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch:
     first, S, dS = stencil(scene.method, x * cells, half_width)
     nodes = (first[:, None] + np.arange(3)) % cells
     mass = np.bincount(nodes.ravel(), (scene.density / stretch * volume * S).ravel(), cells)
+    if PIECES in scene.remedies:
+        nodes, parting = _pieces(scene.method, cells, x)
+        return bound(nodes, np.abs(parting), np.full_like(x, scene.modulus * stretch / volume), mass)
     tangent = np.ones_like(F) if scene.frozen else F * F
     return bound(nodes, np.abs(dS) * cells, scene.modulus * stretch * tangent * volume, mass)
+
+
+def _pieces(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (P, 5) of the pieces around particles at x, and by how much each piece pulls at them for its stress: the
+    difference of the base functions at its corners (see ``method.pieces``)."""
+    P = len(x)
+    around = np.concatenate([x[-2:] - 1, x, x[:2] + 1])
+    corners = (9 * (around[1:P + 2] + around[2:P + 3]) - around[:P + 1] - around[3:]) / 16
+    first, B, _ = stencil("bspline" if method == "bspline" else "mpm", corners * cells, np.zeros(P + 1))
+    apart = np.minimum(np.diff(first), 2)
+    parting = np.zeros((P, 5))
+    parting[:, :3] -= B[:-1]
+    for k in range(3):
+        parting[np.arange(P), apart + k] += B[1:, k]
+    return (first[:-1, None] + np.arange(5)) % cells, parting

@@ -10,6 +10,7 @@ from typing import Any
 from solvers.estimators.phase_lag import out_of_step
 from solvers.scene.causes import NOTHING
 from solvers.scene.registry import FROZEN_REASON, REMEDIES_REASON
+from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 
 #: Two-grid: the error of a mapping or a force that is off by the displacement is a share of the motion, whatever the
@@ -83,6 +84,9 @@ def transport(scene: Scene) -> str | None:
                 "that is failed; take companion")
     if scene.frozen:
         return FROZEN_REASON
+    if PIECES in scene.remedies:
+        return ("the terms that transport carries are those of a particle's own weights, and forces of pieces have "
+                "other ones; take recovered or companion")
     if scene.method == "bspline":
         return ("the terms that transport carries all but vanish for B-splines, so that it reads next to zero; take "
                 "recovered or companion")

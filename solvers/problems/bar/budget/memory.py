@@ -6,7 +6,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels.hoist import untranslated
-from solvers.kernels.kinds import integers, quads, reals
+from solvers.kernels.kinds import quads, reals
 from solvers.kernels.packing import MemoryView, Packing
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators.companion import mesh

@@ -8,7 +8,7 @@ from solvers.problems.bar.budget.reference import moment, motion, slopes
 from solvers.problems.bar.budget.sources import particles_to_nodes, update_nodes
 from solvers.problems.bar.method.nodes import GHOSTS, spread, stencil_of
 from solvers.problems.bar.method.phases import half_width
-from solvers.problems.bar.method.pieces import corner_nodes
+from solvers.problems.bar.method.pieces import at_corner, piece_length
 
 SHORTEST = 1e-12  # of a piece's length, in cells, by which the slope in it is still divided
 
@@ -51,14 +51,11 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
     crossings: the slope that a particle sees, less that in its piece; time step: what symplectic Euler misses.
     """
     P, M, dt = bar.particles, bar.cells + GHOSTS, bar.dt
-    first, first_x = at_corner(bar, 0, on), bar.corner_weights[0][3]
-    left, left_x = first, first_x
+    left = at_corner(bar, bar.budget_nodes, 0, 0, on)[0]
     for p in range(P):
         S, dS = stencil_of(bar, p)
         i = bar.first_node[p]
-        right, right_x = first, first_x + 1
-        if p + 1 < P:
-            right, right_x = at_corner(bar, p + 1, on), bar.corner_weights[p + 1][3]
+        right = at_corner(bar, bar.budget_nodes, 0, p + 1, on)[0]
         back, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
         A, V, G = 0.0 * back, 0.0 * back, 0.0 * back
         for k in ti.static(range(3)):
@@ -69,10 +66,14 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
             A += S[k] * bar.budget_nodes[FORCE * M + i + k]
             V += S[k] * velocity
             G += dS[k] * velocity
-        piece_slope, length = slope, right_x - left_x
+        piece_slope, length = slope, piece_length(bar, p)
         if abs(length) > SHORTEST * bar.spacing:
             piece_slope = (right - left) / length
-        left, left_x = right, right_x
+            if ti.static(on.pieces):
+                slope = piece_slope
+                G = (at_corner(bar, bar.budget_nodes, VELOCITY * M, p + 1, on)
+                     - at_corner(bar, bar.budget_nodes, VELOCITY * M, p, on)) / length
+        left = right
         m, s = motion(bar, p, now, on), slopes(bar, p, now, on)
         F, F0, stretch = bar.deformation_gradient[p], s[0], bar.cause_errors[2 * P + p]
         stretched = F * G + slope * stretch
@@ -95,16 +96,6 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
         bar.cause_errors[p] += dt * V + give_x
         bar.cause_errors[P + p] += dt * A + give_v
         bar.cause_errors[2 * P + p] += dt * stretched + give_F
-
-
-@ti.func
-def at_corner(bar: ti.template(), p, on: ti.template()):
-    """The reference's v + dt a at the nodes, seen at the left corner of piece p."""
-    i, B = bar.corner_node[p], bar.corner_weights[p]
-    seen = 0.0
-    for k in ti.static(range(corner_nodes(on))):
-        seen += B[k] * bar.budget_nodes[i + k][0]
-    return seen
 
 
 @ti.func

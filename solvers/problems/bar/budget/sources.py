@@ -45,8 +45,12 @@ def corner_to_nodes(bar: ti.template(), p, x, jump, length, on: ti.template()):
     bar.corner_node[p] = i
     bar.corner_weights[p] = ti.Vector([B[0], B[1], B[2], x])
     given = ti.Vector([jump, length, 0.0, 0.0])
+    M, P = bar.cells + GHOSTS, bar.particles
     for k in ti.static(range(corner_nodes(on))):
-        bar.budget_nodes[PIECES * (bar.cells + GHOSTS) + i + k] += B[k] * given
+        bar.budget_nodes[PIECES * M + i + k] += B[k] * given
+        if ti.static(on.pieces):  # the errors' own stress pulls as the run's does
+            before = bar.cause_errors[2 * P + (p + P - 1) % P]
+            bar.budget_nodes[FORCE * M + i + k] += B[k] * bar.modulus * (bar.cause_errors[2 * P + p] - before)
 
 
 @ti.func
@@ -75,7 +79,8 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
     for k in ti.static(range(3)):
         bar.budget_nodes[i + k] += S[k] * given + dS[k] * force
         bar.budget_nodes[VELOCITY * M + i + k] += S[k] * velocity
-        bar.budget_nodes[FORCE * M + i + k] += dS[k] * pull
+        if ti.static(not on.pieces):
+            bar.budget_nodes[FORCE * M + i + k] += dS[k] * pull
         if ti.static(on.linearity_preserving):
             bar.budget_nodes[PIECES * M + i + k] += S[k] * ti.Vector([0.0, 0.0, stress, 0.0])
             bar.budget_nodes[STRESS * M + i + k] += S[k] * (bar.modulus * stretch)
@@ -102,6 +107,8 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
                 volume = bar.node_volume[i]
                 if pieces[1] > DEGENERATE * volume and volume > DEGENERATE * bar.spacing:
                     whole *= volume / pieces[1]
+            if ti.static(on.pieces):
+                method = whole
             body, wanted = 0.0, 0.0
             if ti.static(on.body_force in ("material", "two-tone")):
                 body = sums[3] / sums[0]

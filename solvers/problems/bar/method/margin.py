@@ -4,28 +4,65 @@ last step."""
 import taichi as ti
 
 from solvers.problems.bar.method.nodes import EMPTY, fold, stencil_of
+from solvers.problems.bar.method.pieces import corner_nodes
+
+WIDEST = 5  # nodes that the two corners of a piece meet, up to two cells apart
 
 
 @ti.func
-def step_margin(bar: ti.template()):
+def step_margin(bar: ti.template(), on: ti.template()):
     """Write dt over the bound; NaN before the first step."""
     for i in range(bar.node_stiffness.shape[0]):
         bar.node_stiffness[i] = 0.0
-    for p in range(bar.particles):
-        _, dS = stencil_of(bar, p)
-        i = bar.first_node[p]
-        scaled = ti.Vector([0.0, 0.0, 0.0])  # |dS_i|/sqrt(m_i)
-        for k in ti.static(range(3)):
-            # The sum of S; images hold what fell on them, so look at the node.
-            weight = bar.node_sums[(i + k + bar.cells - 1) % bar.cells + 1][0]
-            if weight > EMPTY:
-                scaled[k] = abs(dS[k]) / ti.sqrt(weight * bar.density * bar.volume)
-        F = bar.deformation_gradient[p]
-        stiffness = bar.modulus * F * F * bar.volume * scaled.sum()
-        for k in ti.static(range(3)):
-            bar.node_stiffness[i + k] += stiffness * scaled[k]
+    if ti.static(on.pieces):
+        add_pieces(bar, on)
+    else:
+        add_particles(bar)
     fold(bar.node_stiffness, bar.cells)
     largest = 0.0
     for i in range(1, bar.cells + 1):
         largest = ti.max(largest, bar.node_stiffness[i])
     bar.step_margin[0] = 0.5 * bar.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
+
+
+@ti.func
+def over_mass(bar: ti.template(), node):
+    """1/sqrt(m) of a node or of the node that it is an image of, for images hold what fell on them; 0 where empty."""
+    weight = bar.node_sums[(node + bar.cells - 1) % bar.cells + 1][0]
+    return 1 / ti.sqrt(weight * bar.density * bar.volume) if weight > EMPTY else 0.0
+
+
+@ti.func
+def add_particles(bar: ti.template()):
+    """Rows of Gershgorin's circles: E F^2 V0 |dS_i|/sqrt(m_i) sum_j |dS_j|/sqrt(m_j) of every particle."""
+    for p in range(bar.particles):
+        _, dS = stencil_of(bar, p)
+        i = bar.first_node[p]
+        scaled = ti.Vector([0.0, 0.0, 0.0])
+        for k in ti.static(range(3)):
+            scaled[k] = abs(dS[k]) * over_mass(bar, i + k)
+        F = bar.deformation_gradient[p]
+        stiffness = bar.modulus * F * F * bar.volume * scaled.sum()
+        for k in ti.static(range(3)):
+            bar.node_stiffness[i + k] += stiffness * scaled[k]
+
+
+@ti.func
+def add_pieces(bar: ti.template(), on: ti.template()):
+    """The same of every piece: its force is the difference of the base functions at its corners, over V0."""
+    for p in range(bar.particles):
+        following = ti.select(p + 1 < bar.particles, p + 1, 0)
+        i, left, right = bar.corner_node[p], bar.corner_weights[p], bar.corner_weights[following]
+        apart = (bar.corner_node[following] - i + bar.cells) % bar.cells
+        scaled = ti.Vector([0.0] * WIDEST)
+        for k in ti.static(range(WIDEST)):
+            difference = 0.0
+            if ti.static(k < corner_nodes(on)):
+                difference -= left[k]
+            for l in ti.static(range(corner_nodes(on))):
+                if apart + l == k:
+                    difference += right[l]
+            scaled[k] = abs(difference) * over_mass(bar, i + k)
+        stiffness = bar.modulus / bar.volume * scaled.sum()
+        for k in ti.static(range(WIDEST)):
+            bar.node_stiffness[(i + k - 1) % bar.cells + 1] += stiffness * scaled[k]
