@@ -39,7 +39,6 @@ TREATMENTS: dict[str, dict[str, Any]] = {
     "tiled+filter": {"velocity": "corners", "remedies": [FILTER]},
     "frozen": {"remedies": [FROZEN]},
     "pieces": {"remedies": [PIECES]},
-    "pieces+filter": {"remedies": [PIECES, FILTER]},
 }
 
 

@@ -15,7 +15,7 @@ from solvers.problems.bar.budget.memory import FORCE, PIECES, REFERENCE, STRESS,
 from solvers.problems.bar.budget.reference import motion, slopes
 from solvers.problems.bar.method.forces import force_on_particle, tones
 from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, stencil_of
-from solvers.problems.bar.method.pieces import corner, corner_nodes, corner_stencil, place
+from solvers.problems.bar.method.pieces import corner_nodes, find_corners, place
 
 
 @ti.func
@@ -25,25 +25,25 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
     for i in range(5 * M):
         bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     size = tones(bar, t, on)
-    before_last, last, this = place(bar, -2, on), place(bar, -1, on), place(bar, 0, on)
+    if ti.static(not on.pieces):
+        find_corners(bar, on)
+    last = place(bar, -1, on)
     stress_before = bar.modulus * (slopes(bar, P - 1, now, on)[0] - bar.unstretched)
     for p in range(P):
-        after = place(bar, p + 1, on)
+        this = place(bar, p, on)
         stress = bar.modulus * (slopes(bar, p, now, on)[0] - bar.unstretched)
-        corner_to_nodes(bar, p, corner(before_last, last, this, after), stress - stress_before, this - last, on)
+        corner_to_nodes(bar, p, stress - stress_before, this - last, on)
         particle_to_nodes(bar, p, stress, size, now, on)
-        before_last, last, this, stress_before = last, this, after, stress
+        last, stress_before = this, stress
     for layer in ti.static((REFERENCE, PIECES, VELOCITY, FORCE, STRESS)):
         if ti.static(layer != STRESS or on.linearity_preserving):
             fold_layer(bar, layer * M)
 
 
 @ti.func
-def corner_to_nodes(bar: ti.template(), p, x, jump, length, on: ti.template()):
+def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
     """The left corner of particle p: the jump of stress there, and what linearity preservation makes of its length."""
-    i, B = corner_stencil(bar, x, on)
-    bar.corner_node[p] = i
-    bar.corner_weights[p] = ti.Vector([B[0], B[1], B[2], x])
+    i, B = bar.corner_node[p], bar.corner_weights[p]
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
     for k in ti.static(range(corner_nodes(on))):

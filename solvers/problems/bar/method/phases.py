@@ -26,6 +26,8 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
     """The first half of a step, from time t: weights, particles to nodes, and the nodes' new motion."""
     if ti.static(not on.frozen):
         find_weights(bar, on)
+    if ti.static(on.pieces):
+        pieces.find_corners(bar, on)
     particles_to_nodes(bar, t, on)
     update_nodes(bar, t, on)
 

@@ -26,16 +26,22 @@ from solvers.kernels.shapes import bspline, hat
 
 
 @ti.func
-def place(bar: ti.template(), p, on: ti.template()):
-    """Where the weights see particle p, from one before the first to one behind the last, a period away."""
-    P = bar.particles
-    turn = ti.select(p < 0, -1, ti.select(p < P, 0, 1))
+def seen_at(bar: ti.template(), p, on: ti.template()):
+    """Where the weights see particle p."""
     x = 0.0
     if ti.static(on.frozen):
-        x = bar.material_position[p - turn * P]
+        x = bar.material_position[p]
     else:
-        x = bar.position[p - turn * P]
-    return x + turn
+        x = bar.position[p]
+    return x
+
+
+@ti.func
+def place(bar: ti.template(), p, on: ti.template()):
+    """The same, for p from two before the first to two behind the last, which are those of a period away."""
+    P = bar.particles
+    turn = ti.select(p < 0, -1, ti.select(p < P, 0, 1))
+    return seen_at(bar, p - turn * P, on) + turn
 
 
 @ti.func
@@ -65,22 +71,39 @@ def corner_nodes(on) -> int:
 
 
 @ti.func
-def corners_to_nodes(bar: ti.template(), on: ti.template()):
-    """Find the corners and their base functions, and let the pieces' stress pull at the nodes."""
+def find_corners(bar: ti.template(), on: ti.template()):
+    """Keep the left corner of every piece with its base functions.
+
+    Those near the ends have neighbours a period away and come first, so that the loop over all others has no choices in
+    it and several go at once: the remedy then costs a third of what it did.
+    """
     P = bar.particles
-    before_last, last, this = place(bar, -2, on), place(bar, -1, on), place(bar, 0, on)
-    stress_before = bar.modulus * (bar.deformation_gradient[P - 1] - bar.unstretched)
-    for p in range(P):
-        after = place(bar, p + 1, on)
-        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
-        x = corner(before_last, last, this, after)
-        i, B = corner_stencil(bar, x, on)
-        bar.corner_node[p] = i
-        bar.corner_weights[p] = ti.Vector([B[0], B[1], B[2], x])
-        pull = ti.Vector([0.0, 0.0, stress - stress_before, 0.0])
+    for k in ti.static(range(3)):
+        p = ti.select(k < 2, k, P - 1)
+        around = ti.Vector([place(bar, p + j, on) for j in ti.static(range(-2, 2))])
+        keep_corner(bar, p, corner(around[0], around[1], around[2], around[3]), on)
+    for p in range(2, P - 1):
+        keep_corner(bar, p, corner(seen_at(bar, p - 2, on), seen_at(bar, p - 1, on), seen_at(bar, p, on),
+                                   seen_at(bar, p + 1, on)), on)
+
+
+@ti.func
+def keep_corner(bar: ti.template(), p, x, on: ti.template()):
+    """Piece p begins at x."""
+    i, B = corner_stencil(bar, x, on)
+    bar.corner_node[p] = i
+    bar.corner_weights[p] = ti.Vector([B[0], B[1], B[2], x])
+
+
+@ti.func
+def corners_to_nodes(bar: ti.template(), on: ti.template()):
+    """Let the stress of pieces pull at the nodes."""
+    before = bar.deformation_gradient[bar.particles - 1]
+    for p in range(bar.particles):
+        F, i, B = bar.deformation_gradient[p], bar.corner_node[p], bar.corner_weights[p]
         for k in ti.static(range(corner_nodes(on))):
-            bar.node_sums[i + k] += B[k] * pull
-        before_last, last, this, stress_before = last, this, after, stress
+            bar.node_sums[i + k][2] += B[k] * (bar.modulus * (F - before))
+        before = F
 
 
 @ti.func
@@ -92,7 +115,7 @@ def gather_lengths(bar: ti.template(), on: ti.template()):
         this = place(bar, p, on)
         i, B = bar.corner_node[p], bar.corner_weights[p]
         for k in ti.static(range(corner_nodes(on))):
-            bar.node_moments[i + k] += ti.Vector([0.0, B[k] * (this - last), 0.0, 0.0])
+            bar.node_moments[i + k][1] += B[k] * (this - last)
         last = this
 
 
