@@ -15,7 +15,7 @@ from solvers.problems.bar.budget.memory import FORCE, PIECES, REFERENCE, STRESS,
 from solvers.problems.bar.budget.reference import motion, slopes
 from solvers.problems.bar.method.forces import force_on_particle, tones
 from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, stencil_of
-from solvers.problems.bar.method.pieces import corner_nodes, find_corners, place
+from solvers.problems.bar.method.pieces import corner_nodes, corner_of, find_corners, place
 
 
 @ti.func
@@ -43,7 +43,7 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
 @ti.func
 def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
     """The left corner of particle p: the jump of stress there, and what linearity preservation makes of its length."""
-    i, B = bar.corner_node[p], bar.corner_weights[p]
+    i, B, _ = corner_of(bar, p)
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
     for k in ti.static(range(corner_nodes(on))):

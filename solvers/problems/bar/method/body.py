@@ -46,8 +46,7 @@ class BarBody(Members):
     node_volume: Reals  # V_i = sum of S F V0 (N+4,)
     node_motion: Pairs  # v_i after the step and a_i (N+4, 2)
     node_stiffness: Reals  # what Gershgorin's circle of a node bears, 1/s^2 (N+4,), for the margin of the step
-    corner_node: Integers  # first node of each particle's left corner (P,), with pieces or a budget
-    corner_weights: Quads  # the base functions there, in three entries, and where it is (P, 4)
+    corners: Quads  # of each particle's piece, with pieces or a budget: see ``pieces.corner_of`` (P, 4)
     remedy_interval: Integer  # steps between two turns of the remedies
     remedy_rate: Real  # what a turn of the null-space filter takes out, and how far one of the coupling draws F
     particle_scratch: Reals  # of the remedies (P,)
@@ -80,8 +79,7 @@ def body(scene: BarScene, on: Switches) -> dict:
         "node_volume": zeros(nodes, when=on.linearity_preserving),
         "node_motion": zeros(nodes, 2), "totals": zeros(2),
         "node_stiffness": zeros(nodes, when=on.margin),
-        "corner_node": zeros(P, when=on.pieces or on.budget, kind=np.int32),
-        "corner_weights": zeros(P, 4, when=on.pieces or on.budget), **remedy_rates(scene),
+        "corners": zeros(P, 4, when=on.pieces or on.budget), **remedy_rates(scene),
         "particle_scratch": zeros(P, when=on.filtered or on.coupled),
         "node_scratch": zeros(nodes, when=on.filtered or on.coupled),
         "node_displacement": zeros(nodes, when=on.coupled)}

@@ -4,7 +4,7 @@ last step."""
 import taichi as ti
 
 from solvers.problems.bar.method.nodes import EMPTY, fold, stencil_of
-from solvers.problems.bar.method.pieces import corner_nodes
+from solvers.problems.bar.method.pieces import corner_nodes, corner_of
 
 WIDEST = 5  # nodes that the two corners of a piece meet, up to two cells apart
 
@@ -52,8 +52,9 @@ def add_pieces(bar: ti.template(), on: ti.template()):
     """The same of every piece: its force is the difference of the base functions at its corners, over V0."""
     for p in range(bar.particles):
         following = ti.select(p + 1 < bar.particles, p + 1, 0)
-        i, left, right = bar.corner_node[p], bar.corner_weights[p], bar.corner_weights[following]
-        apart = (bar.corner_node[following] - i + bar.cells) % bar.cells
+        i, left, _ = corner_of(bar, p)
+        j, right, _ = corner_of(bar, following)
+        apart = (j - i + bar.cells) % bar.cells
         scaled = ti.Vector([0.0] * WIDEST)
         for k in ti.static(range(WIDEST)):
             difference = 0.0

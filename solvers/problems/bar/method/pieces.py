@@ -91,8 +91,15 @@ def find_corners(bar: ti.template(), on: ti.template()):
 def keep_corner(bar: ti.template(), p, x, on: ti.template()):
     """Piece p begins at x."""
     i, B = corner_stencil(bar, x, on)
-    bar.corner_node[p] = i
-    bar.corner_weights[p] = ti.Vector([B[0], B[1], B[2], x])
+    bar.corners[p] = ti.Vector([B[0], B[1], i, x])
+
+
+@ti.func
+def corner_of(bar: ti.template(), p):
+    """What is kept of the left corner of piece p: first node, in the padded node arrays, three base functions, and
+    where it is. They add up to one, and one array holds all that."""
+    kept = bar.corners[p]
+    return ti.cast(kept[2], ti.i32), ti.Vector([kept[0], kept[1], 1 - kept[0] - kept[1]]), kept[3]
 
 
 @ti.func
@@ -100,7 +107,8 @@ def corners_to_nodes(bar: ti.template(), on: ti.template()):
     """Let the stress of pieces pull at the nodes."""
     before = bar.deformation_gradient[bar.particles - 1]
     for p in range(bar.particles):
-        F, i, B = bar.deformation_gradient[p], bar.corner_node[p], bar.corner_weights[p]
+        F = bar.deformation_gradient[p]
+        i, B, _ = corner_of(bar, p)
         for k in ti.static(range(corner_nodes(on))):
             bar.node_sums[i + k][2] += B[k] * (bar.modulus * (F - before))
         before = F
@@ -113,7 +121,7 @@ def gather_lengths(bar: ti.template(), on: ti.template()):
     last = place(bar, -1, on)
     for p in range(bar.particles):
         this = place(bar, p, on)
-        i, B = bar.corner_node[p], bar.corner_weights[p]
+        i, B, _ = corner_of(bar, p)
         for k in ti.static(range(corner_nodes(on))):
             bar.node_moments[i + k][1] += B[k] * (this - last)
         last = this
@@ -123,11 +131,10 @@ def gather_lengths(bar: ti.template(), on: ti.template()):
 def at_corner(bar: ti.template(), values: ti.template(), first, p, on: ti.template()):
     """The nodes' ``values``, vectors of which the layer begins at ``first``, at the left corner of piece p; behind the
     last piece a period begins again."""
-    turned = ti.select(p < bar.particles, p, 0)
-    i, B = first + bar.corner_node[turned], bar.corner_weights[turned]
-    seen = B[0] * values[i]
+    i, B, _ = corner_of(bar, ti.select(p < bar.particles, p, 0))
+    seen = B[0] * values[first + i]
     for k in ti.static(range(1, corner_nodes(on))):
-        seen += B[k] * values[i + k]
+        seen += B[k] * values[first + i + k]
     return seen
 
 
@@ -144,7 +151,7 @@ def stretch_pieces(bar: ti.template(), on: ti.template()):
 @ti.func
 def piece_length(bar: ti.template(), p):
     """c_{p+1} - c_p."""
-    end = bar.corner_weights[0][3] + 1
+    end = bar.corners[0][3] + 1
     if p + 1 < bar.particles:
-        end = bar.corner_weights[p + 1][3]
-    return end - bar.corner_weights[p][3]
+        end = bar.corners[p + 1][3]
+    return end - bar.corners[p][3]
