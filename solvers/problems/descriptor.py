@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 
 if TYPE_CHECKING:  # solvers bring Taichi, which takes a second
     from solvers.problems.reference import ProblemReference
     from solvers.solver.base import Solver
+    from solvers.solver.error_map import ErrorMap
 
 
 class Problem(ABC):
@@ -41,3 +44,13 @@ class Problem(ABC):
     def predicted_life(self, scene: Any) -> float | None:
         """Periods that a run will hold by theory alone; None where none is known."""
         return None
+
+    def error_map(self, scene: Any, field: str = "x", particle: int | None = None,
+                  on_progress: Callable[[float], None] | None = None) -> ErrorMap | None:
+        """Where and when the error at the end of a scene was made: of a field (x, v or F), of a particle by its number
+        or of all (RMS). None where the run goes bad.
+
+        Raises:
+            SceneError: a field, a particle or a scene that has no map.
+        """
+        raise SceneError("problem", self.scene.problem, "has no map of its error; the bar has one")
