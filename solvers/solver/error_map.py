@@ -51,8 +51,8 @@ class ErrorMap:
             return "there is no map of this error: it is no more than round-off, and nobody's"
         if (times := self.cancelled(cause)) <= MOST_CANCELLED:
             return None
-        return (f"there is no map of this error: what {CAUSES[cause]} have made of it here and there is {times:.2g} "
-                f"times the error and cancels, up to {MOST_CANCELLED:g} times can be shown; take an earlier end or "
+        return (f"there is no map of this error: what was made of it here and there ({CAUSES[cause]}) is {times:.2g} "
+                f"times as large and cancels, and up to {MOST_CANCELLED:g} times can be shown; take an earlier end or "
                 "another field")
 
     def binned(self, cause: str, rows: int) -> np.ndarray:

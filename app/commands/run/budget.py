@@ -3,11 +3,13 @@
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
-from app.commands.flags import BadInput, PathFlag, Switch, default_hint
+from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, default_hint, one_of
 from app.commands.output import Target, json_target, put_result, say, working
-from app.commands.run.command import BROKEN, OK
+from app.commands.run.command import BROKEN, FAILED, OK
 from app.commands.run.text import budget_table, take_away_table
 from app.commands.scene_flags import SceneFlags
+from solvers.problems import PROBLEMS
+from solvers.scene.causes import FIELDS, NOTHING
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +20,8 @@ class Budget(SceneFlags):
 
     Causes are crossings (particles, or their boxes, counted whole where a part lies in the next cell), the coarse grid,
     the body force and the time step; their shares add up to 1. With --take-away the same scene runs again without a
-    cause, and what is left stands beside what the budget predicts. {setting}
+    cause, and what is left stands beside what the budget predicts; with --map the error of the end is traced back to
+    where and when it was made, if it does not cancel on the way. {setting}
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 a run went unstable or is lost.
     """
 
@@ -26,6 +29,12 @@ class Budget(SceneFlags):
     """File for the budget as a JSON object; - is standard output."""
     plot: Annotated[PathFlag, default_hint("no picture")] = None
     """File for a picture of it over time, .png."""
+    map: Annotated[PathFlag, default_hint("no picture")] = None
+    """File for a picture of where and when the error of the end was made, .png."""
+    field: Annotated[Any, one_of(FIELDS), default_hint("x")] = None
+    """Whose error the map is of."""
+    particle: Annotated[NumberFlag, default_hint("all, RMS")] = None
+    """Number of the particle, from 0, whose error the map is of."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar, no warnings and no remarks on standard error."""
 
@@ -35,20 +44,42 @@ class Budget(SceneFlags):
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
+        places = self._map_target(target, picture)
         for sentence in () if self.quiet else scene.warnings():
             say(f"warning: {sentence}")
         with working(self.quiet) as show:
             from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
+            traced = places and PROBLEMS[scene.problem].error_map(
+                replace(scene, take_away=NOTHING), "x" if self.field is None else self.field, self.particle, show)
             found = run_budget(scene, scene.take_away, show)
-        put_result(found.to_dict(), target, _tables)
+        put_result(found.to_dict() | ({"map": traced.to_dict()} if traced else {}), target, _tables)
         if picture:
             from app.pictures.budget import budget_figure
             from app.pictures.run import png_bytes
             picture.write(png_bytes(budget_figure(found)))
+        if traced and (refusal := traced.not_valid()):
+            say(refusal)
+            return FAILED
+        if places and traced:
+            from app.pictures.budget_map import budget_map_figure
+            from app.pictures.run import png_bytes
+            places.write(png_bytes(budget_map_figure(traced)))
         broken = [result for result in (found.result, found.again) if result and result.status != "ok"]
         for result in broken:
             say(result.reason)
         return BROKEN if broken else OK
+
+    def _map_target(self, *others: Target | None) -> Target | None:
+        """Where the map goes, tried now."""
+        if self.map is None:
+            for flag, value in (("field", self.field), ("particle", self.particle)):
+                if value is not None:
+                    raise BadInput(flag, value, "is said of a map; give --map FILE too, or leave it out")
+            return None
+        target = Target("map", self.map, ending=".png")
+        if any(other and other.path == target.path for other in others):
+            raise BadInput("map", self.map, "is the file of another flag too; give each its own")
+        return target
 
     def _scene(self) -> Any:
         """The scene with the budget switched on, whatever other effects it has."""

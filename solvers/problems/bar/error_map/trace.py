@@ -9,6 +9,7 @@ two forces of a pair only the difference matters, and it stays where it was made
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -29,6 +30,7 @@ def error_map(scene: BarScene, field: str = "x", particle: int | None = None,
         SceneError: a field, a particle or a scene that has no map.
     """
     check_map(scene, field, particle)
+    scene = replace(scene, effects=("truth",), estimators=(), take_away=NOTHING)
     run = record(scene, on_progress and (lambda part: on_progress(0.7 * part)))
     if run is None:
         return None
@@ -53,7 +55,7 @@ def error_map(scene: BarScene, field: str = "x", particle: int | None = None,
 def check_map(scene: BarScene, field: str, particle: int | None) -> None:
     """Refuse what has no map."""
     require_choice("field", field, FIELDS)
-    if particle is not None and not 0 <= particle < scene.particles:
+    if particle is not None and not (isinstance(particle, int) and 0 <= particle < scene.particles):
         raise SceneError("particle", particle, f"give one of the scene's, from 0 to {scene.particles - 1}")
     if not scene.solution_known:
         raise SceneError("body_force", scene.body_force, "has no known solution, and without one there is no error to "
