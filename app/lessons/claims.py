@@ -3,6 +3,7 @@
     error.x.max < 1e-5                      of the step's first run
     hat.index.recovered.x in 0.9..1.1       of the run called hat
     budget.v.crossings > 0.8                share of a cause in the error of v, with the effect budget
+    predicted.v.crossings < 0.1 * rms.v     what it predicts without the cause, and the error over the run as it is
     order(grids.error.x.max) in 1.9..2.1    of a run on several grids
     node.error.x.max / material.error.x.max > 10
     status == lost
@@ -32,7 +33,7 @@ PATHS: dict[str, tuple[tuple[str, ...], ...]] = {
     "error": ((*QUANTITIES, *EXTRA_NORMS), _NORMS),
     "estimate": (_ESTIMATORS, tuple(QUANTITIES), _NORMS),
     "index": (_ESTIMATORS, tuple(QUANTITIES)), "distance": (_ESTIMATORS, tuple(QUANTITIES)),
-    "budget": (FIELDS, tuple(CAUSES)),
+    "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
     "valid": (_ESTIMATORS,), "status": (), "grid_crossings": (), "steps": (), "particles": (), "t": (),
     "energy": (("initial", "final", "drift"),), "step": (("dt", "bound", "margin"),),
     "life": (("accurate", "sound", "first_period"),), "seconds": (("run", "estimate"),),
@@ -257,6 +258,8 @@ def _lookup(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
         if path[0] == "valid":
             return "no" if estimator in result["not_valid"] else "yes"
         names = [path[0], *([estimator] if len(running) > 1 else []), *path[2:]]
+    if path[0] in ("rms", "predicted"):
+        names = ["budget", *path]
     for name in names:
         found = None if found is None else found.get(name)
     if found is None:

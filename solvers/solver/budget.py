@@ -70,7 +70,10 @@ def not_valid(series: Mapping[str, np.ndarray]) -> str | None:
 
 def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:
     """The budget as it stands in results: shares by field and cause, ``at_end`` the parts of the RMS error at the end,
-    the ``reference`` ("exact" or "companion"), and ``not_valid``, a sentence or None."""
+    ``rms`` the error over the run and ``predicted`` what would be left of it without each cause, the ``reference``
+    ("exact" or "companion"), and ``not_valid``, a sentence or None."""
     return {**{field: shares(series, field) for field in FIELDS},
             "at_end": {field: at_end(series, field) for field in FIELDS},
+            "rms": {field: rms(series, field) for field in FIELDS},
+            "predicted": {field: {cause: rms(series, field, without=cause) for cause in CAUSES} for field in FIELDS},
             "reference": reference, "not_valid": not_valid(series)}

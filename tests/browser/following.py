@@ -11,7 +11,7 @@ from tests.browser.driving import FOLDERS, again_until, click, row, scene, time,
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".
 SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
-                  r"|\*\*(norm|index|distance)\*\* of \*\*([\w-]+)\*\*", re.MULTILINE)
+                  r"|\*\*(norm|index|distance|share|RMS)\*\* of \*\*([\w -]+)\*\*", re.MULTILINE)
 PART = re.compile(r"(norm|index|distance) of ([\w-]+)")
 RECKONED = re.compile(r"`([^`]*(?:norm|index|distance) of [^`]*)`")
 ON_COST = ("Tolerance / A", "Find the cheapest run")  # all else stands below the lesson's text, or on the stage
@@ -27,7 +27,8 @@ def tab(page, name):
 def act(page, verb, name, value):
     """One act: by the button that the lesson has for it, else on the tab where its widget is."""
     to = f"{verb} {name}{' to' * (verb == 'Set')} {value}" if value else f"{verb} {name}"
-    offered = page.get_by_role("button", name=name if name == "On the stage" and verb == "Press" else to, exact=True)
+    plain = verb == "Press" and name in ("On the stage", "Who made this error?")
+    offered = page.locator(".lab-lesson").get_by_role("button", name=name if plain else to, exact=True)
     if offered.count():
         offered.first.click()
         page.wait_for_timeout(600)
@@ -62,7 +63,11 @@ def _set(page, name, value):
 
 
 def reading(page, column, name):
-    """A number of the readout, as it stands there."""
+    """A number of the readout, as it stands there; a share or an RMS of the error budget."""
+    if column == "share":
+        return page.locator(".lab-causes tr", has_text=name).first.locator("td").last.inner_text()
+    if column == "RMS":
+        return page.locator(".lab-outcome p", has_text=name).locator("b").inner_text()
     rows = page.locator(".lab-estimates tr", has_text=name)
     return rows.first.locator("td").nth(COLUMNS[column]).inner_text()
 

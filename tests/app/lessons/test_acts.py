@@ -10,7 +10,7 @@ from app import state
 from app.lessons import shelf
 from app.lessons.lesson import drawn, filled
 from app.page.features.lesson import acts
-from app.page.features.lesson.acts import PUT, Act, do, found, with_buttons
+from app.page.features.lesson.acts import PUT, WHO, Act, do, found, with_buttons
 from app.page.features.lesson.html import choices_html, shelf_html, step_html, text_html
 
 SAID = "\n\n".join(("Words.", "- Press **On the stage**.", "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.",
@@ -24,6 +24,11 @@ def test_what_can_be_done_is_a_button_and_the_rest_is_text():
     assert re.findall(r"data-act='(\w+)'", shown) == ["stage", "0", "1", "2"]
     assert PUT in shown and "Set <b>Cells</b> to <b>80</b></button>" in shown
     assert "Set <strong>Particle</strong> to <code>10</code>." in shown
+
+
+def test_who_made_the_error_is_asked_by_a_button():
+    html = text_html("- Press **On the stage**.\n- Press **Who made this error?**\n", {})
+    assert found(html) == [] and WHO in with_buttons(html)
 
 
 class Hand:

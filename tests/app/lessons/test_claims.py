@@ -8,7 +8,8 @@ from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, decide, 
 
 FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "not_valid": {}, "status": "ok",
         "error": {"x": {"final": 1e-4, "max": 2e-4, "mean": None}}, "index": {"x": 0.98}, "grid_crossings": 12,
-        "budget": {"v": {"crossings": 0.87, "coarse_grid": None}}}
+        "budget": {"v": {"crossings": 0.87, "coarse_grid": None}, "rms": {"v": 2e-3},
+                                                                   "predicted": {"v": {"crossings": 1e-4}}}}
 COARSE = {**FINE, "scene": {**FINE["scene"], "cells": 20}, "error": {"x": {"final": 4e-4, "max": 8e-4, "mean": 1e-4}}}
 LOST = {**FINE, "status": "lost", "scene": {"estimator": ["recovered", "transport"]},
         "not_valid": {"transport": "not valid here"}, "index": {"recovered": {"x": 1.1}, "transport": {"x": None}}}
@@ -26,7 +27,8 @@ SCOPE = Scope({"fine": Outcome([FINE]), "grids": Outcome([COARSE, FINE], "cells"
     ("gone.status != ok", True), ("index.recovered.x in 0.9..1.1", True), ("gone.index.recovered.x >= 1.1", True),
     ("gone.valid.transport == no", True), ("valid.recovered == yes", True),
     ("error.x.max / scene.amplitude < 0.01", True),
-    ("budget.v.crossings in 0.8..0.9", True), ("grid_crossings == 12", True)])
+    ("budget.v.crossings in 0.8..0.9", True), ("fine.predicted.v.crossings < 0.1 * rms.v", True),
+    ("grid_crossings == 12", True)])
 def test_a_claim_is_judged(claim, holds):
     check_claim(claim, SCOPE.outcomes, SCOPE.main)
     assert decide(claim, SCOPE).holds is holds
@@ -37,7 +39,7 @@ def test_a_claim_is_judged(claim, holds):
     ("error.q.max < 1", "after error give one of x"), ("eror.x.max < 1", "neither a run nor part of a result"),
     ("slow.error.x.max < 1", "neither a run nor part"), ("error.x.max.more < 1", "nothing comes after error.x.max"),
     ("budget.sigma.crossings < 1", "after budget give one of x, v, F"),
-    ("budget.v.gravity < 1", "one of crossings"),
+    ("budget.v.gravity < 1", "one of crossings"), ("rms.v.crossings < 1", "nothing comes after rms.v"),
     ("index.oracle.x < 1", "after index give one of"), ("error.x.max <", "claims nothing"),
     ("(error.x.max < 1", "cannot be read"),
     ("__import__('os') < 1", "means nothing here"), ("error.x.max[0] < 1", "means nothing here"),

@@ -31,6 +31,7 @@ RIGHT: dict[str, dict[str, float]] = {
         "the-stress-of-the-hat-functions": 0.0602, "where-does-the-trouble-begin": 3.125,
         "leave-it-where-the-first-particle-crosses": 0.003125, "how-much-of-the-stress-is-wrong": 19.5},
     "05-who-is-to-blame": {
+        "the-share-of-crossings": 96.9, "what-came": 71.2, "who-made-the-error-of-v": 87.2,
         "the-error-on-160-cells": 354, "the-error-on-160-cells-force-at-the-particles": 3.28,
         "your-own-amplitude": 55.5},
     "06-ring": {"the-acceleration-of-cpdi": 66.1},

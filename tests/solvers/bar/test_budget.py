@@ -93,6 +93,13 @@ def test_parts_at_the_end_add_up_to_the_error():
     assert found["reference"] == "exact" and found["not_valid"] is None
 
 
+def test_a_result_says_what_is_left_without_each_cause():
+    found = run_budget(replace(SCENE, cells=16, periods=0.5), "crossings")
+    said, taken = found.result.to_dict()["budget"], found.take_away()
+    assert taken is not None and said["rms"] == taken["before"]
+    assert {field: said["predicted"][field]["crossings"] for field in FIELDS} == taken["predicted"]
+
+
 def adds_up(scene: BarScene) -> bool:
     """Whether it does at every sample, up to where the run is lost: beyond that rounding grows with the error. A patch
     test that passes has no error but round-off, which is no cause's and of which the budget says so."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from html import unescape
 
 from app import words
+from app.frame.budget import QUESTION
 from app.page.features.lesson.hands import Hands
 from app.words import size_in, unit_of
 from solvers.scene.scene import Scene
@@ -18,7 +19,9 @@ FIELDS = {"Cells": "cells", "Particles / cell": "ppc", "Amplitude A": "amplitude
           "CFL number": "cfl", "Method": "method", "Body force": "body_force"}
 STAGE = "On the stage"  # pressed it puts the step's run there; chosen, an estimator
 LOOKS, PRESSED = ("Error of", STAGE), ("Play", "Pause", "Reset", "Step")
+ASKED = QUESTION  # pressed it opens the error budget, by the page's script (``js/budget.js``)
 PUT = f"<button type='button' class='lab-act lab-put' data-act='stage'>{STAGE}</button>"
+WHO = f"<button type='button' class='lab-act' data-act='budget'>{ASKED}</button>"
 
 
 @dataclass(frozen=True)
@@ -43,14 +46,16 @@ def found(html: str) -> list[Act]:
 
 
 def with_buttons(html: str) -> str:
-    """The html with a button in the place of each act that :func:`found` gives, and of the one that puts the step's run
-    on the stage."""
+    """The html with a button in the place of each act that :func:`found` gives, of the one that puts the step's run on
+    the stage, and of that which asks who made its error."""
     count = itertools.count()
 
     def button(line: re.Match[str]) -> str:
         act = _act(line)
         if (act.verb, act.name) == ("Press", STAGE):
             return f"<li class='lab-to-do'>{PUT}</li>"
+        if (act.verb, act.name) == ("Press", ASKED):
+            return f"<li class='lab-to-do'>{WHO}</li>"
         if not act.known:
             return line[0]
         verb, name, value = line.groups()

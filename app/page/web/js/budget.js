@@ -1,5 +1,5 @@
-// Who made this error? A press below the judges' cards asks for the budget, opens its fold and goes there. What opens makes
-// room only when the page has it: so it is looked for a while.
+// Who made this error? A press below the judges' cards, or in a lesson, asks for the budget, opens its fold and goes there.
+// What opens makes room only when the page has it: so it is looked for a while.
 (() => {
   const ROOM = 150, PATIENCE = 20;  // milliseconds between two looks, and how many
   const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -12,7 +12,7 @@
   }
 
   document.getElementById("root").addEventListener("click", event => {
-    if (event.target.closest(".lab-who")) {
+    if (event.target.closest(".lab-who, .lab-act[data-act=budget]")) {
       dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
       wait(left => {
         const fold = head();

@@ -58,6 +58,7 @@
     if (!act) return;
     act.classList.add("lab-did");
     const number = act.dataset.act;
+    if (number === "budget") return;  // js/budget.js hears that
     tell({do: [Number(act.closest("[data-step]").dataset.step), number === "stage" ? number : Number(number)]});
   });
   document.addEventListener("change", event => {
