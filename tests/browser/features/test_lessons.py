@@ -47,6 +47,9 @@ def play(page, lesson, first, last):
                 assert following.is_disabled()
             answer(page, step, HOSTILE if step.question.kind == TEXT else "1e-3")
             until(following.is_enabled, "the way on")
+        for unfinished, where in (("checked", ".lab-recorded"), ("being worked out", ".lab-compared")):
+            until(lambda: not any(unfinished in said for said in page.locator(where).all_inner_texts()),  # noqa: B023
+                  "what is being worked out", 60)  # the viewer warns of what comes for a step that is left
         click(page, "Next")
 
 
