@@ -1,0 +1,69 @@
+"""What the exact solution, put through one step of the run, misses itself by, divided between the causes.
+
+With f the method's force of the exact stress at the nodes, f~ that of the same stress in pieces, and "down" the
+mass-weighted mean over the particles of a node, the exact motion misses its own acceleration there by
+
+    crossings    (f - f~)/m            a particle, or its domain, is counted where a part of its piece does not lie
+    coarse grid  f~/m - down(a0 - b)   pieces of constant stress, and hats to see them with
+
+and beside that: the gradient of the velocity seen from particles and not from pieces (crossings), the way of v and a to
+the nodes and back (coarse grid), and symplectic Euler (time step). The body force acts at material points and misses
+nothing.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solvers.problems.planar.budget.moment import Moment
+from solvers.problems.planar.budget.pieces import Pieces
+from solvers.problems.planar.budget.weights import StepWeights
+from solvers.scene.causes import CAUSES
+
+CROSSINGS, COARSE_GRID, BODY_FORCE, TIME_STEP = range(len(CAUSES))
+
+
+class Sources(NamedTuple):
+    """What each cause gives in a step to the errors of x and v (4, P, 2) and of F (4, P, 2, 2), in the order of
+    ``solvers.scene.causes``, and the gradient of the velocity in which the exact motion moves (P, 2, 2)."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    deformation_gradient: np.ndarray
+    velocity_gradient: np.ndarray
+
+
+def sources(weights: StepWeights, pieces: Pieces, now: Moment, then: Moment, stress: np.ndarray, volume: np.ndarray,
+            dt: float, with_particle: bool, frozen: bool) -> Sources:
+    """Of the step from ``now`` to ``then``.
+
+    ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) that at
+    rest; ``with_particle`` says that particles move with their own velocity.
+    """
+    particles = len(volume)
+    x, v = np.zeros((len(CAUSES), particles, 2)), np.zeros((len(CAUSES), particles, 2))
+    F = np.zeros((len(CAUSES), particles, 2, 2))
+    before = np.broadcast_to(np.eye(2), (particles, 2, 2)) if frozen else now.deformation_gradient
+    moved = now.velocity + dt * now.acceleration
+    down = weights.to_nodes(np.stack([moved, now.acceleration, now.velocity, now.acceleration - now.body_force]))
+
+    method = weights.acceleration_of((volume[:, None, None] * stress)[None])[0]
+    in_pieces = weights.per_mass * pieces.force(stress / np.linalg.det(before)[:, None, None])
+    missed = np.stack([method - in_pieces, in_pieces - down[3]])  # accelerations at the nodes (2, N, 2)
+    gradients = weights.gradient(np.concatenate([missed, down[:1]]))
+    both = [CROSSINGS, COARSE_GRID]
+    v[both] += dt * weights.to_particles(missed)
+    x[both] += dt * v[both]
+    F[both] += dt**2 * gradients[:2] @ before
+
+    there_and_back = weights.to_particles(down[1:3]) - np.stack([now.acceleration, now.velocity])
+    v[COARSE_GRID] += dt * there_and_back[0]
+    x[COARSE_GRID] += dt**2 * there_and_back[0] + (0.0 if with_particle else dt * there_and_back[1])
+    from_pieces, wanted = pieces.gradient(down[0]), now.rate + dt * now.second_rate
+    F[CROSSINGS] += dt * (gradients[2] - from_pieces) @ before
+    F[COARSE_GRID] += dt * (from_pieces @ before - wanted)
+
+    x[TIME_STEP] += dt * moved - (then.displacement - now.displacement)
+    v[TIME_STEP] += dt * now.acceleration - (then.velocity - now.velocity)
+    F[TIME_STEP] += dt * wanted - (then.deformation_gradient - now.deformation_gradient)
+    return Sources(x, v, F, gradients[2] + dt * (gradients[0] + gradients[1]))

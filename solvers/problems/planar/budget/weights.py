@@ -1,0 +1,74 @@
+"""The weights of the step that was just taken, as linear maps between particles and nodes, in numpy.
+
+A node beyond a symmetry plane stands for its mirror image, with the component across the plane in odd sign; nothing
+moves across a plane, and a node that the run has left out for its small mass carries nothing here either. Vectors of C
+causes are (C, P, 2) at particles and (C, N, 2) at nodes.
+"""
+
+import numpy as np
+
+from solvers.problems.planar.layout import half_edges
+from solvers.problems.planar.method.phases import EMPTY
+from solvers.problems.planar.state import WatchedBody
+from solvers.problems.planar.step_breakdown import nodes_of, weights_of
+from solvers.scene.scene import Scene
+
+
+class Grid:
+    """Nodes row by row, the first ``ghosts`` rows and columns beyond symmetry planes."""
+
+    def __init__(self, row: int, ghosts: int):
+        self.row, self.ghosts, self.nodes = row, ghosts, row * row
+        on_plane = np.arange(row) == ghosts if ghosts else np.zeros(row, bool)
+        self.free = np.ones((row, row, 2))  # 0 for what would move a node across a plane; of y, x
+        self.free[:, on_plane, 0] = 0.0
+        self.free[on_plane, :, 1] = 0.0
+        self.free = self.free.reshape(-1, 2)
+
+    def seen(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of nodes (...): those that they stand for, and the signs (..., 2) with which they do."""
+        ij = np.stack([nodes % self.row, nodes // self.row], axis=-1)
+        home = np.abs(ij - self.ghosts) + self.ghosts
+        return home[..., 1] * self.row + home[..., 0], np.where(ij < self.ghosts, -1.0, 1.0)
+
+    def sums(self, home: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """What falls on the nodes (C, N, 2) of ``values`` (C, P, M, 2), with ``home`` (P, M)."""
+        out = np.empty((len(values), self.nodes, 2))
+        index = home.ravel()
+        for c, given in enumerate(values):
+            for d in range(2):
+                out[c, :, d] = np.bincount(index, given[:, :, d].ravel(), self.nodes)
+        return out
+
+
+class StepWeights:
+    """Those of a solver's last step, which began with ``F`` (P, 2, 2)."""
+
+    def __init__(self, scene: Scene, a: WatchedBody, F: np.ndarray, grid: Grid):
+        self.grid = grid
+        self.home, signs = grid.seen(nodes_of(scene, a))
+        S, dS = weights_of(scene, a, half_edges(scene, F, a.edges), np.arange(a.particles))
+        self.particle_mass = a.mass
+        self.S = S[:, :, None] * signs  # (P, M, 2), of a vector's components
+        self.dS = dS[:, :, None, :] * signs[:, :, :, None]  # (P, M, 2, 2), component and direction
+        mass = np.bincount(self.home.ravel(), (a.mass[:, None] * S).ravel(), grid.nodes)
+        carries = mass > EMPTY * a.density * a.spacing**2
+        self.per_mass = np.where(carries, 1 / np.where(carries, mass, 1.0), 0.0)[:, None] * grid.free
+
+    def to_nodes(self, vectors: np.ndarray) -> np.ndarray:
+        """Mass-weighted means at the nodes."""
+        given = self.particle_mass[:, None, None] * self.S * vectors[:, :, None, :]
+        return self.per_mass * self.grid.sums(self.home, given)
+
+    def acceleration_of(self, moments: np.ndarray) -> np.ndarray:
+        """Of stresses times volume (C, P, 2, 2) in N m: -sum S's gradient over the mass."""
+        given = np.stack([np.einsum("pmij,pij->pmi", self.dS, one) for one in moments])
+        return -self.per_mass * self.grid.sums(self.home, given)
+
+    def to_particles(self, vectors: np.ndarray) -> np.ndarray:
+        """The nodes' values at the particles."""
+        return np.stack([np.einsum("pmi,pmi->pi", self.S, one[self.home]) for one in vectors])
+
+    def gradient(self, vectors: np.ndarray) -> np.ndarray:
+        """Their gradients at the particles (C, P, 2, 2), component and direction."""
+        return np.stack([np.einsum("pmij,pmi->pij", self.dS, one[self.home]) for one in vectors])
