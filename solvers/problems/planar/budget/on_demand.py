@@ -1,4 +1,4 @@
-"""The budget of a run in the plane, on demand: the usual solver taken a step at a time, the causes' errors beside it."""
+"""The budget of a run in the plane, on demand: the usual solver a step at a time, the errors of causes beside it."""
 
 from collections.abc import Callable
 
@@ -8,17 +8,18 @@ from solvers.problems.planar.budget.material import Material
 from solvers.problems.planar.budget.moment import Moment, PlanarBudget
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.budget.push import CauseErrors
-from solvers.problems.planar.budget.sources import TIME_STEP, sources
+from solvers.problems.planar.budget.sources import TIME_STEP, Sources, sources
 from solvers.problems.planar.budget.weights import Grid, StepWeights
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 from solvers.solver.samples import BUDGET
 
 
 class BudgetOnDemand:
-    """A ``solver`` at the start of its run, and the errors that each cause has made in it."""
+    """A ``solver`` at the start of its run, and the errors that each cause has made in it; what one of ``CAUSES`` gives
+    may be taken out of the run, exactly."""
 
-    def __init__(self, solver: PlanarSolver, budget: PlanarBudget):
+    def __init__(self, solver: PlanarSolver, budget: PlanarBudget, take_away: str = NOTHING):
         scene, a = solver.scene, solver._arrays
         self.solver, self._budget, self._scene, self._arrays = solver, budget, scene, a
         self._X, self._volume = a.material_position, a.mass / a.density
@@ -26,6 +27,7 @@ class BudgetOnDemand:
         self._lattice = Lattice(scene)
         self._material = Material(*budget.lame(scene), at_rest=scene.frozen)
         self._now: Moment = budget.moment(scene, self._X, 0.0)
+        self._taken = None if take_away == NOTHING else list(CAUSES).index(take_away)
         self.causes = CauseErrors(len(self._X))
         # A run may begin with the velocity of half a step before: that is how it steps.
         self.causes.velocity[TIME_STEP] = a.position_velocity[:, 2:] - self._now.velocity
@@ -50,10 +52,21 @@ class BudgetOnDemand:
         particle = scene.velocity == "particle"
         given = sources(weights, pieces, now, then, self._material.stress(now.deformation_gradient), self._volume,
                         scene.time_step, particle, at_rest)
+        if self._taken is not None:
+            self._take_out(given, self._taken)
         self.causes.push(weights, self._material, F, now.deformation_gradient, self._volume, given, scene.time_step,
                          particle)
         self._now = then
         return solver.sound
+
+    def _take_out(self, given: Sources, cause: int) -> None:
+        """Of a step's sources those of a cause, from the run's particles and so from the errors."""
+        a = self._arrays
+        a.position_velocity[:, :2] -= given.position[cause]
+        a.position_velocity[:, 2:] -= given.velocity[cause]
+        a.deformation_gradient -= given.deformation_gradient[cause].reshape(-1, 4)
+        for source in (given.position, given.velocity, given.deformation_gradient):
+            source[cause] = 0.0
 
 
 def series(solver: PlanarSolver, budget: PlanarBudget, steps: np.ndarray,

@@ -20,10 +20,10 @@ class Grid:
     def __init__(self, row: int, ghosts: int):
         self.row, self.ghosts, self.nodes = row, ghosts, row * row
         on_plane = np.arange(row) == ghosts if ghosts else np.zeros(row, bool)
-        self.free = np.ones((row, row, 2))  # 0 for what would move a node across a plane; of y, x
-        self.free[:, on_plane, 0] = 0.0
-        self.free[on_plane, :, 1] = 0.0
-        self.free = self.free.reshape(-1, 2)
+        free = np.ones((row, row, 2))
+        free[:, on_plane, 0] = 0.0
+        free[on_plane, :, 1] = 0.0
+        self.free = free.reshape(-1, 2)  # 0 for what would move a node across a plane
 
     def seen(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Of nodes (...): those that they stand for, and the signs (..., 2) with which they do."""
