@@ -4,15 +4,29 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 
 if TYPE_CHECKING:  # solvers bring Taichi, which takes a second
+    import numpy as np
+
     from solvers.problems.reference import ProblemReference
     from solvers.solver.base import Solver
     from solvers.solver.error_map import ErrorMap
+
+
+class OnDemand(Protocol):
+    """What finds the error budget of a run beside it, where it is no effect."""
+
+    def check(self, scene: Any, take_away: str) -> None:
+        """:class:`~solvers.scene.rules.SceneError` where there is none of a scene, or not without that cause."""
+
+    def series(self, scene: Any, steps: np.ndarray, take_away: str,
+               on_progress: Callable[[float], None] | None) -> tuple[dict[str, np.ndarray], Solver]:
+        """Its samples (``solvers.solver.samples.BUDGET``) after so many ``steps`` (T,), NaN from where the run has gone
+        bad, of the run as it is or without a cause; and the solver at the end."""
 
 
 class Problem(ABC):
@@ -35,6 +49,11 @@ class Problem(ABC):
     @abstractmethod
     def reference(self) -> ProblemReference:
         """The problem as another code sees it."""
+
+    @property
+    def budget(self) -> OnDemand | None:
+        """What finds the error budget of a run on demand; None where the effect of that name does, or nothing."""
+        return None
 
     @property
     def estimators(self) -> tuple[str, ...]:

@@ -6,6 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+from solvers.problems import PROBLEMS
+from solvers.problems.descriptor import OnDemand
 from solvers.running.run import run
 from solvers.scene.causes import FIELDS, NOTHING
 from solvers.solver import budget
@@ -41,7 +45,13 @@ class BudgetResult:
 
 
 def run_budget(scene: Any, cause: str = NOTHING, on_progress: Callable[[float], None] | None = None) -> BudgetResult:
-    """Run a scene that has the effect ``budget``, and again without a cause (see its field ``take_away``)."""
+    """Run a scene that has the effect ``budget``, or whose problem has budgets on demand, and again without a cause.
+
+    Raises :class:`~solvers.scene.rules.SceneError` where there is no budget on demand of the scene.
+    """
+    on_demand = PROBLEMS[scene.problem].budget
+    if on_demand is not None:
+        return _run_on_demand(on_demand, scene, cause, on_progress)
     parts = 1 if cause == NOTHING else 2
 
     def show(part: float, before: int = 0) -> None:
@@ -52,4 +62,26 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Callable[[float], 
     again = None
     if cause != NOTHING:
         again = run(replace(scene, take_away=cause), lambda part: show(part, 1), prices=False, mid_run=False)
+    return BudgetResult(result, cause, again)
+
+
+def _run_on_demand(budget: OnDemand, scene: Any, cause: str,
+                   on_progress: Callable[[float], None] | None) -> BudgetResult:
+    """The same beside a run: once as it is, and once a step at a time with its budget."""
+    budget.check(scene, cause)
+    parts = 1 if cause == NOTHING else 2
+
+    def show(part: float, before: int = 0) -> None:
+        if on_progress:
+            on_progress((before + part) / parts)
+
+    plain = run(scene, prices=False, mid_run=False)
+    steps = np.rint(plain.series["time"] / scene.time_step).astype(int)
+    result = replace(plain, series=plain.series | budget.series(scene, steps, NOTHING, show)[0])
+    again = None
+    if cause != NOTHING:
+        series, solver = budget.series(scene, steps, cause, lambda part: show(part, 1))
+        status, reason, broken_at = solver.status(None)
+        again = replace(result, series={"time": plain.series["time"], **series}, status=status, reason=reason,
+                        broken_at=broken_at)
     return BudgetResult(result, cause, again)

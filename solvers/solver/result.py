@@ -146,10 +146,10 @@ class Result:
                 "error": norms.angular_momentum_drift(series, series["exact_angular_momentum"])}
 
     def budget(self) -> dict | None:
-        """Which part of the error each cause has made (:func:`solvers.solver.budget.summary`); None where the effect is
-        off."""
-        reference: str = getattr(self.scene, "budget_reference", "")  # of a problem that has budgets
-        return budget.summary(self.series, reference) if self.scene.has("budget") else None
+        """Which part of the error each cause has made (:func:`solvers.solver.budget.summary`); None where nobody has
+        looked."""
+        reference: str = getattr(self.scene, "budget_reference", "exact")  # where a problem leaves no choice
+        return budget.summary(self.series, reference) if "budget/error_x" in self.series else None
 
     @UNBOUNDED
     def life(self) -> dict[str, float | None]:

@@ -9,7 +9,7 @@ from app.commands.run.command import BROKEN, FAILED, OK
 from app.commands.run.text import budget_table, take_away_table
 from app.commands.scene_flags import SceneFlags
 from solvers.problems import PROBLEMS
-from solvers.scene.causes import FIELDS, NOTHING
+from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,8 +20,7 @@ class Budget(SceneFlags):
 
     Causes are crossings (particles, or their boxes, counted whole where a part lies in the next cell), the coarse grid,
     the body force and the time step; their shares add up to 1. With --take-away the same scene runs again without a
-    cause, and what is left stands beside what the budget predicts; with --map the error of the end is traced back to
-    where and when it was made, if it does not cancel on the way. {setting}
+    cause, and what is left stands beside what the budget predicts. {setting}
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 a run went unstable or is lost.
     """
 
@@ -29,12 +28,6 @@ class Budget(SceneFlags):
     """File for the budget as a JSON object; - is standard output."""
     plot: Annotated[PathFlag, default_hint("no picture")] = None
     """File for a picture of it over time, .png."""
-    map: Annotated[PathFlag, default_hint("no picture")] = None
-    """File for a picture of where and when the error of the end was made, .png."""
-    field: Annotated[Any, one_of(FIELDS), default_hint("x")] = None
-    """Whose error the map is of."""
-    particle: Annotated[NumberFlag, default_hint("all, RMS")] = None
-    """Number of the particle, from 0, whose error the map is of."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar, no warnings and no remarks on standard error."""
 
@@ -49,9 +42,8 @@ class Budget(SceneFlags):
             say(f"warning: {sentence}")
         with working(self.quiet) as show:
             from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
-            traced = places and PROBLEMS[scene.problem].error_map(
-                replace(scene, take_away=NOTHING), "x" if self.field is None else self.field, self.particle, show)
-            found = run_budget(scene, scene.take_away, show)
+            traced = places and self._error_map(scene, show)
+            found = run_budget(scene, self._cause(scene), show)
         put_result(found.to_dict() | ({"map": traced.to_dict()} if traced else {}), target, _tables)
         if picture:
             from app.pictures.budget import budget_figure
@@ -69,6 +61,48 @@ class Budget(SceneFlags):
             say(result.reason)
         return BROKEN if broken else OK
 
+    def _scene(self) -> Any:
+        """The scene whose budget is found."""
+        return self.scene()
+
+    def _cause(self, scene: Any) -> str:
+        """What is taken away."""
+        raise NotImplementedError
+
+    def _map_target(self, *others: Target | None) -> Target | None:
+        """Where a map goes, tried now; None without one."""
+
+    def _error_map(self, scene: Any, show: Any) -> Any:
+        """The map, where there is one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BudgetOfEffect(Budget):
+    """The budget of a problem whose runs carry it with them, and the map of its error."""
+
+    HELP: ClassVar[str] = Budget.HELP.replace("Exit status", """With --map the error of the end is traced back to
+    where and when it was made, if it does not cancel on the way.
+    Exit status""")
+
+    map: Annotated[PathFlag, default_hint("no picture")] = None
+    """File for a picture of where and when the error of the end was made, .png."""
+    field: Annotated[Any, one_of(FIELDS), default_hint("x")] = None
+    """Whose error the map is of."""
+    particle: Annotated[NumberFlag, default_hint("all, RMS")] = None
+    """Number of the particle, from 0, whose error the map is of."""
+
+    def _scene(self) -> Any:
+        """The scene with the budget switched on, whatever other effects it has."""
+        scene = self.scene()
+        scene = replace(scene, effects=tuple(dict.fromkeys((*scene.effects, "budget"))))
+        if not scene.has("budget"):
+            raise BadInput("effects", " ".join(scene.effects), "a budget needs the effect truth and an exact solution, "
+                           "or the effect estimate and --estimator companion")
+        return scene
+
+    def _cause(self, scene: Any) -> str:
+        return scene.take_away
+
     def _map_target(self, *others: Target | None) -> Target | None:
         """Where the map goes, tried now."""
         if self.map is None:
@@ -81,14 +115,24 @@ class Budget(SceneFlags):
             raise BadInput("map", self.map, "is the file of another flag too; give each its own")
         return target
 
-    def _scene(self) -> Any:
-        """The scene with the budget switched on, whatever other effects it has."""
-        scene = self.scene()
-        scene = replace(scene, effects=tuple(dict.fromkeys((*scene.effects, "budget"))))
-        if not scene.has("budget"):
-            raise BadInput("effects", " ".join(scene.effects), "a budget needs the effect truth and an exact solution, "
-                           "or the effect estimate and --estimator companion")
-        return scene
+    def _error_map(self, scene: Any, show: Any) -> Any:
+        return PROBLEMS[scene.problem].error_map(
+            replace(scene, take_away=NOTHING), "x" if self.field is None else self.field, self.particle, show)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BudgetOnDemand(Budget):
+    """The budget of a problem whose runs do not carry it with them."""
+
+    HELP: ClassVar[str] = Budget.HELP.replace("Exit status", """The run is taken a step at a time, against the exact
+    solution; the body force acts at material points and makes no error.
+    Exit status""")
+
+    take_away: Annotated[Any, one_of((NOTHING, *CAUSES))] = NOTHING
+    """Cause of error that is taken out of the run."""
+
+    def _cause(self, scene: Any) -> str:
+        return self.take_away
 
 
 def _tables(values: dict) -> str:

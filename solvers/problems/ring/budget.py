@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from solvers.problems.planar.budget.moment import Moment, PlanarBudget
+from solvers.problems.planar.budget.moment import Moment
+from solvers.problems.planar.budget.on_demand import PlanarBudget
 from solvers.problems.ring import exact
 from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring.solver import RingSolver
 
 
 def moment(scene: RingScene, X: np.ndarray, t: float) -> Moment:
@@ -20,4 +22,4 @@ def moment(scene: RingScene, X: np.ndarray, t: float) -> Moment:
                   change * gradient)
 
 
-BUDGET = PlanarBudget(moment, lambda scene: (0.0, 0.5 * scene.modulus))
+BUDGET = PlanarBudget(RingSolver, moment, lambda scene: (0.0, 0.5 * scene.modulus))

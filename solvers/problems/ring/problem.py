@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from solvers.problems.descriptor import Problem
+from solvers.problems.descriptor import OnDemand, Problem
 from solvers.problems.ring.scene import RingScene
 
 if TYPE_CHECKING:
@@ -32,3 +32,9 @@ class RingProblem(Problem):
         from solvers.problems.ring.reference import REFERENCE
 
         return REFERENCE
+
+    @property
+    def budget(self) -> OnDemand:
+        from solvers.problems.ring.budget import BUDGET
+
+        return BUDGET

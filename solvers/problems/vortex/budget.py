@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from solvers.problems.planar.budget.moment import Moment, PlanarBudget
+from solvers.problems.planar.budget.moment import Moment
+from solvers.problems.planar.budget.on_demand import PlanarBudget
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.vortex.solver import VortexSolver
 
 
 def moment(scene: VortexScene, X: np.ndarray, t: float) -> Moment:
@@ -29,4 +31,4 @@ def _left(tensors: np.ndarray) -> np.ndarray:
     return np.stack([-tensors[:, 1], tensors[:, 0]], axis=1)
 
 
-BUDGET = PlanarBudget(moment, exact.lame)
+BUDGET = PlanarBudget(VortexSolver, moment, exact.lame)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from solvers.problems.descriptor import Problem
+from solvers.problems.descriptor import OnDemand, Problem
 from solvers.problems.vortex.scene import VortexScene
 
 if TYPE_CHECKING:
@@ -32,3 +32,9 @@ class VortexProblem(Problem):
         from solvers.problems.vortex.reference import REFERENCE
 
         return REFERENCE
+
+    @property
+    def budget(self) -> OnDemand:
+        from solvers.problems.vortex.budget import BUDGET
+
+        return BUDGET

@@ -1,7 +1,6 @@
 """The exact solution of a plane problem at one time, as the budget asks for it."""
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,10 +15,3 @@ class Moment(NamedTuple):
     deformation_gradient: np.ndarray  # F (P, 2, 2)
     rate: np.ndarray  # F_t, which is the gradient of v along X (P, 2, 2)
     second_rate: np.ndarray  # F_tt, that of a (P, 2, 2)
-
-
-class PlanarBudget(NamedTuple):
-    """What a problem in the plane tells the budget of itself."""
-
-    moment: Callable[[Any, np.ndarray, float], Moment]  # (scene, X, t)
-    lame: Callable[[Any], tuple[float, float]]  # (scene): lambda and mu in Pa

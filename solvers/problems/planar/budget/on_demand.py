@@ -1,21 +1,67 @@
 """The budget of a run in the plane, on demand: the usual solver a step at a time, the errors of causes beside it."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from solvers.problems.planar.budget.material import Material
-from solvers.problems.planar.budget.moment import Moment, PlanarBudget
+from solvers.problems.planar.budget.moment import Moment
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.budget.push import CauseErrors
-from solvers.problems.planar.budget.sources import TIME_STEP, Sources, sources
+from solvers.problems.planar.budget.sources import MAKERS, TIME_STEP, Sources, sources
 from solvers.problems.planar.budget.weights import Grid, StepWeights
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING
+from solvers.scene.remedies import FROZEN
+from solvers.scene.rules import SceneError, require_choice
+from solvers.solver.base import Solver
+from solvers.solver.norms import UNBOUNDED
 from solvers.solver.samples import BUDGET
 
 
-class BudgetOnDemand:
+@dataclass(frozen=True)
+class PlanarBudget:
+    """What a problem in the plane tells its budget: its solver, the exact solution, lambda and mu in Pa of a scene."""
+
+    solver: type[PlanarSolver]
+    moment: Callable[[Any, np.ndarray, float], Moment]  # (scene, X, t)
+    lame: Callable[[Any], tuple[float, float]]
+
+    def check(self, scene: Any, take_away: str = NOTHING) -> None:
+        """:class:`SceneError` where there is no budget of a scene, or not without that cause."""
+        require_choice("take_away", take_away, (NOTHING, *CAUSES))
+        if not scene.solution_known:
+            raise SceneError("body_force", scene.body_force, f"leaves no exact solution to compare the {scene.problem} "
+                             "with, which a budget needs; give material")
+        others = [name for name in scene.remedies if name != FROZEN]
+        if others:
+            raise SceneError("remedies", " ".join(scene.remedies), f"{others[0]} changes the particles by more than a "
+                             f"step, which the budget of the {scene.problem} does not follow; give none or {FROZEN}")
+        if scene.for_gpu:
+            raise SceneError("arch", scene.arch, "steps faster than a budget follows, which is made on the processor; "
+                             "give cpu")
+
+    def series(self, scene: Any, steps: np.ndarray, take_away: str = NOTHING,
+               on_progress: Callable[[float], None] | None = None) -> tuple[dict[str, np.ndarray], Solver]:
+        """Its samples (``solvers.solver.samples.BUDGET``) after so many ``steps`` (T,), in rising order, NaN from where
+        the run has gone bad; and the solver at the end."""
+        bare = replace(scene, effects=(), estimators=(), plan="serial", threads=1)
+        run = BudgetRun(self.solver(bare), self, take_away)
+        out = {name: np.full(len(steps), np.nan) for name in BUDGET}
+        for k, wanted in enumerate(steps):
+            while run.solver.step < wanted:
+                if not run.step():
+                    return out, run.solver
+                if on_progress:
+                    on_progress(run.solver.step / float(steps[-1]))
+            for name, value in sample(run).items():
+                out[name][k] = value
+        return out, run.solver
+
+
+class BudgetRun:
     """A ``solver`` at the start of its run, and the errors that each cause has made in it; what one of ``CAUSES`` gives
     may be taken out of the run, exactly."""
 
@@ -27,7 +73,7 @@ class BudgetOnDemand:
         self._lattice = Lattice(scene)
         self._material = Material(*budget.lame(scene), at_rest=scene.frozen)
         self._now: Moment = budget.moment(scene, self._X, 0.0)
-        self._taken = None if take_away == NOTHING else list(CAUSES).index(take_away)
+        self._taken = MAKERS.index(take_away) if take_away in MAKERS else None
         self.causes = CauseErrors(len(self._X))
         # A run may begin with the velocity of half a step before: that is how it steps.
         self.causes.velocity[TIME_STEP] = a.position_velocity[:, 2:] - self._now.velocity
@@ -38,26 +84,29 @@ class BudgetOnDemand:
         return {"x": q[:, :2] - self._X - now.displacement, "v": q[:, 2:] - now.velocity,
                 "F": self._arrays.deformation_gradient.reshape(-1, 2, 2) - now.deformation_gradient}
 
+    @UNBOUNDED
     def step(self) -> bool:
         """Take one step; False where the run has gone bad."""
-        scene, a, solver, now = self._scene, self._arrays, self.solver, self._now
+        scene, a, now = self._scene, self._arrays, self._now
         F = a.deformation_gradient.reshape(-1, 2, 2).copy()
-        moved = a.position_velocity[:, :2] - self._X
-        solver.advance(1)
-        then = self._budget.moment(scene, self._X, solver.time)
+        corners = self._lattice.place if scene.frozen else \
+            self._lattice.corners(a.position_velocity[:, :2] - self._X, now.deformation_gradient)
+        place = corners * a.cells_per_length + a.origin
+        self.solver.advance(1)
+        if not (self.solver.sound and np.all((place > 0) & (place < a.row - 1)) and np.all(np.linalg.det(F) > 0)):
+            return False
+        then = self._budget.moment(scene, self._X, self.solver.time)
         weights = StepWeights(scene, a, F, self._grid)
-        at_rest = scene.frozen
-        corners = self._lattice.place if at_rest else self._lattice.corners(moved, now.deformation_gradient)
-        pieces = Pieces(self._lattice, corners, self._grid, a.cells_per_length, a.origin)
+        pieces = Pieces(self._lattice, corners, self._grid, place)
         particle = scene.velocity == "particle"
         given = sources(weights, pieces, now, then, self._material.stress(now.deformation_gradient), self._volume,
-                        scene.time_step, particle, at_rest)
+                        scene.time_step, particle, scene.frozen)
         if self._taken is not None:
             self._take_out(given, self._taken)
         self.causes.push(weights, self._material, F, now.deformation_gradient, self._volume, given, scene.time_step,
                          particle)
         self._now = then
-        return solver.sound
+        return True
 
     def _take_out(self, given: Sources, cause: int) -> None:
         """Of a step's sources those of a cause, from the run's particles and so from the errors."""
@@ -69,32 +118,16 @@ class BudgetOnDemand:
             source[cause] = 0.0
 
 
-def series(solver: PlanarSolver, budget: PlanarBudget, steps: np.ndarray,
-           on_progress: Callable[[float], None] | None = None) -> dict[str, np.ndarray]:
-    """The budget's samples (``solvers.solver.samples.BUDGET``) after so many ``steps`` (T,), in rising order; NaN from
-    where the run has gone bad."""
-    out = {name: np.full(len(steps), np.nan) for name in BUDGET}
-    run = BudgetOnDemand(solver, budget)
-    for k, wanted in enumerate(steps):
-        while solver.step < wanted:
-            if not run.step():
-                return out
-        for name, value in sample(run).items():
-            out[name][k] = value
-        if on_progress:
-            on_progress(float(wanted / max(1, steps[-1])))
-    return out
-
-
-def sample(run: BudgetOnDemand) -> dict[str, float]:
+@UNBOUNDED
+def sample(run: BudgetRun) -> dict[str, float]:
     """RMS errors, the signed part of each cause in them and the RMS of what it has made, by the names of samples."""
-    found: dict[str, float] = {}
+    found: dict[str, float] = dict.fromkeys(BUDGET, 0.0)
     for field in FIELDS:
         error, parts = run.errors()[field], run.causes.fields()[field]
         count = len(error)
         size = float(np.sqrt(np.sum(error**2) / count))
         found[f"budget/error_{field}"] = size
-        for c, cause in enumerate(CAUSES):
+        for c, cause in enumerate(MAKERS):
             found[f"budget/part_{field}_{cause}"] = float(np.sum(parts[c] * error) / count / size) if size else 0.0
             found[f"budget/size_{field}_{cause}"] = float(np.sqrt(np.sum(parts[c] ** 2) / count))
     return found

@@ -45,13 +45,14 @@ class Lattice:
 
 
 class Pieces:
-    """The pieces at one moment, and what they give to a grid's nodes."""
+    """The pieces at one moment, and what they give to a grid's nodes. ``corners`` (K, 2) are in metres, ``place`` has
+    them in cells from the first node."""
 
-    def __init__(self, lattice: Lattice, corners: np.ndarray, grid: Grid, per_length: float, origin: float):
+    def __init__(self, lattice: Lattice, corners: np.ndarray, grid: Grid, place: np.ndarray):
         self.lattice, self.grid = lattice, grid
         a, b = (corners[lattice.ends[:, k]] for k in range(2))
         self.normal = np.stack([(b - a)[:, 1], (a - b)[:, 0]], axis=1)  # times the edge's length
-        nodes, self.weight = _hats_along(a * per_length + origin, b * per_length + origin, grid.row)
+        nodes, self.weight = _hats_along(place[lattice.ends[:, 0]], place[lattice.ends[:, 1]], grid.row)
         self.home, self.signs = grid.seen(nodes)
         x, y = np.moveaxis(corners[lattice.corner], 2, 0)
         self.area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)

@@ -3,19 +3,17 @@
 import numpy as np
 
 from solvers.problems.planar.budget.material import Material
-from solvers.problems.planar.budget.sources import Sources
+from solvers.problems.planar.budget.sources import MAKERS, Sources
 from solvers.problems.planar.budget.weights import StepWeights
-from solvers.scene.causes import CAUSES
 
 
 class CauseErrors:
-    """The errors of x and v (4, P, 2) and of F (4, P, 2, 2) that each cause has made, in the order of
-    ``solvers.scene.causes``."""
+    """The errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``MAKERS`` has made."""
 
     def __init__(self, particles: int):
-        self.position = np.zeros((len(CAUSES), particles, 2))
-        self.velocity = np.zeros((len(CAUSES), particles, 2))
-        self.deformation_gradient = np.zeros((len(CAUSES), particles, 2, 2))
+        self.position = np.zeros((len(MAKERS), particles, 2))
+        self.velocity = np.zeros((len(MAKERS), particles, 2))
+        self.deformation_gradient = np.zeros((len(MAKERS), particles, 2, 2))
 
     def fields(self) -> dict[str, np.ndarray]:
         """By the names of ``solvers.scene.causes.FIELDS``."""

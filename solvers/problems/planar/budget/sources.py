@@ -18,14 +18,15 @@ import numpy as np
 from solvers.problems.planar.budget.moment import Moment
 from solvers.problems.planar.budget.pieces import Pieces
 from solvers.problems.planar.budget.weights import StepWeights
-from solvers.scene.causes import CAUSES
 
-CROSSINGS, COARSE_GRID, BODY_FORCE, TIME_STEP = range(len(CAUSES))
+#: The causes that there are here, of ``solvers.scene.causes``: a body force at material points makes no error.
+MAKERS = ("crossings", "coarse_grid", "time_step")
+CROSSINGS, COARSE_GRID, TIME_STEP = range(len(MAKERS))
 
 
 class Sources(NamedTuple):
-    """What each cause gives in a step to the errors of x and v (4, P, 2) and of F (4, P, 2, 2), in the order of
-    ``solvers.scene.causes``, and the gradient of the velocity in which the exact motion moves (P, 2, 2)."""
+    """What each of ``MAKERS`` gives in a step to the errors of x and v (3, P, 2) and of F (3, P, 2, 2), and the
+    gradient of the velocity in which the exact motion moves (P, 2, 2)."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -41,8 +42,8 @@ def sources(weights: StepWeights, pieces: Pieces, now: Moment, then: Moment, str
     rest; ``with_particle`` says that particles move with their own velocity.
     """
     particles = len(volume)
-    x, v = np.zeros((len(CAUSES), particles, 2)), np.zeros((len(CAUSES), particles, 2))
-    F = np.zeros((len(CAUSES), particles, 2, 2))
+    x, v = np.zeros((len(MAKERS), particles, 2)), np.zeros((len(MAKERS), particles, 2))
+    F = np.zeros((len(MAKERS), particles, 2, 2))
     before = np.broadcast_to(np.eye(2), (particles, 2, 2)) if frozen else now.deformation_gradient
     moved = now.velocity + dt * now.acceleration
     down = weights.to_nodes(np.stack([moved, now.acceleration, now.velocity, now.acceleration - now.body_force]))
