@@ -7,9 +7,10 @@ which ``solvers.solver.budget.MOST_CANCELLED`` was chosen.
 
 import math
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
+from typing import Any
 
 import numpy as np
 
@@ -59,7 +60,7 @@ class Trial:
     and of the difference of the last two, particle by particle, over the first. ``cancelled`` is the sum of the causes'
     RMS over that of the error."""
 
-    scene: BarScene
+    scene: Any
     cause: str
     before: tuple[float, ...]
     foretold: tuple[float, ...]
@@ -128,7 +129,7 @@ def causal(count: int) -> list[Trial]:
     return found
 
 
-def causal_table(found: Sequence[Trial]) -> str:
+def causal_table(found: Sequence[Trial], words: Callable[[Any], str] = words) -> str:
     """A line a trial."""
     heads = ["scene", "without", *(f"{field}: {what}" for field in FIELDS for what in ("before", "foretold", "came",
                                                                                          "miss"))]

@@ -11,9 +11,10 @@ import numpy as np
 from solvers.problems import PROBLEMS
 from solvers.problems.descriptor import OnDemand
 from solvers.running.run import run
-from solvers.scene.causes import FIELDS, NOTHING
+from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 from solvers.solver import budget
 from solvers.solver.result import Result
+from solvers.solver.soundness import LOST
 
 SCHEMA = "mpm-lab/budget/1"
 
@@ -82,6 +83,10 @@ def _run_on_demand(budget: OnDemand, scene: Any, cause: str,
     if cause != NOTHING:
         series, solver = budget.series(scene, steps, cause, lambda part: show(part, 1))
         status, reason, broken_at = solver.status(None)
+        if solver.sound and solver.step < steps[-1]:
+            status, broken_at = LOST, solver.time
+            reason = (f"the run without {CAUSES[cause]} is lost from t = {solver.time:.4g} s on: what a particle "
+                      "stands for has turned inside out or left the grid")
         again = replace(result, series={"time": plain.series["time"], **series}, status=status, reason=reason,
                         broken_at=broken_at)
     return BudgetResult(result, cause, again)

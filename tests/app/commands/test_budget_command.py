@@ -55,8 +55,27 @@ def test_what_it_cannot_do_it_refuses(arguments, said, capfd):
     assert said in told and told.count("\n") == 1
 
 
-def test_other_problems_have_none(capfd):
-    assert main(["budget", "ring"]) == 2 and "bar" in capfd.readouterr().err
+@pytest.mark.parametrize("problem", ["ring", "vortex"])
+def test_in_the_plane_it_is_the_same_object(problem, capfd, tmp_path):
+    file = tmp_path / "budget.png"
+    flags = ("--cells", "12", "--ppc", "2", "--periods", "0.05", "--method", "ugimp", "--quiet")
+    values = printed(capfd, "budget", problem, *flags, "--take-away", "crossings", "--plot", str(file))
+    assert set(values) == {"schema", "scene", "reference", "budget", "take_away"}
+    assert values["schema"] == "mpm-lab/budget/1" and values["reference"] == "exact"
+    for field in FIELDS:
+        assert list(values["budget"][field]) == list(values["budget"]["at_end"][field]) == list(CAUSES)
+        assert sum(values["budget"][field].values()) == pytest.approx(1, abs=1e-6)
+        assert values["budget"][field]["body_force"] == 0
+    assert values["take_away"]["class"] == "crossings" and file.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("arguments", "said"), [
+    (("--body-force", "none"), "give material"), (("--take-away", "gravity"), "coarse_grid"),
+    (("--method", "ugimp", "--remedies", "null-space-filter"), "frozen-weights"), (("--arch", "gpu"), "cpu")])
+def test_what_it_cannot_do_in_the_plane_it_refuses(arguments, said, capfd):
+    assert main(["budget", "ring", "--cells", "12", "--quiet", *arguments]) == 2
+    told = capfd.readouterr().err
+    assert said in told and told.count("\n") == 1
 
 
 def test_rows_and_their_summary_have_the_shares():

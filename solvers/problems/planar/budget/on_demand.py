@@ -53,6 +53,7 @@ class PlanarBudget:
         for k, wanted in enumerate(steps):
             while run.solver.step < wanted:
                 if not run.step():
+                    run.solver.measure()  # which says whether it is the particles that are bad
                     return out, run.solver
                 if on_progress:
                     on_progress(run.solver.step / float(steps[-1]))
@@ -75,8 +76,11 @@ class BudgetRun:
         self._now: Moment = budget.moment(scene, self._X, 0.0)
         self._taken = MAKERS.index(take_away) if take_away in MAKERS else None
         self.causes = CauseErrors(len(self._X))
-        # A run may begin with the velocity of half a step before: that is how it steps.
+        # A run may begin with the velocity of half a step before, for the sake of how it steps.
         self.causes.velocity[TIME_STEP] = a.position_velocity[:, 2:] - self._now.velocity
+        if self._taken == TIME_STEP:
+            a.position_velocity[:, 2:] = self._now.velocity
+            self.causes.velocity[TIME_STEP] = 0.0
 
     def errors(self) -> dict[str, np.ndarray]:
         """The true errors of x, v (P, 2) and F (P, 2, 2)."""
