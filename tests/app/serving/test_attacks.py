@@ -31,6 +31,7 @@ LOG = 15_000  # bytes of log for all attacks together: some minutes with ten lin
 def served():
     log = []
     with serving(log=log, frames=30) as (address, process), Raw(address) as honest:
+        honest.follow("bar")  # who has no link sees the opening, which stops
         until(lambda: honest.frames > 60, "the honest visitor's frames")
         yield address, process, honest
     assert "refused" in log[0] and len(log[0]) < LOG, f"{len(log[0])} bytes of log: {log[0][:2000]}"

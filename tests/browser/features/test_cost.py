@@ -155,8 +155,8 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     click(page, "Find the cheapest run")
     shown(page, "on coarse grids")
     until(lambda: "paused" in readout(page), "the stage paused")
-    until(lambda: dots(page) > 2, "what the search has run so far")
-    assert page.locator(".lab-dot.lab-judged").count() > 1 and "Your stage is paused" in page.locator(
+    until(lambda: dots(page) > 2 and page.locator(".lab-dot.lab-judged").count() > 1, "what the search has run so far")
+    assert "Your stage is paused" in page.locator(
         "#lab-cost header").inner_text()
     tolerance.fill("1e-4")
     shown(page, "What it was to find has changed.")
