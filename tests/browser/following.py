@@ -123,10 +123,19 @@ def do(page, text, stops):
     return found
 
 
+def go_on(page):
+    """To the next step. Text that comes above the button may move it under the pointer, and the click is lost; one
+    that comes late falls upon a button that is there no more."""
+    head = page.locator(".lab-lesson-head")
+    before = head.inner_text()
+    again_until(lambda: head.inner_text() != before or click(page, "Next"), lambda: head.inner_text() != before,
+                f"the step after {before}")
+
+
 def follow(page, lesson, on_step=lambda number: None):
     """Go through a lesson whose introduction is shown; the sentences of what was read and found not right."""
     numbers, wrong, read, stops = drawn(lesson, ""), [], [], False
-    click(page, "Next")
+    go_on(page)
     for number, step in enumerate(lesson.steps, 1):
         where = f"step {number} of {len(lesson.steps)}"
         until(lambda where=where: where in page.locator(".lab-lesson-head").inner_text(), where)
@@ -144,5 +153,5 @@ def follow(page, lesson, on_step=lambda number: None):
                     wrong.append(f"{where}: read {read}: {said.inner_text()}")
                 read = []
         on_step(number)
-        click(page, "Next")
+        go_on(page)
     return wrong

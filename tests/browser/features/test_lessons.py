@@ -12,7 +12,7 @@ from app.lessons import shelf
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
 from tests.browser.conftest import PHONE, SIZE, serving, visit
 from tests.browser.driving import click, row, scene, shown, until
-from tests.browser.following import answer
+from tests.browser.following import answer, go_on
 
 NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
 HOSTILE = "<img src=x onerror=\"document.title='stolen'\">"
@@ -50,7 +50,7 @@ def play(page, lesson, first, last):
         for unfinished, where in (("checked", ".lab-recorded"), ("being worked out", ".lab-compared")):
             until(lambda: not any(unfinished in said for said in page.locator(where).all_inner_texts()),  # noqa: B023
                   "what is being worked out", 60)  # the viewer warns of what comes for a step that is left
-        click(page, "Next")
+        go_on(page)
 
 
 def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
@@ -60,7 +60,7 @@ def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
         page.get_by_label("Your name").fill("Ada <b>")
         page.wait_for_timeout(400)
-        click(page, "Next")
+        go_on(page)
         play(page, lesson, 1, half)
         at_step(page, half + 1, lesson)
         page.reload()
@@ -132,7 +132,7 @@ def test_a_lessons_controls_stand_below_its_text(class_room, chromium):
         until(page.get_by_text("Cells, h").is_visible, "its controls")
         assert "cells" in lesson.controls and "modulus" not in lesson.controls
         assert not page.get_by_text("Modulus E", exact=True).is_visible()
-        click(page, "Next")
+        go_on(page)
         play(page, lesson, 1, first - 1)
         at_step(page, first, lesson)
         click(page, "On the stage")
