@@ -110,6 +110,16 @@ def test_each_kind_of_evidence_is_enough(effects, simulate):
     assert simulate(replace(scene, effects=())).status == "ok"
 
 
+def test_displacements_that_do_not_add_up_are_enough(simulate):
+    """A fine bar whose force acts at the nodes, 1.2 amplitudes off: it does not drift, and neighbours are at most .07
+    amplitudes apart, a third of what condemns; all along the bar these add up to 2.2."""
+    result = simulate(BarScene(method="ugimp", cells=300, ppc=3, amplitude=0.1, body_force="node", cfl=0.2, periods=0.9,
+                               estimators=(), effects=("soundness",)))
+    shares = result.to_dict()["soundness"]
+    assert shares["neighbour_gap"] < 0.1 and shares["mean_drift"] < 0.01 and shares["displacement_mismatch"] > 1
+    assert result.status == "lost" and "displacements no longer add up" in result.reason
+
+
 def test_an_estimator_that_is_often_off_in_size_does_not_condemn(simulate):
     """transport's size may be off several times over: it is shown, but no run is lost by it."""
     scene = replace(ONE_EACH, effects=("estimate",), estimators=("transport",))

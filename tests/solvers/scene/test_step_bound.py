@@ -38,6 +38,32 @@ def test_it_is_below_the_exact_linear_limit_and_not_far(method):
         assert 0.6 * exact <= found <= exact * (1 + 1e-12)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_stretched_bar_has_the_bound_of_its_own_stiffness(method):
+    """A bar stretched to 1.9 and squeezed to .1 of its length in places: below 2/w_max at every moment of its motion, w
+    from the whole matrix with the tangent E F^2, and at least .6 of the least of these."""
+    scene = BarScene(method=method, cells=24, ppc=3, amplitude=0.14)
+    limit = min(bar_limit(scene, size) for size in scene.amplitude * np.linspace(-1, 1, 33))
+    assert 0.6 * limit < scene.step_bound < limit
+
+
+def bar_limit(scene: BarScene, size: float) -> float:
+    """2/w_max where the displacement is ``size`` sin 2 pi X, with every node that carries anything."""
+    P, h = scene.particles, scene.spacing
+    X = (np.arange(P) + 0.5) / P
+    x, F = X + size * np.sin(2 * np.pi * X), 1 + 2 * np.pi * size * np.cos(2 * np.pi * X)
+    half_width = (F if scene.method == "cpgimp" else np.ones(P)) * 0.5 / scene.ppc
+    first, S, dS = stencil(scene.method, x / h, half_width)
+    K, mass = np.zeros((scene.cells, scene.cells)), np.zeros(scene.cells)
+    for p in range(P):
+        nodes = (first[p] + np.arange(3)) % scene.cells
+        np.add.at(mass, nodes, scene.density / P * S[p])
+        K[np.ix_(nodes, nodes)] += scene.modulus * F[p] ** 2 / P * np.outer(dS[p], dS[p]) / h**2
+    there = mass > 1e-12 * mass.max()
+    scaled = K[np.ix_(there, there)] / np.sqrt(np.outer(mass[there], mass[there]))
+    return 2 / np.sqrt(np.linalg.eigvalsh(scaled).max())
+
+
 @pytest.mark.parametrize("scene", [
     *(BarScene(method=method, amplitude=1e-9, estimators=()) for method in METHODS),
     *(RingScene(method=name, cells=12, amplitude=1e-9, estimators=()) for name in ("mpm", "ugimp", "cpgimp", "cpdi")),

@@ -1,0 +1,86 @@
+"""What a picture means: which half and which lane show which error, and that a colour at a tick is that of its number.
+No web server, no engine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app import words
+from app.frame.marks import Dots
+from app.frame.scale import ZERO, ColourScale
+from app.frame.stage import Words
+from app.problems.views import VIEWS
+from solvers.problems import PROBLEMS
+from solvers.running.run import build
+from tests.app.page.test_recent import engine_frame
+from tests.drawn import Sheet
+
+TRUE, ESTIMATED = (255, 0, 0), (0, 0, 255)
+
+
+class TwoColours(ColourScale):
+    """A scale that tells one size from another."""
+
+    def colours(self, sizes: np.ndarray) -> np.ndarray:
+        return np.where(sizes[:, None] > 0.5, TRUE, ESTIMATED).astype(np.uint8)
+
+
+def drawn(problem: str, quantity_known: tuple[bool, bool] = (True, True)):
+    """The dots of a problem's body where every estimate is 0 and every true error 1, and the stage."""
+    scene = PROBLEMS[problem].scene(cells=12, periods=1)
+    arrays, stage = engine_frame(build(scene)), VIEWS[problem].stage(Sheet(), TwoColours())
+    sizes = [np.full(len(arrays.position), value) if known else None
+             for value, known in zip((0.0, 1.0), quantity_known, strict=True)]
+    stage.draw(scene, arrays, *sizes, 0.0, 1.0)
+    bodies = [mark for mark in stage.sheet.marks.values() if isinstance(mark, Dots)
+              and mark.name in ("lanes", "particles", "estimate", "truth")]
+    points = np.concatenate([mark.points[:, :2] + mark.origin for mark in bodies])
+    return stage, points, np.concatenate([mark.colours for mark in bodies])
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_each_error_is_shown_where_its_name_stands(problem):
+    """The estimate is above the truth along the bar and left of it in the plane, and its title is at its own lane or on
+    its own side; every dot has the colour of its half."""
+    stage, points, colours = drawn(problem)
+    places = stage._places
+    named = {label.name: label for label in stage.labels(Words(("Estimate", "Truth")), places)}
+    estimate, truth = (named[f"{name}-title"] for name in ("estimate", "truth"))
+    if hasattr(places, "lane"):
+        at, middle, titles = points[:, 1], 0.5 * (places.estimate + places.truth), (estimate.y, truth.y)
+        left = at > middle
+        assert titles[0] > middle > titles[1]
+    else:
+        at, middle = points[:, 0], places.middle[0]
+        left = at < middle
+        assert estimate.x < middle < truth.x
+    assert left.any() and (~left).any()
+    assert (colours[left] == ESTIMATED).all() and (colours[~left] == TRUE).all()
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+@pytest.mark.parametrize("known", [(True, False), (False, True)], ids=["no truth", "no estimate"])
+def test_a_half_of_which_nothing_is_known_has_no_colour_of_the_other(problem, known):
+    """The other one has its own."""
+    _, _, colours = drawn(problem, known)
+    shown, hidden = (ESTIMATED, TRUE) if known[0] else (TRUE, ESTIMATED)
+    assert (colours == shown).all(axis=1).mean() == pytest.approx(0.5, abs=0.02)
+    assert not (colours == hidden).all(axis=1).any()
+
+
+@pytest.mark.parametrize("logarithmic", [False, True], ids=["linear", "logarithmic"])
+@pytest.mark.parametrize("size", [3.1e-4, 0.77, 9.2e5])
+def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
+    """To one of 256 shades, or two on a logarithmic scale, where numbers of three digits are so far apart."""
+    scale = ColourScale()
+    scale.logarithmic = logarithmic
+    scale.follow(None, np.array([size]))
+    table = [tuple(shade) for shade in scale.gradient(256)]
+    ticks = scale.ticks("m")
+    assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
+    unit = ticks[-1][1].split()[1] if not logarithmic else ""
+    for at, text in ticks:
+        value = 0.0 if text == ZERO else words.size_in(text if text.endswith("m") else f"{text} {unit}", "m")
+        row = table.index(tuple(scale.colours(np.array([value]))[0]))
+        assert abs(row - 255 * at) <= 1 + logarithmic
