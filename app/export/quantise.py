@@ -5,7 +5,7 @@ A track has one row for each picture of a recording. How it is written is its ``
 * ``size``: 8 bits, from 0 to the row's largest, 254; 255 is no number. Off by at most 1/508 of the row's largest.
 * ``signed``: 8 bits, -127 to 127 for the row's largest size; -128 is no number. Off by at most 1/254 of it.
 * ``place``: 16 bits, -32767 to 32767 for the largest size in the whole track; -32768 is no number.
-* ``number``: 32 bits of a float, as it is.
+* ``number``: 32 bits of a float, as it is; one of a run gone bad that is too large for them is infinite.
 
 Rows of whole numbers are written as what each differs from the one before it, modulo 256 or 65536, which is little
 where things move slowly; 16 bits as all low bytes, then all high ones.
@@ -46,14 +46,16 @@ def packed(tracks: list[Track]) -> bytes:
 def _bytes(track: Track) -> bytes:
     """A track's scales (float32, one a row; for ``place`` one) and codes."""
     values = np.asarray(track.values, float)
-    if track.kind == NUMBER:
-        return values.astype("<f4").tobytes()
-    with np.errstate(invalid="ignore", over="ignore"):
+    with np.errstate(invalid="ignore", over="ignore", under="ignore"):
+        if track.kind == NUMBER:
+            return values.astype("<f4").tobytes()
         values = np.where(np.isfinite(values), np.clip(values, -MOST, MOST), np.nan)
         sizes = np.nan_to_num(np.abs(values))
         scales = (sizes.max(initial=0.0) if track.kind == PLACE else sizes.max(axis=1, initial=0.0)).astype("<f4")
         over = np.where(scales > 0, scales, 1.0).reshape(-1, 1)
-        codes = np.where(np.isfinite(values), np.rint(TOPS[track.kind] * values / over), NONE[track.kind])
+        top = TOPS[track.kind]  # a scale of so few bits that it is below its largest value must not lead beyond
+        codes = np.clip(np.rint(top * values / over), -top, top)
+        codes = np.where(np.isfinite(values), codes, NONE[track.kind])
     return scales.tobytes() + _differences(codes.astype(np.int32), 8 * BYTES[track.kind])
 
 

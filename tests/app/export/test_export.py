@@ -78,6 +78,27 @@ def test_a_track_is_as_exact_as_it_says(kind, share):
     assert (np.abs(np.where(known, found - values, 0)) <= share * largest * (1 + 1e-5)).all()
 
 
+@pytest.mark.parametrize("kind", [SIZE, SIGNED, PLACE, NUMBER])
+def test_a_track_of_a_run_gone_bad_is_written(kind):
+    """Numbers beyond what 32 bits hold, and below: no warning, what is a number stays one, large ones stay large."""
+    values = np.array([[1e300, 2.0, np.nan, np.inf], [3e-45, 2e-45, 0.0, 1e-300], [1e39, 1e31, 1.0, 1e-39]])
+    track = Track("it", kind, values)
+    with np.errstate(all="raise"):
+        found = tracks([track.header], packed([track]))["it"]
+    assert (np.isnan(found) == (np.isnan(values) | (np.isinf(values) & (kind != NUMBER)))).all()
+    assert found[0, 0] > 1e29 and found[2, 0] > 1e29 and (found[1, [0, 1]] >= 0).all()
+    assert np.nanmax(found[1]) < 1e-43 and found[2, 2] < 2e28
+
+
+@pytest.mark.parametrize("text, heading", [
+    ("bar motion=patch cells=10 periods=0.1", "Patch test of the bar"), ("bar cells=10 periods=0.1", "Vibrating bar"),
+    ("ring cells=12 periods=0.02", "Expanding ring")])
+def test_a_file_is_titled_by_what_it_shows(text, heading, monkeypatch):
+    monkeypatch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+    page = scene_page(text, 1, lambda part, what: None, {"cells": 1})
+    assert f"<title>{heading}</title>" in page and f"<h1>{heading}</h1>" in page
+
+
 def test_zeros_and_nothing_stay_what_they_are():
     for values in (np.zeros((3, 4)), np.empty((0, 1)), np.full((2, 2), np.nan)):
         track = Track("it", SIZE, values)
