@@ -26,16 +26,20 @@ class Link:
 
 class Pool:
     playing = 0
+    process_ids = ()
+
+    def wait_ready(self, timeout):
+        return True
 
     def open(self, listener, beside=None):
         return Link()
 
 
 @contextmanager
-def lab(host="127.0.0.1", names=(), code=""):
+def lab(host="127.0.0.1", names=(), code="", notes="", classroom=None):
     """The page's own web server in this process, without engines; and its address."""
     port = free_port()
-    one = _start_server(host, port, Pool(), 4, Addresses(host, names), code, Classroom())
+    one = _start_server(host, port, Pool(), 4, Addresses(host, names), code, classroom or Classroom(), notes)
     try:
         yield one, f"http://127.0.0.1:{port}"
     finally:

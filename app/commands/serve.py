@@ -30,7 +30,7 @@ class Serve:
     lesson: TextFlag = ""
     """Lesson that everyone is opened on, by name or number (mpm-lab lesson list)."""
     teacher: Switch = False
-    """Show the teacher's notes in lessons, to everyone on this server."""
+    """Show the teacher's notes in lessons; where others come in, to those only who type a code of its own."""
     warm_up: bool = True
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 

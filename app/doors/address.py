@@ -2,7 +2,8 @@
 
 A browser tells a server which name it asked for (``Host``) and, for a websocket, whose page asks (``Origin``). A page
 of another site has another origin; one that has its own name lead to this machine (DNS rebinding) asks for a foreign
-host.
+host. A browser that says no ``Origin`` says how its pages stand to the lab (``Sec-Fetch-Site``): those of another site
+may lead to the lab's page, and no more.
 """
 
 import ipaddress
@@ -10,7 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-_NAME = r"(\[[0-9a-f:.]+\]|[a-z0-9._-]+)(?::([0-9]{1,5}))?"
+_NAME = r"(\[[0-9a-f:.]+\]|[a-z0-9_-]+(?:\.[a-z0-9_-]+)*\.?)(?::([0-9]{1,5}))?"
 _PORTS = {"http": "80", "https": "443"}  # that a browser leaves out
 
 NO_HOST = "The request does not say which host it is for."
@@ -69,8 +70,8 @@ class Addresses:
         """Whether nobody but this machine's own users is meant to come in."""
         return is_loopback(self.host) and not self.names
 
-    def refusal(self, headers: Headers) -> str | None:
-        """Why a request with these headers is refused; None where it is not."""
+    def refusal(self, headers: Headers, opens_socket: bool = False) -> str | None:
+        """Why a request with these headers, for a websocket or a page, is refused; None where it is not."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
         host = _address(hosts[0]) if len(hosts) == 1 else None
         if host is None:
@@ -78,6 +79,8 @@ class Addresses:
         if is_loopback(self.host) and not (is_loopback(host.host) or self._is_own(host)):
             return FOREIGN_HOST
         if origins and not (len(origins) == 1 and self._same(origins[0], host)):
+            return FOREIGN_PAGE
+        if not origins and _asked_by_another(headers, opens_socket):
             return FOREIGN_PAGE
         return None
 
@@ -92,6 +95,23 @@ class Addresses:
         return any(name and name.host == address.host and name.port in (None, address.port) for name in own)
 
 
+def untidy(head: bytes) -> bool:
+    """Whether a request, as it has come, has a host or an origin with white space about it, or another letter that no
+    name has: no browser sends it, and not all who read it take it alike."""
+    lines = (line.partition(b":") for line in head.split(b"\r\n"))
+    return any(name.lower() in (b"host", b"origin") and re.fullmatch(rb" ?[\x21-\x7e]*", value) is None
+               for name, _, value in lines)
+
+
+def _asked_by_another(headers: Headers, opens_socket: bool) -> bool:
+    """Whether a browser says that a page of another site asks, and not just that one leads here."""
+    asked = {value.strip().lower() for value in headers.get_all("Sec-Fetch-Site")}
+    if not asked or asked <= {"same-origin", "none"}:
+        return False
+    led = [headers.get_all(f"Sec-Fetch-{name}") for name in ("Mode", "Dest")]
+    return opens_socket or led != [["navigate"], ["document"]]
+
+
 def _address(text: str) -> Address | None:
-    found = re.fullmatch(_NAME, text.strip().lower())
+    found = re.fullmatch(_NAME, text.lower(), re.ASCII)
     return Address(found[1].rstrip("."), found[2]) if found else None

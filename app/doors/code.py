@@ -1,29 +1,34 @@
-"""The class code: who knows it gets a cookie, and with that the lab. Wrong guesses are counted."""
+"""The class code: who knows it gets a cookie, and with that the lab; the teacher's own opens the notes, too.
+
+A right code opens whatever others do. So wrong ones are counted, by network and in all, for what is said of them alone:
+who guesses on is told to wait, and learns nothing else. What keeps a code from being found is that there are too many.
+"""
 
 import hashlib
 import hmac
-import ipaddress
 import math
 import secrets
-from collections import OrderedDict
+from functools import partial
 from typing import NamedTuple
 
 from app.doors.address import Headers
 from app.doors.bucket import Bucket
+from app.doors.network import Buckets, network_of
 
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # none that is taken for another one on a board
-MADE_UP, SHORTEST, LONGEST = 8, 6, 64  # letters; half of 31^8 codes, a guess in two seconds: 27,000 years
-# Wrong guesses at once and a second: of one address, behind which a whole class may be, and of all.
+MADE_UP, SHORTEST, LONGEST = 8, 6, 64  # letters; half of 31^8 codes, a thousand a second: 13 years
+# Wrong guesses at once and a second: of one network, behind which a whole class may be, and of all.
 ONE, ALL = (20, 1 / 6), (60, 1 / 2)
-MOST_ADDRESSES = 1000  # remembered; a forgotten one may guess anew, but all together still not more than ``ALL``
 
 WRONG = "This is not the code. Look at the board again, or ask your teacher."
 
 
 class Entry(NamedTuple):
-    """What came of a code: whether it ``opens``, and else why not and for how many seconds no other is looked at."""
+    """What came of a code: the ``cookie`` that opens, perhaps the notes, too; else why not, and in how many seconds to
+    try again."""
 
-    opens: bool
+    cookie: str = ""
+    teaches: bool = False
     sentence: str = ""
     wait: int = 0
 
@@ -40,51 +45,48 @@ def plain(code: str) -> str:
 
 
 class ClassCode:
-    """The code of one server, what wrong guesses there were, and the cookie for those who knew it."""
+    """The code of one server and that of its ``teacher``, if there is one; what wrong guesses there were, and the
+    cookies for those who knew one."""
 
-    def __init__(self, code: str, port: int):
-        self._digest, self._token = _digest(plain(code)), secrets.token_urlsafe(32)
+    def __init__(self, code: str, port: int, teacher: str = ""):
         self._name = f"mpm-lab-{port}"  # cookies do not know ports: two labs on a machine must not share one
-        self._all, self._of = Bucket(*ALL), OrderedDict[str, Bucket]()
-
-    @property
-    def cookie(self) -> str:
-        """The header that sets it, until the browser is closed or the server ends."""
-        return f"{self._name}={self._token}; Path=/; HttpOnly; SameSite=Strict"
+        self._keys = [(_digest(plain(key)), secrets.token_urlsafe(32)) for key in (code, teacher) if key]
+        self._has_teacher = bool(teacher)
+        self._all, self._of = Bucket(*ALL), Buckets(partial(Bucket, *ONE))
 
     def knows(self, headers: Headers) -> bool:
-        """Whether a request brings the cookie."""
-        pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
-        return any([hmac.compare_digest(_digest(value.strip()), _digest(self._token))
-                    for name, _, value in pairs if name.strip() == self._name])
+        """Whether a request brings a cookie of this server."""
+        return any(self._brought(headers))
+
+    def teaches(self, headers: Headers) -> bool:
+        """Whether it brings the teacher's."""
+        return self._has_teacher and self._brought(headers)[-1]
 
     def enter(self, guess: str, who: str) -> Entry:
-        """Look at a code from an IP address; not while there were too many wrong ones, right or not."""
-        who = network_of(who)
-        own = self._of.get(who) or Bucket(*ONE)
+        """Look at a code from an IP address."""
+        digest = _digest(plain(guess))
+        opened = [token for key, token in self._keys if hmac.compare_digest(digest, key)]
+        if opened:
+            return Entry(self._cookie(opened[-1]), teaches=self._has_teacher and opened[-1] == self._keys[-1][1])
+        own = self._of.of(network_of(who))
         wait = math.ceil(max(own.wait(), self._all.wait()))
         if wait:
-            return Entry(False, f"There were too many wrong codes. Wait {wait} s, then try again.", wait)
-        if hmac.compare_digest(_digest(plain(guess)), self._digest):
-            return Entry(True)
+            return Entry(sentence=f"There were too many wrong codes. Wait {wait} s, then try again.", wait=wait)
         own.pay()
         self._all.pay()
-        self._of[who] = own
-        self._of.move_to_end(who)
-        while len(self._of) > MOST_ADDRESSES:
-            self._of.popitem(last=False)
-        return Entry(False, WRONG)
+        return Entry(sentence=WRONG)
+
+    def _cookie(self, token: str) -> str:
+        """The header that sets it, until the browser is closed or the server ends."""
+        return f"{self._name}={token}; Path=/; HttpOnly; SameSite=Strict"
+
+    def _brought(self, headers: Headers) -> list[bool]:
+        """Of each key whether its cookie is brought; all are looked at, so that the time tells nothing."""
+        pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
+        brought = [_digest(value.strip()) for name, _, value in pairs if name.strip() == self._name]
+        return [any([hmac.compare_digest(digest, _digest(token)) for digest in brought]) for _, token in self._keys]
 
 
 def _digest(text: str) -> bytes:
     """What is compared in constant time must be of one length, else the time tells that."""
     return hashlib.sha256(text.encode("utf-8", "replace")).digest()
-
-
-def network_of(who: str) -> str:
-    """Of an IPv6 address the part that its owner cannot change at will."""
-    try:
-        address = ipaddress.ip_address(who.partition("%")[0])
-    except ValueError:
-        return who
-    return who if address.version == 4 else str(ipaddress.ip_network((address, 64), strict=False))

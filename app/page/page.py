@@ -21,7 +21,7 @@ from app.page.features.slow.panel import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import add_head, set_up
+from app.page.panels.head import set_up
 from app.page.panels.keys import follow_keys
 from app.page.panels.looking import Looking
 from app.page.panels.presenter import Presenter
@@ -61,7 +61,6 @@ class Page:
         self._trace = Trace(self._recent)
         self._scale = ColourScale()
         set_up(client.gui)
-        add_head(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._store = BrowserStore(client.gui)
         self._presenter = Presenter(client.gui)

@@ -10,7 +10,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
-from functools import partial
+from dataclasses import replace
 from time import sleep
 from typing import Any
 from urllib.parse import quote
@@ -147,18 +147,20 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     ``frames`` a second, if they can be had.
 
     Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
-    ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one, with its notes
-    for a ``teacher``. Raises :class:`ServeError` when host and port cannot be had.
+    ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one. With
+    ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. Raises
+    :class:`ServeError` when host and port cannot be had.
     """
     addresses = Addresses(host, names)
     code = code or ("" if addresses.private else made_up())
+    notes = made_up() if teacher and code else ""
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
-        server = _start_server(host, port, pool, max_sessions, addresses, code, classroom)
+        server = _start_server(host, port, pool, max_sessions, addresses, code, classroom, notes)
         address = f"{HERE if host in EVERYWHERE else host}:{server.get_port()}"
         print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
         if code:
@@ -166,6 +168,10 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
             print(f"the class code is {code}; {link} brings it along", file=sys.stderr, flush=True)
             if sys.stderr.isatty():
                 print(_picture(link), file=sys.stderr, flush=True)
+        if notes:
+            link = f"http://{_outside(host)}:{server.get_port()}/#code={quote(notes)}"
+            print(f"the teacher's code, which shows the notes too, is {notes}; {link} brings it along", file=sys.stderr,
+                  flush=True)
         lessons = shelf.lessons()  # while nothing else is to be done: the first visitor wants them
         if warm_up:
             pool.expect(usual_scenes(lessons, lesson))
@@ -183,7 +189,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
-                  classroom: Classroom) -> Any:
+                  classroom: Classroom, notes: str = "") -> Any:
     from app.page.page import Page
     from app.page.panels.head import GROUND, set_up
     from app.viewer.index import Index
@@ -193,12 +199,17 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     mend()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    doors = Doors(addresses, ClassCode(code, port) if code else None)
+    doors = Doors(addresses, ClassCode(code, port, notes) if code else None)
     # The viewer would announce itself in a box of its own.
     with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(GROUND, ICON)):
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
-    visitors = Visitors(pool, max_sessions, partial(Page, classroom=classroom), _show)
+
+    def make_page(client: Any, links: PageLinks) -> Any:
+        teacher = classroom.teacher and doors.teaches(client.client_id)
+        return Page(client, links, replace(classroom, teacher=teacher))
+
+    visitors = Visitors(pool, max_sessions, make_page, _show)
     doors.watch(server, visitors)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     server.on_client_connect(visitors.connect)
@@ -208,11 +219,8 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
 def _show(client: Any, sentence: str) -> None:
     """Nothing but a sentence: whatever had been put on the page goes."""
-    from app.page.panels.head import add_head
-
     client.gui.reset()
     client.scene.reset()
-    add_head(client.gui)
     client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
 
 

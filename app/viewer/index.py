@@ -1,18 +1,23 @@
 """The html that a browser loads first: the viewer's, with our title and icon, and a calm ground until there is a stage.
 
 All else of the page comes over the wire later; until then the viewer would show its own panel and a half-drawn stage.
+The viewer's own way of answering, which looks for a file, is not gone.
 """
 
 import gzip
 import re
+from http import HTTPStatus
 from pathlib import Path
 
 import viser
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from app.doors.page import has_page, policy
+from app.viewer.answers import POLICY, said
+from app.viewer.unpacking import unpacked_script
+
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"
-PATHS = ("/", "/index.html")
 
 
 class Index:
@@ -20,15 +25,21 @@ class Index:
 
     def __init__(self, own: str, icon: str):
         html = _VIEWERS.read_text(encoding="utf-8")
+        script = unpacked_script(html)
         html = re.sub(r"<title>.*?</title>", "<title>mpm-lab</title>", html, count=1)
         html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{icon}"', html, count=1)
-        self._body = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1).encode()
+        html = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1)
+        self._body = html.encode()
         self._packed = gzip.compress(self._body)
+        self._policy = policy(html, "{host}", None if script is None else (script,), unpacks=True)
 
-    def instead(self, request: Request, response: Response | None) -> Response | None:
-        """What a request gets, for which the viewer has a ``response``, or none for a websocket."""
-        if response is None or request.path.partition("?")[0] not in PATHS:
-            return response
-        sent = self._packed if response.headers["Content-Encoding"] == "gzip" else self._body
-        headers = Headers({**dict(response.headers.raw_items()), "Content-Length": str(len(sent))})
-        return Response(response.status_code, response.reason_phrase, headers, sent)
+    def answer(self, request: Request) -> Response:
+        """What a request for a page gets, which has one well-formed host."""
+        if not has_page(request.path.partition("?")[0]):
+            return said(HTTPStatus.NOT_FOUND, "There is no such page.")
+        packs = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
+        sent = self._packed if packs else self._body
+        headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(sent)),
+                           "Content-Encoding": "gzip" if packs else "identity", "Connection": "close",
+                           POLICY: self._policy.replace("{host}", request.headers["Host"])})
+        return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, sent)

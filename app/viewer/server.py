@@ -5,7 +5,8 @@ import json
 import logging
 import re
 from collections.abc import Awaitable, Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from functools import partial
 from http import HTTPStatus
 from pathlib import Path
 from time import monotonic, sleep
@@ -16,29 +17,29 @@ import viser
 import websockets.asyncio.server
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed, InvalidMessage
-from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
-from app.doors.address import Addresses, is_ip, is_loopback
+from app.doors.address import FOREIGN_PAGE, Addresses, untidy
 from app.doors.bucket import Bucket
 from app.doors.code import ClassCode
+from app.doors.network import Buckets, network_of
+from app.doors.page import has_page
 from app.doors.refusals import Refusals
-from app.viewer import messages, upload
-from app.viewer.index import PATHS, Index
+from app.viewer.answers import dressed, said
+from app.viewer.hearing import Hearing
+from app.viewer.index import Index
+from app.viewer.line import HEADS_WITHIN, Line, address_of, anterooms, send_away
 from app.viewer.wire import PROTOCOL, Buffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
-# A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
-MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
-BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
-PART_AS = 4  # and a part of a file that is taken: 25 a second, 13 MB, in the long run
-# Websockets opened, each with a page to make: a class that reloads ten times never gets there. One that is sent away
-# takes so many more, as far as there are: who comes again and again would have the server make nothing but pages.
-HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 400, 1, 30
-GOING, AWAY = 1.0, 10.0  # seconds that one who is sent away has to say goodbye, and in which its address must wait
+# Websockets opened from one network, each with a page to make: a class that reloads three times never gets there. One
+# that is sent away takes so many more, as far as there are: who comes again and again would have the server make
+# nothing but pages. There is no such number for all: whoever used it up would keep everybody out.
+HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 160, 1, 30
+AWAY = 10.0  # seconds in which the address of one who was sent away must wait
 SILENT = 60.0  # seconds in which a browser, however busy, says where its camera is; one that never speaks is none
-TOO_MUCH, NOTHING_SAID = "too many messages", "nothing was said"
+NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
 NO_CODE = "The class code is missing. Load the page again and type it."
 
 _LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
@@ -79,7 +80,8 @@ class Doors:
 
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, Refusals()
-        self._handshakes = Bucket(HANDSHAKES, HANDSHAKES_A_SECOND)
+        self._handshakes = Buckets(lambda: Bucket(HANDSHAKES, HANDSHAKES_A_SECOND))
+        self._lines, self._silent = anterooms()
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
@@ -95,26 +97,17 @@ class Doors:
         has no setting for any of it."""
         serve = websockets.asyncio.server.serve
 
-        def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: Callable[..., Any],
+        def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: object,
                     **options: Any) -> Any:
-            async def handle(connection: Any) -> None:
-                if connection.subprotocol != PROTOCOL:
-                    self._refusals.note("a page of another version", self._who(connection))
-                    await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
-                    return
-                silent = asyncio.get_running_loop().call_later(SILENT, self._cull, connection)
-                self._listen(connection, silent)
-                try:
-                    await handler(connection)
-                finally:
-                    silent.cancel()
+            def answer(connection: Line, request: Request) -> Response | None:
+                answer = self._answer(connection, request, index)
+                connection.answered()
+                return answer
 
-            def answer(connection: Any, request: Request) -> Response | None:
-                answer = self._answer(connection, request)
-                return answer or index.instead(request, process_request(connection, request))
-
-            own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log}
-            return serve(handle, *args, process_request=answer, **{**options, **own})
+            own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "open_timeout": HEADS_WITHIN,
+                   "create_connection": partial(Line, self._lines, bool(self._addresses.names)),
+                   "process_request": answer, "process_response": dressed}
+            return serve(partial(self._handle, handler), *args, **{**options, **own})
 
         log = logging.Logger("websockets.server", logging.ERROR)  # of this server alone
         log.addFilter(self._no_traces)
@@ -134,103 +127,99 @@ class Doors:
         self._refusals.note("a connection that does not speak HTTP")
         return False
 
-    def _answer(self, connection: Any, request: Request) -> Response | None:
-        """What a request gets instead of the lab; None for one that gets the lab."""
+    async def _handle(self, handler: Callable[[Any], Awaitable[None]], connection: Any) -> None:
+        """What becomes of a websocket. The viewer gets it when it has spoken: before, nothing is made for it."""
         who = self._who(connection)
-        opens_socket = "websocket" in ",".join(request.headers.get_all("Upgrade")).lower()
-        if refusal := self._addresses.refusal(request.headers):
+        if connection.subprotocol != PROTOCOL:
+            self._refusals.note("a page of another version", who)
+            await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
+            return
+        hearing = Hearing(connection, who, self._refusals, partial(self._widget, connection), self._keep_away)
+        if gone := self._silent.enter(connection, network_of(who)):
+            self._close(gone, CROWDED)
+        silent = asyncio.get_running_loop().call_later(SILENT, self._close, connection, NOTHING_SAID)
+        try:
+            await hearing.first_word()
+        except ConnectionClosed:
+            return
+        finally:
+            silent.cancel()
+            self._silent.leave(connection)
+        await handler(connection)
+
+    def _answer(self, connection: Line, request: Request, index: Index) -> Response | None:
+        """What a request gets; None for one that gets a websocket."""
+        who, headers = self._who(connection), request.headers
+        opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
+        refusal = FOREIGN_PAGE if untidy(connection.head) else self._addresses.refusal(headers, opens_socket)
+        if refusal:
             self._refusals.note(refusal, who)
-            return _said(HTTPStatus.FORBIDDEN, refusal)
-        path = request.path.partition("?")[0]
+            return said(HTTPStatus.FORBIDDEN, refusal)
+        path, known = request.path.partition("?")[0], not self._code or self._code.knows(headers)
         if path == "/health" and self._host and not opens_socket:
-            return _said(HTTPStatus.OK, json.dumps(self._host.health()), "application/json")
+            health = self._host.health()
+            shown = health if known else {"ready": health["ready"]}
+            return said(HTTPStatus.OK, json.dumps(shown), "application/json")
         if self._code and not opens_socket and path.endswith("/enter"):
-            return self._enter(self._code, request.headers, who)
-        if self._code and not self._code.knows(request.headers):
+            return self._enter(self._code, headers, who)
+        if not known:
             if opens_socket:
                 self._refusals.note(NO_CODE, who)
-                return _said(HTTPStatus.FORBIDDEN, NO_CODE)
-            return _said(HTTPStatus.OK if path in PATHS else HTTPStatus.FORBIDDEN, _CODE_PAGE, "text/html")
+                return said(HTTPStatus.FORBIDDEN, NO_CODE)
+            return said(HTTPStatus.OK if has_page(path) else HTTPStatus.FORBIDDEN, _CODE_PAGE, "text/html")
         if opens_socket:
             return self._wait(who)
         if not (looks := _LOOKS.search(path)):
-            return None
-        known = self._host is not None and self._host.attend(looks[2], looks[1] == "here")
-        return _said(HTTPStatus.NO_CONTENT if known else HTTPStatus.NOT_FOUND, "")
+            return index.answer(request)
+        there = self._host is not None and self._host.attend(looks[2], looks[1] == "here")
+        return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
+
+    def teaches(self, visitor: int) -> bool:
+        """Whether a visitor who is here has come with the teacher's code; everyone has where none is asked for."""
+        if self._code is None:
+            return True
+        server: Any = self._server
+        connection = server._websock_server._live_connections.get(visitor) if server else None
+        return connection is not None and self._code.teaches(connection.request.headers)
 
     def _wait(self, who: str) -> Response | None:
-        """Who opens a websocket may have to wait, because many do or because this address was sent away."""
-        now = monotonic()
+        """Who opens a websocket may have to wait, because many of its network do or because its address was sent
+        away."""
+        now, handshakes = monotonic(), self._handshakes.of(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
-        wait = max(self._handshakes.wait(), self._away.get(who, now) - now)
+        wait = max(handshakes.wait(), self._away.get(who, now) - now)
         if wait:
             self._refusals.note("a visitor, because there were too many at once", who)
-            return _said(HTTPStatus.SERVICE_UNAVAILABLE, "Too many come at once. Try again in a moment.", wait=wait)
-        self._handshakes.pay()
+            return said(HTTPStatus.SERVICE_UNAVAILABLE, "Too many come at once. Try again in a moment.", wait=wait)
+        handshakes.pay()
         return None
 
     def _keep_away(self, who: str) -> None:
         """Somebody has done what no browser does."""
         self._away[who] = monotonic() + AWAY
-        self._handshakes.pay(min(MISDEED, max(0.0, self._handshakes.left)))
+        handshakes = self._handshakes.of(network_of(who))
+        handshakes.pay(min(MISDEED, max(0.0, handshakes.left)))
 
     def _enter(self, code: ClassCode, headers: Headers, who: str) -> Response:
         guesses = headers.get_all("X-Class-Code")
         entry = code.enter(unquote(guesses[0][:1000]) if guesses else "", who)
-        if entry.opens:
-            return _said(HTTPStatus.OK, "", cookie=code.cookie)
+        if entry.cookie and code.knows(headers) and not entry.teaches:
+            return said(HTTPStatus.NO_CONTENT, "")  # of no use to one who is in
+        if entry.cookie:
+            return said(HTTPStatus.OK, "", cookie=entry.cookie)
         self._refusals.note("a wrong class code" if not entry.wait else "a class code after too many wrong ones", who)
-        return _said(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.sentence,
-                     wait=entry.wait)
+        return said(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.sentence,
+                    wait=entry.wait)
 
-    def _cull(self, connection: Any) -> None:
+    def _close(self, connection: Any, why: str) -> None:
         """Close a websocket that has said nothing."""
         self._refusals.note("a connection that says nothing", self._who(connection))
-        going = asyncio.ensure_future(_send_away(connection, NOTHING_SAID))
+        going = asyncio.ensure_future(send_away(connection, why))
         self._going.add(going)  # else it could be collected while it goes
         going.add_done_callback(self._going.discard)
 
-    def _listen(self, connection: Any, silent: asyncio.TimerHandle) -> None:
-        """Have a websocket give the viewer only what a browser may say, and at a browser's pace. The first word ends
-        the ``silent`` time."""
-        receive, rate, calm, who = connection.recv, Bucket(MESSAGES, A_SECOND), monotonic(), self._who(connection)
-
-        async def checked(*args: Any, **options: Any) -> Any:
-            nonlocal calm
-            while True:
-                try:
-                    message = await receive(*args, **options)
-                except ConnectionClosed as closed:
-                    if closed.sent and closed.sent.code == CloseCode.MESSAGE_TOO_BIG:
-                        self._refusals.note("a message above 1 MB", who)
-                        self._keep_away(who)
-                    raise
-                refusal = messages.refusal(message, lambda widget: self._widget(connection, widget))
-                of_file = refusal is None and upload.kind_of(message)
-                rate.pay(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if refusal else 0))
-                if rate.left > 0.25 * rate.most:
-                    calm = monotonic()
-                elif monotonic() - calm > PATIENCE:
-                    self._refusals.note(TOO_MUCH, who)
-                    self._keep_away(who)
-                    await _send_away(connection, TOO_MUCH)
-                    raise connection.protocol.close_exc
-                if rate.left < 0:
-                    await asyncio.sleep(rate.wait(0))
-                if refusal is not None:
-                    self._refusals.note(refusal, who)
-                elif not of_file:
-                    silent.cancel()
-                    return message
-
-        connection.recv = checked
-
     def _who(self, connection: Any) -> str:
-        """The IP address of whoever is at the other end, or that for which a proxy on this machine asks."""
-        remote = connection.remote_address
-        who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
-        told = connection.request.headers.get_all("X-Real-IP") if self._addresses.names and is_loopback(who) else []
-        return told[0] if len(told) == 1 and is_ip(told[0]) else who
+        return address_of(connection, trusts_proxy=bool(self._addresses.names))
 
     def _widget(self, connection: Any, widget: str) -> Any:
         """The widget with this id on the page behind a websocket. Of the viewer only its private parts know it."""
@@ -239,23 +228,3 @@ class Doors:
         visitor = next((number for number, other in live.items() if other is connection), None)
         page = server._connected_clients.get(visitor) if server else None
         return page.gui._gui_input_handle_from_uuid.get(widget) if page else None
-
-
-async def _send_away(connection: Any, why: str) -> None:
-    """Close a websocket, also one whose other end does not listen."""
-    with suppress(asyncio.TimeoutError):
-        await asyncio.wait_for(connection.close(1008, why), GOING)
-    connection.transport.abort()
-    await connection.wait_closed()
-
-
-def _said(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "", wait: float = 0) -> Response:
-    """An answer of our own, which nobody keeps."""
-    body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
-    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
-                       "Cache-Control": "no-store", "Connection": "close", "X-Content-Type-Options": "nosniff"})
-    if cookie:
-        headers["Set-Cookie"] = cookie
-    if wait:
-        headers["Retry-After"] = str(max(1, round(wait)))
-    return Response(status.value, status.phrase, headers, body)

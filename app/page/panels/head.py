@@ -27,10 +27,6 @@ def _web(folder: str, ending: str) -> str:
 #: What the html that a browser loads first has of ours: all style, the page's own frame, and the scripts.
 GROUND = f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + rendered(WEB / "ground.html", mark=MARK) \
     + f"<script>\n{_web('js', 'js')}</script>"
-# An image's onload is the one moment in a page's life that html alone can hook. The viewer's warning of slow graphics,
-# which would cover the colour bar, does not hold for so light a picture. How far a file has come is said where all
-# else is.
-_HEAD = (WEB / "head.html").read_text(encoding="utf-8")
 
 
 def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
@@ -40,11 +36,6 @@ def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
     gui.set_panel_label("mpm-lab: how wrong is it?")
-
-
-def add_head(gui: viser.GuiApi) -> None:
-    """The html that hides what the viewer says, in an element of its own so that it runs once."""
-    gui.add_html(_HEAD)
 
 
 def _brand(colour: str) -> tuple[int, int, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import json
 import re
 from functools import partial
 from pathlib import Path
@@ -15,12 +16,15 @@ from websockets.exceptions import InvalidStatus
 from app.doors import code
 from app.doors.bucket import Bucket
 from app.doors.code import ALL, LETTERS, ONE, ClassCode, made_up
+from app.doors.network import REMEMBERED
+from app.lessons import shelf
+from app.page.features.lesson.marking import Classroom
 from tests.browser.conftest import serving
 from tests.doors import get, lab
 from tests.processes import until
 from tests.raw import Raw
 
-CODE = "wave-4711"
+CODE, NOTES = "wave-4711", "tide-0815"
 BUILD = Path(viser.__file__).parent / "client" / "build"
 DOOR = b"<title>mpm-lab: class code</title>"
 
@@ -87,45 +91,70 @@ def test_wrong_code_is_told_in_words(locked):
 
 
 def test_codes_and_cookies_are_compared_in_constant_time(monkeypatch):
-    """By the function made for it, and with digests of one length, however long the guess."""
+    """By the function made for it, with digests of one length, however long the guess, and with every code there is."""
     compared = []
     real = hmac.compare_digest
     monkeypatch.setattr(hmac, "compare_digest", lambda a, b: compared.append((len(a), len(b))) or real(a, b))
-    door = ClassCode(CODE, 8080)
-    for guess in ("", "w", CODE, "x" * 1000, "\ud800"):
-        assert door.enter(guess, "::1").opens == (guess == CODE)
-    assert door.knows(Headers({"Cookie": door.cookie.partition(";")[0]}))
+    door = ClassCode(CODE, 8080, NOTES)
+    for guess in ("", "w", CODE, NOTES, "x" * 1000, "\ud800"):
+        assert bool(door.enter(guess, "::1").cookie) == (guess in (CODE, NOTES))
+    cookie = door.enter(CODE, "::1").cookie.partition(";")[0]
+    assert door.knows(Headers({"Cookie": cookie})) and not door.teaches(Headers({"Cookie": cookie}))
     assert not door.knows(Headers({"Cookie": "mpm-lab-8080=x"})) and not door.knows(Headers())
-    assert compared == [(32, 32)] * 7
+    assert compared == [(32, 32)] * 20
 
 
-def test_wrong_guesses_are_limited_for_one_and_for_all(monkeypatch):
-    """After so many not even the right code is looked at, for so long as is said; others go on until all are."""
+def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_opens(monkeypatch):
+    """After so many wrong ones others are told to wait, for so long as is said; whatever was guessed, from wherever,
+    the right code opens, also from there."""
     now = [0.0]
     monkeypatch.setattr(code, "Bucket", partial(Bucket, clock=lambda: now[0]))
     door = ClassCode(CODE, 8080)
     most, all_of_them = int(ONE[0]), int(ALL[0])
     for k in range(most):
-        assert door.enter(f"wrong{k}", "10.0.0.1").sentence == code.WRONG
-    limited = door.enter(CODE, "10.0.0.1")
-    assert not limited.opens and limited.wait == 6 and "Wait 6 s" in limited.sentence
-    assert door.enter(CODE, "10.0.0.2").opens
+        assert door.enter(f"wrong{k}", f"10.0.0.{k}").sentence == code.WRONG
+    limited = door.enter("wrong", "10.0.0.99")
+    assert not limited.cookie and limited.wait == 6 and "Wait 6 s" in limited.sentence
+    assert door.enter(CODE, "10.0.0.1").cookie and door.enter(CODE, "10.0.1.2").cookie
+    assert door.enter("wrong", "10.0.1.2").sentence == code.WRONG  # of another network
     now[0] += limited.wait
-    assert door.enter(CODE, "10.0.0.1").opens
-    made = sum(door.enter("wrong", f"10.1.{k // 250}.{k % 250}").sentence == code.WRONG for k in range(500))
+    assert door.enter("wrong", "10.0.0.1").sentence == code.WRONG
+    made = sum(door.enter("wrong", f"10.1.{k // 250}.{k % 250}").sentence == code.WRONG for k in range(2000))
     assert made <= all_of_them - most + 6 * ALL[1] + 1
-    assert not door.enter(CODE, "10.9.9.9").opens  # all together had too many
-    assert len(door._of) <= code.MOST_ADDRESSES
+    assert door.enter("wrong", "10.9.9.9").wait and door.enter(CODE, "10.9.9.9").cookie  # all together had too many
+    assert len(door._of) <= REMEMBERED
     now[0] += 1000
     same = [door.enter("wrong", f"2001:db8::{k:x}").wait for k in range(1, most + 2)]
     assert same[:-1] == [0] * most and same[-1] > 0  # one house of IPv6 is one address
 
 
-def test_limit_reaches_the_page(monkeypatch):
+def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
     monkeypatch.setattr(code, "ONE", (2, 0.1))
     with lab(code=CODE) as (_, address):
-        assert [enter(address, guess)[0] for guess in ("a", "b", "c", CODE)] == [403, 403, 429, 429]
-        assert re.search(r"Retry-After: \d+", get.head)
+        assert [enter(address, guess)[0] for guess in ("a", "b", "c", CODE)] == [403, 403, 429, 200]
+        assert enter(address, "d")[0] == 429 and re.search(r"Retry-After: \d+", get.head)
+
+
+def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
+    """Where there is one; a code of use to nobody who is in already changes no cookie."""
+    with lab(code=CODE, notes=NOTES, classroom=Classroom(next(iter(shelf.lessons())), teacher=True)) as (_, address):
+        cookies = {guess: enter(address, guess)[2][1] for guess in (CODE, NOTES)}
+        for guess, cookie in cookies.items():
+            with Raw(address, {"Cookie": cookie}) as visitor:
+                visitor.find("Your name")  # below the lesson's beginning
+                shown = any("lab-teacher" in text for text in visitor.html.copy().values())
+                assert shown == (guess == NOTES)
+        def status(guess, cookie):
+            return get(address, "/enter", {"X-Class-Code": guess, "Cookie": cookies[cookie]})[0]
+
+        assert (status(CODE, NOTES), status(CODE, CODE), status(NOTES, CODE)) == (204, 204, 200)
+    assert not ClassCode(CODE, 1).teaches(Headers({"Cookie": cookies[CODE]}))
+
+
+def test_strangers_learn_no_more_of_a_lab_than_that_it_is_ready(locked):
+    for cookie, fields in ((None, {"ready"}), (enter(locked, CODE)[2][1], {"ready", "sessions", "places"})):
+        status, body = get(locked, "/health", {"Cookie": cookie} if cookie else {})
+        assert status == 200 and json.loads(body).keys() & {"ready", "sessions", "places"} == fields
 
 
 def test_made_up_codes_are_long_and_plain():

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import socket
+
 import pytest
+from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
 
 from app.doors.address import Addresses
@@ -48,10 +51,69 @@ def test_foreign_pages_and_hosts_are_refused(here, headers, allowed):
     ("127.0.0.1", ("lab.example:444",), "127.0.0.1:8080", "https://lab.example:444", True),
     ("127.0.0.1", ("lab.example:444",), "127.0.0.1:8080", "https://lab.example", False)])
 def test_names_of_a_lab_that_others_reach(host, names, asked, origin, allowed):
-    from websockets.datastructures import Headers
     headers = Headers({"Host": asked, **({"Origin": origin} if origin else {})})
     assert (Addresses(host, names).refusal(headers) is None) == allowed
     assert not Addresses(host, names).private and Addresses("localhost").private
+
+
+def raw(address, *lines):
+    """The status of an answer to a request, line for line as it is."""
+    host, port = address.removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), timeout=20) as line:
+        line.sendall("\r\n".join(["GET / HTTP/1.1", *lines, "", ""]).encode("latin1"))
+        return int(line.recv(4000).split()[1])
+
+
+@pytest.mark.parametrize("host", ["", " ", ".", ":80", "a..b", "127.0.0.1 ", "127.0.0.1\t", "\t127.0.0.1", "127.0.0.1:",
+                                  "127.0.0.1:x", "127.0.0.1,b", "127.0.0.1/", "[::1", "\xe4"])
+def test_host_must_be_one(here, host):
+    assert raw(here[1], f"Host: {host}") == 403
+    for listens in ("127.0.0.1", "0.0.0.0"):
+        assert Addresses(listens).refusal(Headers({"Host": host}))
+
+
+@pytest.mark.parametrize("origin", ["http://{}\t", "http://{} ", "\thttp://{}", "  http://{}", "http:// {}", "http://{}/",
+                                    " ", "", "http://", "//{}", "http://x@{}", "http://{}, http://{}"])
+def test_origin_must_be_a_tidy_one(here, origin):
+    """Also where the reader of headers would take white space away before anyone sees it."""
+    here_is = here[1].removeprefix("http://")
+    upgrade = [f"{name}: {value}" for name, value in UPGRADE.items()]
+    origin = origin.format(here_is, here_is)
+    assert raw(here[1], f"Host: {here_is}", f"Origin: {origin}", *upgrade) == 403
+    assert raw(here[1], f"Host: {here_is}", f"oRIGIN:{origin}") == 403
+    assert raw(here[1], f"Host: {here_is}", f"Origin: http://{here_is}", *upgrade) == 101
+
+
+@pytest.mark.parametrize(("said", "page", "socket"), [
+    ({"Site": "same-origin"}, True, True), ({"Site": "none", "Mode": "navigate", "Dest": "document"}, True, True),
+    ({"Site": "cross-site", "Mode": "navigate", "Dest": "document"}, True, False),  # a link leads here
+    ({"Site": "cross-site", "Mode": "navigate", "Dest": "iframe"}, False, False),
+    ({"Site": "cross-site"}, False, False), ({"Site": "same-site"}, False, False),
+    ({"Site": "Cross-Site"}, False, False),
+    ({"Site": "cross-site", "Mode": "no-cors", "Dest": "image"}, False, False),
+    ({"Site": "same-site", "Mode": "websocket", "Dest": "websocket"}, False, False),
+    ({"Site": "anything"}, False, False)])
+def test_page_of_another_site_may_lead_here_and_no_more(here, said, page, socket):
+    """A browser that tells no origin says whether the page that asks is of another site."""
+    headers = {f"Sec-Fetch-{name}": value for name, value in said.items()}
+    assert (get(here[1], "/", headers)[0] == 200) == page
+    assert (get(here[1], "/", {**headers, **UPGRADE})[0] == 101) == socket
+    assert get(here[1], "/", {**headers, **UPGRADE, "Origin": here[1]})[0] == 101  # which decides where it is told
+
+
+def test_every_answer_says_what_may_be_done_with_it(here):
+    """In no frame, as nothing else than it says it is; pages run their own scripts, all else none."""
+    for path, headers in [("/", {}), ("/", {"Accept-Encoding": "gzip"}), ("/none", {}), ("/health", {}),
+                          ("/here/x", {}), ("/", {"Host": "evil.example"}), ("/", UPGRADE),
+                          ("/", {**UPGRADE, "Origin": "null"}), ("/", {**UPGRADE, "Sec-WebSocket-Key": "none"})]:
+        get(here[1], path, headers)
+        found = dict(line.split(": ", 1) for line in get.head.split("\r\n")[1:])
+        assert (found["X-Content-Type-Options"], found["X-Frame-Options"]) == ("nosniff", "DENY"), path
+        assert found["Referrer-Policy"] == "same-origin"
+        policy = found["Content-Security-Policy"].split("; ")
+        assert {"default-src 'none'", "frame-ancestors 'none'", "base-uri 'none'"} <= set(policy)
+        assert not any("unsafe-inline" in part or "unsafe-eval" in part.replace("wasm-unsafe-eval", "")
+                       for part in policy if part.startswith("script-src"))
 
 
 def test_stale_page_is_told_and_fills_no_log(here, capfd, caplog):

@@ -194,7 +194,7 @@ def test_kinds_of_messages_are_those_of_the_viewer():
 
 def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     """If this fails, the viewer reads its websocket or knows its visitors otherwise than it did in 1.1.1: see
-    ``Doors._listen`` and ``Doors._widget`` in ``app/viewer/server.py``."""
+    ``app/viewer/hearing.py`` and ``Doors._widget`` in ``app/viewer/server.py``."""
     one, _ = here
     heard = []
     check = messages.refusal

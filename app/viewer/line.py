@@ -1,0 +1,79 @@
+"""A browser's line from the moment it is there: before it has said what it wants, and before its websocket has spoken.
+
+Nothing is made for a line that says nothing, and it holds no place that another network could want
+(:mod:`app.doors.anteroom`).
+"""
+
+import asyncio
+from contextlib import suppress
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection
+
+from app.doors.address import is_ip, is_loopback
+from app.doors.anteroom import Anteroom
+from app.doors.network import network_of
+
+# Lines of one network and of all that have not asked for anything yet: a class may be behind one address, and browsers
+# open some lines that they may need. Websockets that have not spoken yet: each is that of a page that is just opened.
+LINES, SOCKETS = (64, 256), (64, 256)
+HEADS_WITHIN = 5.0  # seconds in which a line has to ask for something
+LONGEST_HEAD = 32_000  # bytes of what it asks; browsers send some hundred
+GOING = 1.0  # seconds that one who is sent away has to say goodbye
+
+Anterooms = tuple[Anteroom["Line"], Anteroom["Line"]]
+
+
+def anterooms() -> Anterooms:
+    """For lines, and for websockets."""
+    return Anteroom(*LINES), Anteroom(*SOCKETS)
+
+
+class Line(ServerConnection):
+    """One browser's. ``head`` is its request as it has come, until that has been answered. A proxy on this machine
+    opens one when it has the whole of a request: those lines are of nobody's network yet."""
+
+    def __init__(self, lines: Anteroom["Line"], trusts_proxy: bool, *args: Any, **options: Any):
+        super().__init__(*args, **options)
+        self._lines, self._trusts_proxy, self.head = lines, trusts_proxy, b""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        remote = transport.get_extra_info("peername")
+        who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
+        network = str(remote) if self._trusts_proxy and is_loopback(who) else network_of(who)
+        if gone := self._lines.enter(self, network):
+            gone.transport.abort()
+
+    def data_received(self, data: bytes) -> None:
+        if self.request is None:
+            self.head += data
+            if len(self.head) > LONGEST_HEAD:
+                self.transport.abort()
+                return
+        super().data_received(data)
+
+    def answered(self) -> None:
+        """It has asked, and gets an answer: its place is free."""
+        self._lines.leave(self)
+        self.head = b""
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._lines.leave(self)
+        super().connection_lost(exc)
+
+
+def address_of(connection: Any, trusts_proxy: bool) -> str:
+    """The IP address of whoever is at the other end, or that for which a proxy on this machine asks."""
+    remote = connection.remote_address
+    who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
+    told = connection.request.headers.get_all("X-Real-IP") if trusts_proxy and is_loopback(who) else []
+    return told[0] if len(told) == 1 and is_ip(told[0]) else who
+
+
+async def send_away(connection: Any, why: str) -> None:
+    """Close a websocket, also one whose other end does not listen."""
+    with suppress(asyncio.TimeoutError):
+        await asyncio.wait_for(connection.close(1008, why), GOING)
+    connection.transport.abort()
+    await connection.wait_closed()

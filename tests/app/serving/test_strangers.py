@@ -1,0 +1,123 @@
+"""Strangers who say nothing, or come again and again: they take no place that others want."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import ExitStack, closing, suppress
+from time import monotonic
+
+import pytest
+from websockets.exceptions import InvalidStatus
+
+from app.doors.anteroom import Anteroom
+from app.doors.bucket import Bucket
+from app.doors.network import Buckets, network_of
+from app.viewer import line, server
+from tests.doors import lab
+from tests.processes import until
+from tests.raw import Raw
+
+STRANGER, OTHER = ("127.0.0.66", 0), ("127.0.0.77", 0)  # each is a network of its own on this machine
+WITHIN = 3.0  # seconds in which others come in
+
+
+@pytest.mark.parametrize(("address", "network"), [
+    ("10.1.2.3", "10.1.2.0/24"), ("10.1.2.250", "10.1.2.0/24"), ("10.1.3.3", "10.1.3.0/24"),
+    ("2001:db8:0:1::5", "2001:db8:0:1::/64"), ("2001:db8:0:1:ffff::", "2001:db8:0:1::/64"),
+    ("fe80::1%eth0", "fe80::/64"), ("::ffff:10.1.2.3", "10.1.2.0/24"), ("127.0.0.9", "127.0.0.9"),
+    ("::1", "::1"), ("somewhere", "somewhere"), ("", "")])
+def test_networks(address, network):
+    assert network_of(address) == network
+
+
+def test_a_bucket_for_each_network_and_only_for_the_latest():
+    buckets = Buckets(lambda: Bucket(1, 0.1), remembered=3)
+    for network in "abc":
+        buckets.of(network).pay()
+    assert buckets.of("a").wait() > 9 and buckets.of("d").wait() == 0 and len(buckets) == 3
+    assert buckets.of("a").wait() > 9 and buckets.of("b").wait() == 0  # b was the one that had not been met for longest
+
+
+def test_whoever_has_waited_longest_makes_room_in_his_own_network():
+    room = Anteroom[str](of_one=2, of_all=5)
+    assert [room.enter(who, who[0]) for who in ("a1", "a2", "b1", "a3")] == [None, None, None, "a1"]
+    room.leave("a2")
+    room.leave("a2")
+    assert [room.enter(who, who[0]) for who in ("a4", "c1", "b2")] == [None, None, None] and len(room) == 5
+    assert room.enter("d1", "d") == "a3"  # all places are taken: one of a network that has most
+    assert room.enter("b3", "b") == "b1" and len(room) == 5
+
+
+@pytest.fixture(scope="module")
+def address():
+    with lab() as (_, address), Raw(address) as first:
+        first.find("Download CSV")  # the first page takes a moment more
+        yield address
+
+
+def comes_in(address):
+    """Seconds that it takes a newcomer from elsewhere to have all of the page's controls."""
+    begun = monotonic()
+    with Raw(address, source_address=OTHER) as newcomer:
+        newcomer.find("Download CSV")
+        return monotonic() - begun
+
+
+def half_open(address, count):
+    host, port = address.removeprefix("http://").split(":")
+    return [socket.create_connection((host, int(port)), 10, STRANGER) for _ in range(count)]
+
+
+def test_half_open_lines_take_nobodys_place(address):
+    """Neither ones that say nothing nor ones that never end their request; the oldest of them are cut."""
+    with ExitStack() as stack:
+        lines = [stack.enter_context(closing(one)) for one in half_open(address, 300)]
+        for one in lines[150:]:
+            with suppress(OSError):
+                one.sendall(b"GET / HTTP/1.1\r\nHost: ")
+        assert comes_in(address) < WITHIN
+        lines[0].settimeout(10)
+        with suppress(ConnectionResetError):
+            assert lines[0].recv(1) == b""  # cut
+        lines[-1].settimeout(line.HEADS_WITHIN + 5)
+        with suppress(ConnectionResetError):
+            assert lines[-1].recv(1) == b""  # and the others after a while
+
+
+def test_request_without_end_is_cut(address):
+    """Before it fills the memory."""
+    with closing(half_open(address, 1)[0]) as one, pytest.raises(OSError):
+        for _ in range(100):
+            one.sendall(b"X: " + b"x" * 4000 + b"\r\n")
+            one.settimeout(0.02)
+            with suppress(TimeoutError):
+                if one.recv(1) == b"":
+                    raise ConnectionResetError
+
+
+def test_silent_websockets_take_nobodys_place(address, monkeypatch):
+    """Of one network so many may be silent at once; nothing is made for them, and others come in beside them."""
+    with ExitStack() as stack:
+        silent = []
+        for _ in range(line.SOCKETS[0] + 20):
+            with suppress(InvalidStatus):
+                silent.append(stack.enter_context(Raw(address, arrive=False, source_address=STRANGER)))
+        assert len(silent) > line.SOCKETS[0]
+        assert comes_in(address) < WITHIN
+        gone = len(silent) - line.SOCKETS[0]
+        until(lambda: sum(one.closed == 1008 for one in silent) == gone, "the oldest sent away")
+        assert silent[0].closed == 1008 and silent[0].socket.close_reason == server.CROWDED
+        assert silent[-1].closed is None
+
+
+def test_who_comes_and_goes_keeps_only_its_own_network_out(address):
+    """Websockets opened and closed again, more than a class ever needs: then its network has to wait, and no other."""
+    refused = 0
+    for _ in range(server.HANDSHAKES + 40):
+        try:
+            Raw(address, arrive=False, source_address=("127.0.0.88", 0)).close()
+        except InvalidStatus as status:
+            refused += status.response.status_code == 503 and int(status.response.headers["Retry-After"]) >= 1
+            if refused > 3:
+                break
+    assert refused > 3 and comes_in(address) < WITHIN
