@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from app.frame.scale import ColourScale
-from app.page.budget import EFFECT, WHO
+from app.page.features.budget.panel import WHO
 from app.page.features.slow.panel import SlowMotion
 from app.page.panels.answers import Answers
 from app.page.panels.bound import BoundWidgets
@@ -224,8 +224,7 @@ class Controls:
             self._run.build(self._gui, self._part)
             with self._part("estimators"):
                 self._judges.build(self._gui)
-                if EFFECT in scene.OWN_EFFECTS:
-                    self._gui.add_html(WHO)
+                self._gui.add_html(WHO)
             with self._fold("What is drawn", "estimators", "colours", "trace", "domains"):
                 self._drawn.build(self._gui, self._part)
             if view.motion or view.material:

@@ -10,9 +10,9 @@ import viser
 from app import state
 from app.frame.scale import ColourScale
 from app.frame.sentence import Said
-from app.page.budget import BudgetFold
 from app.page.canvas import Canvas
 from app.page.controls import Controls
+from app.page.features.budget.panel import BudgetFold
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
@@ -112,6 +112,7 @@ class Page:
         self._player.close()
         self._session.close()
         self._cost.jobs.close()
+        self._budget.jobs.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
         self._looking = looking = Looking(self._session, self._recent, self._trace, self._redraw)

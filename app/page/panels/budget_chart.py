@@ -79,7 +79,7 @@ def chart(runs: Sequence[Divided], field: str) -> str:
     drawn = [run for run in runs if not run.not_valid]
     axes = _axes(drawn, field) if drawn else None
     figures = "".join(_figure(run, field, axes) if axes and not run.not_valid else
-                      _titled(run, f"<p class='lab-no-budget'>{escape(_sentence(run.not_valid))}</p>") for run in runs)
+                      _titled(run, f"<p class='lab-no-budget'>{escape(sentence(run.not_valid))}</p>") for run in runs)
     caption = f"<p class='lab-caption'>{CAPTION}</p>" if drawn else ""
     return f"<div class='lab-budget-chart'>{figures}{_shares(drawn, field) if drawn else ''}{caption}</div>"
 
@@ -145,10 +145,9 @@ def _shares(runs: Sequence[Divided], field: str) -> str:
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
-def outcome(before: Divided, again: Divided, field: str) -> str:
+def outcome(before: Divided, again: Divided, field: str, cause: str) -> str:
     """The error before, as the budget of then foretold it without a cause, and of the run without it: RMS over the time
-    that both have. The cause is what the second run's scene takes away."""
-    cause = taken_away(again.scene)
+    that both have."""
     end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)
     first, second = until(before.series, end), until(again.series, end)
     sizes = {"before": budget.rms(first, field), "predicted": budget.rms(first, field, without=cause),
@@ -157,6 +156,14 @@ def outcome(before: Divided, again: Divided, field: str) -> str:
         return ""
     rows = "".join(_bar(PHRASES[key], size, whole, UNITS[field], key) for key, size in sizes.items())
     return f"<div class='lab-outcome'><p>RMS of {field} over the run, without {CAUSES[cause]}</p>{rows}</div>"
+
+
+def picture(png: str, words: str) -> str:
+    """A picture over the page, in base64, with what it shows in words; "" where there is none. The page's script opens
+    it (``js/budget.js``)."""
+    said = escape(words, quote=True)
+    return f"<dialog class='lab-map' aria-label='{said}'><button type='button' aria-label='Close'>×</button>" \
+           f"<img alt='{said}' src='data:image/png;base64,{png}'></dialog>" if png else ""
 
 
 def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> str:
@@ -169,5 +176,6 @@ def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> s
            f"<i style='width:{100 * min(1.0, size / whole):.1f}%'></i></p>"
 
 
-def _sentence(text: str) -> str:
+def sentence(text: str) -> str:
+    """A reason as a sentence of its own."""
     return f"{text[:1].upper()}{text[1:]}."

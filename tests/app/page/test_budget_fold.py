@@ -13,7 +13,7 @@ import pytest
 
 from app import state
 from app.frame.budget import MEANINGS, blamed, error, field_of, percent, stacked
-from app.page.budget import BudgetFold
+from app.page.features.budget.panel import BudgetFold
 from app.page.measurements import Numbers
 from app.page.panels.budget_chart import HEIGHT, MOST, WIDTH, Divided, chart
 from app.page.panels.timeline import Now
@@ -27,6 +27,7 @@ from solvers.running.run import run
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver import budget
 from tests.app.page.test_sparks import ran
+from tests.processes import until
 
 HATS = state.read("bar;method=mpm;cells=20;ppc=2;estimators=none;effects=truth,crossings,budget").scene
 UGIMP = replace(HATS, method="ugimp")
@@ -84,13 +85,13 @@ class Stage:
     def show(self, shown):
         self.state, self.session.scene = shown, shown.scene
 
-    def look(self, history=None, pinned=None, quantity="x", studying=False, scene=HATS, playing=False):
+    def look(self, history=None, pinned=None, quantity="x", studying=False, scene=HATS, playing=False, time=0.0):
         """What is read in the fold after another refresh."""
-        now = Now(0.0, (0.0, 0.0), playing)
+        now = Now(time, (0.0, 0.0), playing)
         numbers = Numbers(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
         self.fold.show(numbers, Choice(quantity, None, False, False, 1, False), studying)
         fold = self.fold
-        return "".join(html.content for html in (fold._offer, fold._chart, fold._outcome) if html.visible)
+        return "".join(html.content for html in (fold._offer, fold._chart, fold._outcome, fold._map) if html.visible)
 
 
 def shares(text):
@@ -191,13 +192,58 @@ def test_a_chart_that_moves_is_drawn_about_once_a_second():
     assert stage.look(history) == first, "at once where it stands"
 
 
-def test_where_there_is_none_nothing_is_seen():
-    ring = RingScene()
+def test_in_the_plane_it_is_found_beside_the_stage_when_asked_for():
+    """The charts are of the command's runs; what a job has found goes with its scene."""
+    ring = RingScene(cells=8, ppc=1, periods=0.2, method="ugimp", estimators=())
     stage = Stage(State(ring))
-    stage.look(scene=ring)
-    assert not stage.fold._fold.visible
+    assert "Found beside your stage" in stage.look(scene=ring)
     stage.fold.press(True)
-    assert stage.state.scene == ring
+    assert stage.state.scene == ring and stage.fold.jobs.status.running
+    until(lambda: not stage.fold.jobs.status.running, "the budget")
+    found = run_budget(ring, "crossings")
+    said = {cause: percent(share) for cause, share in budget.shares(found.result.series, "x").items()}
+    assert shares(stage.look(scene=ring)) == {cause: [share] for cause, share in said.items()}
+    stage.gui.made["Suspect"].value = "crossings"
+    stage.gui.made["Take it away and run again"].press()
+    until(lambda: not stage.fold.jobs.status.running, "the run without crossings")
+    text, taken = stage.look(scene=ring), found.take_away()
+    assert text.count("<figure>") == 2 and "RMS of x over the run, without crossings" in text
+    for key, words in (("before", "before"), ("predicted", "foretold"), ("again", "run again")):
+        assert f"<span>{words}</span> <b>{with_unit(taken[key]['x'], 'm')}</b>" in text
+    assert stage.state.scene == ring and stage.state.pinned is None and not stage.gui.made["Put it back"].visible
+    other = replace(ring, cells=10)
+    stage.show(State(other))
+    assert "Found beside your stage" in stage.look(scene=other)
+
+
+def test_what_has_no_budget_in_the_plane_is_refused_in_words():
+    ring = RingScene(cells=8, ppc=1, periods=0.1, body_force="none", effects=(), estimators=())
+    stage = Stage(State(ring))
+    stage.fold.press(True)
+    until(lambda: not stage.fold.jobs.status.running, "the refusal")
+    assert "leaves no exact solution" in stage.look(scene=ring) and stage.gui.made["Find out"].visible
+
+
+def test_where_and_when_is_a_picture_of_the_moment_that_is_shown(hats):
+    """It goes with the moment: what is played on has another."""
+    stage, history = Stage(State(HATS)), ran(HATS, 0.25)
+    stage.look(history, time=0.25 * HATS.period, playing=True)
+    assert not stage.gui.made["Where and when?"].visible
+    stage.look(history, time=0.25 * HATS.period)
+    stage.gui.made["Where and when?"].press()
+    until(lambda: not stage.fold.jobs.status.running, "the map", 60)
+    assert "data:image/png;base64,iVBOR" in stage.look(history, time=0.25 * HATS.period)
+    assert "base64" not in stage.look(history, time=0.26 * HATS.period)
+    stage.fold.press("seen")
+    assert "base64" not in stage.look(history, time=0.25 * HATS.period)
+    cancelling = Stage(State(UGIMP))
+    cancelling.look(ran(UGIMP, 1.0), time=UGIMP.period, scene=UGIMP)
+    cancelling.gui.made["Where and when?"].press()
+    until(lambda: not cancelling.fold.jobs.status.running, "the refusal", 60)
+    assert "There is no map of this error: " in cancelling.look(ran(UGIMP, 1.0), time=UGIMP.period, scene=UGIMP)
+
+
+def test_where_there_is_none_nothing_is_seen():
     lesson = Stage(State(replace(HATS, effects=("truth",))))
     lesson.look(studying=True)
     assert not lesson.fold._fold.visible, "a lesson that does not ask for it"

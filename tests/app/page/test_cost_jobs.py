@@ -13,7 +13,7 @@ import pytest
 
 from app.page.features.cost import words
 from app.page.features.cost.front import cheapest, question
-from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, search, small_sweep
+from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.runs import Runs
 from app.page.page import Page
@@ -65,7 +65,7 @@ def test_sweep_runs_in_a_process_that_ends(jobs):
     jobs.sweep(tasks)  # while one runs nothing else begins
     assert jobs.process_id == process
     wait(lambda: not jobs.status.running)
-    assert jobs.status == JobStatus("sweep", done=2, total=2)
+    assert jobs.status == CostStatus("sweep", done=2, total=2)
     assert [run.row["asked"]["cells"] for run in jobs.runs.all()] == [10, 20] and not alive(process)
     assert all(run.row["seconds"]["min"] > 0 for run in jobs.runs.all())
 
@@ -114,6 +114,7 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
     page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
     tab.jobs = jobs
     page._closed, page._stands, page._cost = threading.Event(), threading.Event(), tab
+    page._budget = SimpleNamespace(jobs=tab.jobs)
     page._drawing, page._refreshing = threading.Lock(), threading.Lock()
     page._session = page._slow = page._player = page._own = SimpleNamespace(close=lambda: None)
     page.close()
@@ -208,7 +209,7 @@ def tab():
 
 def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     ways = []
-    tab.jobs.status, tab.jobs.give_way = JobStatus("sweep", running=True), lambda: ways.append(1)
+    tab.jobs.status, tab.jobs.give_way = CostStatus("sweep", running=True), lambda: ways.append(1)
 
     def said():
         tab.refresh()
@@ -219,7 +220,7 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     assert "Other visitors" in said() and ways
     tab.stage.play(True)
     assert "<p>Your stage runs" in said() and tab.notice() is None
-    tab.jobs.status = JobStatus("sweep")
+    tab.jobs.status = CostStatus("sweep")
     assert "Your stage" not in said() and "Other visitors" not in said() and "paused" not in said()
 
 
@@ -241,7 +242,7 @@ def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
     tab.jobs.search = lambda job: None
     tab.widgets.by_label[SEARCH].click()
-    tab.jobs.status = JobStatus("search", advice=FOUND)
+    tab.jobs.status = CostStatus("search", advice=FOUND)
     tab.widgets.by_label["Load this scene"].click()
     tab.refresh()
     assert tab.jobs.status.advice and "advice is on the stage." in tab.widgets.said
@@ -250,7 +251,7 @@ def test_advice_goes_when_what_was_asked_changes(tab):
     assert tab.jobs.status.advice and "advice is on the stage" not in tab.widgets.said
     tab.widgets.by_label["Tolerance / A"].value = "1e-2"
     tab.refresh()
-    assert tab.jobs.status == JobStatus()
+    assert tab.jobs.status == CostStatus()
     for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
         assert question(replace(SCENE, **change)) != question(SCENE)
 

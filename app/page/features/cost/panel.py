@@ -11,7 +11,7 @@ import viser
 from app.page.features.cost import words
 from app.page.features.cost.front import comparable, question, staged
 from app.page.features.cost.headline import headline, line
-from app.page.features.cost.jobs import Jobs, JobStatus, QuietStage, search, small_sweep, timings
+from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep, timings
 from app.page.features.cost.picture import Axes, axes, picture
 from app.page.features.cost.runs import LIVE, LiveRows, Runs, csv_bytes
 from app.page.panels.head import BESIDE
@@ -85,7 +85,7 @@ class CostTab:
         """Why the stage stands still, if that is for a job's sake."""
         return Notice("wait", words.pause(self.jobs.status.kind)) if self._quiet.paused else None
 
-    def _stage_word(self, status: JobStatus) -> str:
+    def _stage_word(self, status: CostStatus) -> str:
         """What disturbs the job that runs, which gives way to every stage that moves."""
         if not status.running:
             return ""
@@ -169,7 +169,7 @@ class CostTab:
         self._download.disabled = not runs
         self._time.visible = bool(timings(runs))
 
-    def _show_answer(self, scene: Scene, status: JobStatus, stage: str) -> None:
+    def _show_answer(self, scene: Scene, status: CostStatus, stage: str) -> None:
         """What stands above the chart, and the line in it."""
         like = comparable(self.runs.all(), scene)
         tolerance, trouble = self._wanted()
@@ -188,7 +188,7 @@ class CostTab:
         except words.NoNumber as refusal:
             return math.nan, str(refusal)
 
-    def _show_status(self, status: JobStatus, stage: str) -> None:
+    def _show_status(self, status: CostStatus, stage: str) -> None:
         self._sweep.disabled = self._time.disabled = self._search.disabled = status.running
         self._cancel.visible = self._bar.visible = status.running
         if status.running:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from app.page.features.cost.jobs import JobStatus
+from app.page.features.cost.jobs import CostStatus
 from app.page.features.cost.runs import MOST_RUNS, NumberedRun
 from app.words import NOTHING, method_name, moving, on_page, per_cell, power_text, with_unit
 from solvers.problems import PROBLEMS
@@ -132,7 +132,7 @@ def others(runs: Sequence[NumberedRun], problem: str) -> str:
     return f"And {count} of the {name}: shown when that problem is chosen; the CSV file has all."
 
 
-def counted(status: JobStatus) -> str:
+def counted(status: CostStatus) -> str:
     """How far a job has come that runs."""
     name = status.kind.capitalize()
     if not status.total:
@@ -142,7 +142,7 @@ def counted(status: JobStatus) -> str:
     return f"{name}: {status.done} runs."
 
 
-def going(status: JobStatus) -> str:
+def going(status: CostStatus) -> str:
     """How a job goes, or how it ended."""
     if status.running:
         if status.kind == "sweep" or status.task is None:

@@ -1,7 +1,8 @@
 // Who made this error? A press below the judges' cards, or in a lesson, asks for the budget, opens its fold and goes there.
-// What opens makes room only when the page has it: so it is looked for a while.
+// What opens makes room only when the page has it: so it is looked for a while. A map that has been asked for opens over
+// the page as soon as it is there.
 (() => {
-  const ROOM = 150, PATIENCE = 20;  // milliseconds between two looks, and how many
+  const ROOM = 150, PATIENCE = 20, LONG = 1400;  // milliseconds between two looks, and how many
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   const head = () => document.querySelector("[data-lab~=lab-budget] + div .mantine-Paper-root[style*='cursor: pointer']");
 
@@ -9,6 +10,12 @@
   function wait(found, act, left = PATIENCE) {
     const element = found(left);
     if (element) act(element); else if (left) setTimeout(() => wait(found, act, left - 1), ROOM);
+  }
+
+  function open(map) {
+    map.showModal();
+    map.addEventListener("close", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: "seen"}})));
+    map.addEventListener("click", event => { if (event.target.tagName !== "IMG") map.close(); });
   }
 
   document.getElementById("root").addEventListener("click", event => {
@@ -20,7 +27,10 @@
         return left && !fold?.parentElement.querySelector(".lab-budget-chart figure") ? null : fold;
       }, fold => show(fold, "start"));
     }
-    if (event.target.closest("[data-lab~=lab-budget] + div button"))  // what has become of the error is below what grows
+    const pressed = event.target.closest("[data-lab~=lab-budget] + div button");
+    if (pressed?.textContent.trim() === "Where and when?")
+      wait(() => document.querySelector("dialog.lab-map:not([open])"), open, LONG);
+    else if (pressed)  // what has become of the error is below what grows
       wait(() => document.querySelector(".lab-outcome"), outcome => show(outcome, "end"));
   });
 })();

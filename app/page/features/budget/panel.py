@@ -1,5 +1,7 @@
 """Who made this error? A fold with the chart of the error budget, and a cause to take away and run again without: the
-first run stays pinned beside the second, with what the budget has foretold and what has come."""
+first run stays pinned beside the second, with what the budget has foretold and what has come. Runs of the bar carry
+their budget with them; in the plane it is found beside the stage, when it is asked for. Where and when an error of the
+bar was made is a picture over the stage."""
 
 import math
 from collections.abc import Callable
@@ -11,14 +13,14 @@ from typing import Any
 import viser
 
 from app.frame.budget import QUESTION, divided, field_of, largest_share, percent
+from app.page.features.budget.jobs import BUDGET, MAP, BudgetJobs, Found
 from app.page.measurements import Numbers
-from app.page.panels.budget_chart import Divided, chart, outcome, taken_away
+from app.page.panels.budget_chart import Divided, chart, outcome, picture, sentence, taken_away
 from app.page.panels.marks import marked
 from app.page.source import Choice
 from app.page.visit.session import Session
 from app.state import State
 from app.words import differing
-from solvers.problems import PROBLEMS
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -30,7 +32,10 @@ WHO = (f"<button type='button' class='lab-who'><b>{QUESTION}</b> <span>crossings
        "</span></button>")
 OFFER = ("<p class='lab-budget-offer'>Which part of the error have crossings made, and which the coarse grid, the body "
          "force and the time step? Computed beside the run, from t = 0 on.</p>")
+ON_DEMAND = ("<p class='lab-budget-offer'>Which part of the error have crossings made, and which the coarse grid and "
+             "the time step? Found beside your stage, from t = 0 to the end of the scene.</p>")
 WAITING = "<p class='lab-budget-offer'>The run begins again, with the errors of each cause beside it.</p>"
+FINDING, TRACING = "Being found beside your stage", "The error is traced back"
 _NAMES = {"x": "displacement x", "v": "velocity v", "F": "deformation F"}
 
 
@@ -40,12 +45,16 @@ class BudgetFold:
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  clock: Callable[[], float] = monotonic):
         self._session, self._state, self._show, self._clock = session, state, show, clock
+        self.jobs = BudgetJobs()
+        self._seen_at = 0.0  # the moment that is on the stage, and the particle that is traced there
+        self._particle: int | None = None
         self._followed, self._drawn_at = "", -math.inf
         self._mark = gui.add_html(marked("lab-budget"))
         self._fold = gui.add_folder(QUESTION, expand_by_default=False)
         with self._fold:
             self._offer = gui.add_html(OFFER)
-            self._find = gui.add_button("Find out", hint="switch the effect error budget on: the run begins again")
+            self._find = gui.add_button("Find out", hint="with the causes' errors beside the run, from t = 0 on")
+            self._cancel = gui.add_button("Cancel", hint="leave it at what has been found")
             self._field = gui.add_dropdown("Divide the error of", tuple(_NAMES.values()),
                                            hint="it follows the quantity on the stage, as far as that has a budget")
             self._chart = gui.add_html("")
@@ -55,20 +64,31 @@ class BudgetFold:
                                          "t = 0; the run as it is stays beside it")
             self._outcome = gui.add_html("")
             self._back = gui.add_button("Put it back", hint="the scene as it is, by itself")
+            self._where = gui.add_button("Where and when?", hint="trace the error of this moment back to where and "
+                                         "when it was made: of the traced particle, or of all")
+            self._map = gui.add_html("")
+        self._cancel.on_click(lambda _: self.jobs.cancel())
+        self._where.on_click(lambda _: self.jobs.map(self._session.scene, self._seen_at, self._shown_field,
+                                                     self._particle))
         self._find.on_click(lambda _: self.find_out())
         self._again.on_click(lambda _: self._take_away())
         self._back.on_click(lambda _: self._put_back())
         self._field.on_update(lambda _: self._redraw())
 
     def press(self, said: object) -> None:
-        """The visitor has asked who made the error."""
+        """The visitor has asked who made the error, or has seen the map."""
         if said is True:
             self.find_out()
+        elif said == "seen":
+            self.jobs.forget()
 
     def find_out(self) -> None:
         """Divide the error of the run, and of one that is pinned beside it."""
         state = self._state()
-        if EFFECT in state.scene.OWN_EFFECTS and EFFECT not in state.scene.effects:
+        if EFFECT not in state.scene.OWN_EFFECTS:
+            if self.jobs.status.scene != state.scene or self.jobs.status.series is None:
+                self.jobs.budget(state.scene)
+        elif EFFECT not in state.scene.effects:
             self._show(replace(state, scene=_with_budget(state.scene),
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
@@ -76,32 +96,63 @@ class BudgetFold:
         """Show what is known of a run's budget. While one is ``studying`` there is only what the lesson has asked
         for."""
         scene = self._session.scene if numbers.scene is not None else None
+        own = scene is not None and EFFECT in scene.OWN_EFFECTS
         on = scene is not None and EFFECT in scene.effects
-        offered = scene is not None and EFFECT in PROBLEMS[scene.problem].scene.OWN_EFFECTS and (on or not studying)
-        _see(offered, self._mark, self._fold)
-        if scene is None or not offered:
+        found = self._found(scene)
+        _see(scene is not None and (on or not studying), self._mark, self._fold)
+        if scene is None or not self._fold.visible:
             return
-        runs = self._runs(numbers, scene, choice.latest) if on else []
-        _see(not on, self._find)
-        _see(not runs, self._offer)
-        _see(on, self._field)
-        _see(bool(runs), self._chart, self._cause, self._again)
-        _see(taken_away(scene) != NOTHING, self._back)
-        _say(self._offer, _missing(scene) if on else OFFER)
+        runs = _runs_found(found) if not own else self._runs(numbers, scene, choice.latest) if on else []
+        _see(not on and not runs and not found.running, self._find)
+        _see(not own and found.running, self._cancel)
+        _see(not runs or (not own and (found.running or bool(found.trouble))), self._offer)
+        _see(on or bool(runs), self._field)
+        _see(bool(runs), self._chart)
+        _see(bool(runs) and not found.running, self._cause, self._again)
+        _see(own and taken_away(scene) != NOTHING, self._back)
+        _say(self._offer, (_missing(scene) if on else OFFER) if own else _going(found, FINDING) or ON_DEMAND)
         self._follow(choice.quantity)
-        field = self._shown_field
-        now = self._clock()
+        self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
+        self._show_map(numbers, found, own and bool(runs))
+
+    def _found(self, scene: Scene | None) -> Found:
+        """What the jobs have of a scene. One for another scene is of no use any more."""
+        status = self.jobs.status
+        if status.scene == scene:
+            return status
+        self.jobs.cancel()
+        return Found()
+
+    def _draw(self, runs: list[Divided], cause: str, on: bool, playing: bool) -> None:
+        """The chart of the runs, and what has become of the error of the first without a ``cause``."""
+        field, now = self._shown_field, self._clock()
         if not runs:
             self._drawn_at = -math.inf
             _say(self._mark, marked("lab-budget", words="" if on else "not asked yet"))
             _say(self._outcome, "")
-        elif not numbers.now.playing or now >= self._drawn_at + REDRAWN:
+        elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
             _say(self._chart, chart(runs, field))
             _say(self._mark, marked("lab-budget", words=_verdict(runs[-1], field)))
-            before, again = runs[0], runs[-1]
-            pair = len(runs) > 1 and taken_away(again.scene) != NOTHING and before.scene == _whole(again.scene)
-            _say(self._outcome, outcome(before, again, field) if pair else "")
+            _say(self._outcome, outcome(runs[0], runs[-1], field, cause) if cause != NOTHING and len(runs) > 1 else "")
+
+    def _show_map(self, numbers: Numbers, found: Found, offered: bool) -> None:
+        """Where and when: asked for while the run stands, and shown as long as it does."""
+        self._seen_at = numbers.now.time
+        traced = numbers.traced
+        self._particle = traced.particle if traced is not None and traced.scene == self._session.scene else None
+        of_now = found.kind == MAP and found.time == self._seen_at and found.field == self._shown_field
+        _see(offered and not numbers.now.playing and self._seen_at > 0 and not found.running, self._where)
+        _say(self._map, "" if not (offered and of_now) else _going(found, TRACING) or picture(
+            found.picture, f"where and when the error of {found.field} was made"))
+
+    @staticmethod
+    def _cause_between(runs: list[Divided]) -> str:
+        """What the second of two runs has less than the first, where that is all the difference between them."""
+        before, again = runs[0].scene if runs else None, runs[-1].scene if runs else None
+        if before is None or again is None or len(runs) < 2 or before != _whole(again):
+            return NOTHING
+        return taken_away(again)
 
     @property
     def _shown_field(self) -> str:
@@ -129,19 +180,40 @@ class BudgetFold:
 
     def _take_away(self) -> None:
         state = self._state()
+        suspect = next(cause for cause, words in CAUSES.items() if words == self._cause.value)
+        if EFFECT not in state.scene.OWN_EFFECTS:
+            self.jobs.budget(state.scene, suspect)
+            return
         before = _whole(state.scene)
-        changes: dict[str, Any] = {
-            "take_away": next(cause for cause, words in CAUSES.items() if words == self._cause.value)}
+        changes: dict[str, Any] = {"take_away": suspect}
         try:
             after = replace(before, **changes)
         except SceneError as error:
-            self._session.refuse(f"Take it away: {error.sentence}")
+            self._session.refuse(f"Take it away: {error}")
         else:
             self._show(replace(state, scene=after, pinned=before))
 
     def _put_back(self) -> None:
         state = self._state()
         self._show(replace(state, scene=_whole(state.scene), pinned=None))
+
+
+def _runs_found(found: Found) -> list[Divided]:
+    """The run whose budget a job has found, and the one without a cause."""
+    if found.kind != BUDGET or found.scene is None or found.series is None:
+        return []
+    if found.again is None:
+        return [Divided("", found.scene, found.series, found.series)]
+    return [Divided("as it is", found.scene, found.series, found.series),
+            Divided(f"without {CAUSES[found.cause]}", found.scene, found.again, found.again)]
+
+
+def _going(found: Found, doing: str) -> str:
+    """How far a job is, or what has become of it; "" where there is nothing to say."""
+    if found.running:
+        return f"<p class='lab-budget-offer' role='status'>{doing}: {percent(found.part)}</p>"
+    said = "It was cancelled" if found.cancelled else found.trouble
+    return f"<p class='lab-budget-offer' role='alert'>{escape(sentence(said.removesuffix('.')))}</p>" if said else ""
 
 
 def _with_budget(scene: Scene) -> Scene:
