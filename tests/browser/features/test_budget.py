@@ -18,6 +18,8 @@ from tests.browser.driving import choose, scene, until
 from tests.browser.page.test_first_picture import summary
 from tests.browser.page.test_room import serious
 
+QUARTER = "bar;method=mpm;cells=20;ppc=2;estimators=none;effects=all;periods=0.25;stops;speed=0.5"
+RING = "ring;method=ugimp;cells=12;ppc=2;periods=0.3;estimators=none"
 LONG = 90.0  # seconds of patience for what is compiled, and takes a period
 HATS = "bar;method=mpm;cells=20;ppc=2;estimators=recovered;periods=1;stops;speed=0.5;error-of=v"
 
@@ -70,5 +72,36 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         page.get_by_role("button", name="Put it back").click()
         until(lambda: scene(page)["take_away"] == "nothing", "the scene as it is")
         until(lambda: chart.count() == 1 and not page.locator(".lab-outcome").count(), "one chart", LONG)
-        choose(page, "Problem", "expanding ring")
-        until(lambda: not page.get_by_text("Who made this error?").locator("visible=true").count(), "nothing of it")
+
+
+def test_where_and_when_is_a_picture_over_the_page(server, chromium):
+    with visit(chromium, server[0], f"#{QUARTER}") as page:
+        page.locator(".lab-who").click()
+        page.get_by_role("button", name="Where and when?").click()
+        place = page.get_by_role("dialog", name="where and when the error of x was made")
+        until(place.is_visible, "the map", LONG)
+        assert place.locator("img").evaluate("image => image.naturalWidth") > 800
+        until(lambda: serious(page) == [], f"names for all: {serious(page)}")
+        page.keyboard.press("Escape")
+        until(lambda: not place.count(), "the page again")
+        assert page.get_by_role("button", name="Where and when?").is_visible()
+
+
+def test_in_the_plane_it_is_found_beside_the_stage(server, chromium):
+    """By the keyboard, and with the numbers of the command."""
+    with visit(chromium, server[0], f"#{RING}") as page:
+        page.locator(".lab-who").focus()
+        page.keyboard.press("Enter")
+        until(page.locator(".lab-made svg").count, "the chart", LONG)
+        found = run_budget(state.read(RING).scene, "crossings")
+        shares = found.result.budget()["x"]
+        assert legend(page) == {cause: [percent(shares[cause])] for cause in CAUSES}
+        page.get_by_role("button", name="Take it away and run again").focus()
+        page.keyboard.press("Enter")
+        until(page.locator(".lab-outcome").count, "what is left", LONG)
+        taken = found.take_away()
+        said = page.locator(".lab-outcome").inner_text()
+        sizes = [size_in(re.search(rf"{words}\s+(\S+ \S*m)\b", said)[1], "m")
+                 for words in ("before", "foretold", "run again")]
+        assert sizes == pytest.approx([taken[key]["x"] for key in ("before", "predicted", "again")], rel=6e-3)
+        until(lambda: serious(page) == [], f"names for all: {serious(page)}")
