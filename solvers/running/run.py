@@ -25,7 +25,7 @@ def build(scene: Scene) -> Solver:
     return PROBLEMS[scene.problem].solver(scene)
 
 
-def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = True,
+def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = False,
         mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
@@ -36,7 +36,8 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     on_progress
         Called several times a second with the part done, 0 to 1.
     prices
-        Whether the estimators' shares of the time are measured half way: a few tenths of a second beside the run.
+        Whether the estimators' shares of the time (``Result.seconds.estimators``) are measured half way: a few tenths
+        of a second beside the run.
     mid_run
         Whether particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`).
     on_sample

@@ -15,6 +15,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
+import numpy as np
+
 from solvers.scene import registry
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS
@@ -262,8 +264,10 @@ class Scene(SceneDefaults, ABC, Remembered):
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _normalized(self) -> dict[str, Any]:
-        """Inputs that are meant otherwise than they are given, before anything is checked: a scene must be hashable."""
-        return {name: tuple(given) for name in LISTS if isinstance(given := getattr(self, name), list)}
+        """Inputs that are meant otherwise than given: a scene must be hashable, and numbers of NumPy are numbers."""
+        given = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return {name: value.item() if isinstance(value, np.generic) else tuple(value) for name, value in given.items()
+                if isinstance(value, np.generic) or (name in LISTS and isinstance(value, list))}
 
     def _check_choices(self) -> None:
         registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))

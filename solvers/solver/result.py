@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solvers.scene.effects import ALL
+from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver import budget, norms
 from solvers.solver.norms import UNBOUNDED, finite, largest, summary
@@ -110,7 +111,14 @@ class Result:
         return {**{q: summary(self.series[f"error_{q}"]) for q in QUANTITIES}, **extra}
 
     def estimates(self, estimator: str) -> dict:
-        """What an estimator of the scene says of them, in the same form, without the problem's own norm."""
+        """What an estimator of the scene says of them, in the same form, without the problem's own norm.
+
+        Raises
+        ------
+        SceneError
+            For an estimator that the run has not had.
+        """
+        self._require(estimator)
         return {q: summary(self.series[f"{estimator}/estimate_{q}"]) for q in QUANTITIES}
 
     def index(self, estimator: str) -> dict:
@@ -122,8 +130,16 @@ class Result:
         return self._ratio("distance", estimator)
 
     def _ratio(self, ratio: str, estimator: str) -> dict:
+        self._require(estimator)
         norm = f"{estimator}/{norms.RATIOS[ratio]}"
         return {q: norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
+
+    def _require(self, estimator: str) -> None:
+        """:class:`~solvers.scene.rules.SceneError` where the run has no such estimate."""
+        if f"{estimator}/estimate_x" not in self.series:
+            names = ", ".join(self.scene.active_estimators) or "none"
+            why = self.not_valid.get(estimator, "is not one of this run's")
+            raise SceneError("estimator", estimator, f"{why}; the run has {names}")
 
     @UNBOUNDED
     def energy(self) -> dict | None:

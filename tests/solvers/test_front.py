@@ -45,6 +45,21 @@ def test_a_run_is_a_result():
     assert isinstance(result, Result) and result.status == "ok"
 
 
+def test_prices_cost_time_and_are_asked_for():
+    scene = BarScene(cells=20, periods=0.1)
+    assert run(scene).seconds.estimate is None and run(scene, prices=True).seconds.estimate > 0
+
+
+def test_an_estimator_that_the_run_has_not_had_is_named():
+    result = run(BarScene(cells=20, periods=0.1, estimators=("companion", "two-grid"), method="mpm"))
+    with pytest.raises(SceneError, match="estimator transport: is not one of this run's; the run has companion"):
+        result.index("transport")
+    for ask in (result.estimates, result.index, result.distance):
+        with pytest.raises(SceneError, match="estimator two-grid: not valid here: "):
+            ask("two-grid")
+    assert result.index("companion")["x"] == pytest.approx(1, abs=0.01)
+
+
 def test_a_sweep_has_a_row_for_each_combination_as_its_table_has():
     """Errors over the amplitude are those of single runs, to the bit; a scene that cannot be is a row that says so."""
     told = []

@@ -12,6 +12,7 @@ from solvers.problems.bar import patch, step_bound, validity
 from solvers.problems.bar.patch import PATCH, VIBRATE
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.defaults import MOST_PER_CELL
+from solvers.scene.described import described
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene, option
@@ -20,6 +21,7 @@ from solvers.scene.scene import Scene, option
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
 
 
+@described
 @dataclass(frozen=True)
 class BarScene(Scene):
     """One run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.scene.Scene`)."""

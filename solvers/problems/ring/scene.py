@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.ring import exact, step_bound, validity
+from solvers.scene.described import described
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import option
@@ -21,6 +22,7 @@ FIRST_ERROR = 1e-3  # relative error in that mode after one period, as CPDI leav
 LARGE_ERROR = 0.1  # and the one that is called the end
 
 
+@described
 @dataclass(frozen=True)
 class RingScene(PlanarScene):
     """One run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.

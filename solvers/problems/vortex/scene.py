@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.vortex import step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, lame
+from solvers.scene.described import described
 from solvers.scene.effects import EFFECTS
 from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.rules import require_number
@@ -20,6 +21,7 @@ MOST_AMPLITUDE = 0.5 * math.pi  # with which the vortex has been studied; beyond
 LOOKED_AT = 64  # circles, for the largest displacement
 
 
+@described
 @dataclass(frozen=True)
 class VortexScene(PlanarScene):
     """One run of the vortex: h = 3 m/``cells``, ``ppc`` counts per direction.

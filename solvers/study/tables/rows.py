@@ -30,7 +30,7 @@ def run_row(row: Row, show: Callable[[float], None]) -> Results:
         def told(part: float, before: int = done, steps: int = work[purpose]) -> None:
             show((before + part * steps) / sum(work.values()))
 
-        results[purpose] = run(scene, on_progress=told, mid_run=False).to_dict()
+        results[purpose] = run(scene, on_progress=told, prices=True, mid_run=False).to_dict()
         done += work[purpose]
     return results
 

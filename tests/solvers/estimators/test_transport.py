@@ -84,7 +84,7 @@ def test_its_cost_is_reported():
 
     The turns alone are a per cent or more of it (measured: 0.02 to 0.1), which turns that alternate tell from nothing.
     """
-    seconds = run(replace(TABLE_SCENE, cells=160)).seconds
+    seconds = run(replace(TABLE_SCENE, cells=160), prices=True).seconds
     assert 0 < seconds.estimate < seconds.run
 
 

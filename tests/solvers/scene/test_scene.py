@@ -7,12 +7,14 @@ import math
 import pickle
 from dataclasses import FrozenInstanceError, fields, replace
 
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from solvers.problems.bar.scene import BAR_AMPLITUDE_LIMIT, BarScene
 from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex.scene import VortexScene
 from solvers.scene.effects import EFFECTS
 from solvers.scene.rules import KEYS, SceneError
 from solvers.scene.scene import MOST_PARTICLES, MOST_STEPS
@@ -78,6 +80,28 @@ def test_lists_refuse_unknown_repeated_and_bare_names(field):
     assert "twice" in refusal(**{field: (known, known)}).sentence
     for bare in (known, None, 3):
         assert "list" in refusal(**{field: bare}).sentence
+
+
+def test_numbers_of_numpy_are_numbers():
+    """The scene has plain ones: its JSON and its hash are the same."""
+    scene = BarScene(cells=np.int64(50), ppc=np.uint8(3), amplitude=np.float64(0.01), dt=np.float64(1e-3),
+                     linearity_preserving=np.bool_(True))
+    plain = BarScene(cells=50, ppc=3, amplitude=0.01, dt=1e-3, linearity_preserving=True)
+    assert scene == plain and hash(scene) == hash(plain) and json.dumps(scene.to_dict()) == json.dumps(plain.to_dict())
+    with pytest.raises(SceneError, match="whole number"):
+        BarScene(cells=np.float64(50.5))
+    with pytest.raises(SceneError, match="above"):
+        BarScene(amplitude=np.float64("nan"))
+
+
+@pytest.mark.parametrize("kind", [BarScene, RingScene, VortexScene])
+def test_help_tells_meaning_unit_choices_and_default_of_each_field(kind):
+    said = kind.__doc__
+    for field in fields(kind):
+        if field.name != "problem":
+            assert f"\n{field.name} : " in said and all(
+                name in said for name in kind.choices(field.name) if field.name != "estimators")
+    assert "in Pa" in said and "Default: " in said and "--" not in said.replace("----------", "")
 
 
 def test_a_list_makes_the_same_hashable_scene_as_a_tuple():
