@@ -4,20 +4,24 @@
 
 The problem comes first, then what differs from its defaults, named as the command line's flags are; words of the view
 are among them. What follows the word ``pinned`` is the pinned run, of the same problem. Words stand apart by ``;``,
-``&``, spaces or new lines.
+``&``, spaces or new lines. As a grammar:
+
+    state  = problem {word} ["pinned" {field}]
+    word   = field | view
+    field  = name ["=" value]        of the scene, each once
+    view   = name ["=" value]        of ``VIEW``, each once
+    value  = a number (``solvers.outside.numerals``), a name, names with commas between, or yes or no
 """
 
-import math
 import re
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, fields
-from difflib import get_close_matches
 from functools import lru_cache
 from typing import Any
 from urllib.parse import unquote
 
 from app.words import MAGNIFICATIONS, QUANTITIES
+from solvers.outside import numerals, quoting
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError, key_field
 from solvers.scene.scene import LISTS, Scene
@@ -29,6 +33,9 @@ YES, NO = ("yes", "true", "on", "1", ""), ("no", "false", "off", "0")
 
 class StateError(ValueError):
     """A text that is no state: one sentence that names the word, says what is wrong and what is allowed."""
+
+    def __init__(self, sentence: str):
+        super().__init__(quoting.sentence(sentence))
 
 
 @dataclass(frozen=True)
@@ -65,18 +72,17 @@ def read(text: str) -> State:
     """The state of a text; :class:`StateError` where it is none."""
     if len(text) > LONGEST:
         raise StateError(f"a scene of {len(text):,} characters is too long; at most {LONGEST:,} are allowed")
-    problem, *rest = _words(text) or [text]
+    problem, *rest = _words(text) or [""]
     if problem not in PROBLEMS:
-        raise StateError(f"{_quoted(problem)} is no problem; begin with {' or '.join(PROBLEMS)}")
-    first, pinned = rest, None
-    if PINNED in rest:
-        cut = rest.index(PINNED)
-        first, pinned = rest[:cut], rest[cut + 1:]
+        raise StateError(f"{_quoted(problem)} is no problem{quoting.meant(problem, PROBLEMS)}; begin with "
+                         f"{' or '.join(PROBLEMS)}")
+    cut = rest.index(PINNED) if PINNED in rest else len(rest)
     view: dict[str, Any] = {}
-    scene = _scene(problem, [word for word in first if not _take(word, view)])
-    state = State(scene, **view, pinned=None if pinned is None else _scene(problem, pinned))
+    scene = _scene(problem, [word for word in rest[:cut] if not _take(word, view)])
+    pinned = _scene(problem, rest[cut + 1:], of_pinned=True) if PINNED in rest else None
+    state = State(scene, **view, pinned=pinned)
     if state.estimator is not None and state.estimator not in scene.estimators:
-        raise StateError(f"on-stage={state.estimator}: this estimator does not run; give one of "
+        raise StateError(f"on-stage={_quoted(state.estimator)}: this estimator does not run; give one of "
                          f"{', '.join(scene.estimators) or 'none, for none runs'}")
     if state.traced is not None and state.traced >= scene.particles:
         raise StateError(f"trace={state.traced}: there are particles 0 to {scene.particles - 1}")
@@ -85,7 +91,7 @@ def read(text: str) -> State:
 
 def begins(text: str) -> bool:
     """Whether a text is meant as a state: it begins with a problem."""
-    return next(iter(_words(text)), "") in PROBLEMS
+    return len(text) <= LONGEST and next(iter(_words(text)), "") in PROBLEMS
 
 
 def _words(text: str) -> list[str]:
@@ -104,21 +110,39 @@ def _word(key: str, value: Any) -> str:
     return key if value is True else f"{key}={_shown(value)}"
 
 
-def _scene(problem: str, words: list[str]) -> Scene:
+def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
     kind, given = PROBLEMS[problem].scene, dict[str, Any]()
     names = {_key(f.name): f for f in fields(kind) if f.name != "problem"}
     for word in words:
-        key, _, value = word.partition("=")
-        key = _key(key_field(key.replace("-", "_")))
-        if key not in names:
-            close = get_close_matches(key, [*names, *VIEW], n=1)
-            raise StateError(f"{_quoted(word)} means nothing here" + f" (did you mean {close[0]}?)" * bool(close)
-                             + f"; give what `mpm-lab run {problem} --help` names, or {', '.join(VIEW)}")
+        name, _, value = word.partition("=")
+        key = _key(key_field(name.replace("-", "_")))
+        if key not in names or PINNED in word.split("="):
+            raise StateError(_unknown(problem, word, name, [*names, *(() if of_pinned else VIEW)], of_pinned))
+        if names[key].name in given:
+            raise _twice(key)
         given[names[key].name] = _value(kind, names[key], key, value)
     try:
         return kind(**given)
     except SceneError as error:
-        raise StateError(f"{_key(error.field)}={_shown(error.value)}: {error.sentence}") from None
+        raise StateError(f"{_key(error.field)}={quoting.quoted(_shown(error.value))}: {error.sentence}") from None
+
+
+def _unknown(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
+    """Why a word is none of a scene."""
+    if name in ("problem", *PROBLEMS):
+        return f"{_quoted(word)}: the problem stands once, as the first word" + \
+            f"; the pinned run is of the {problem} too" * of_pinned
+    if name == PINNED:
+        return f"{_quoted(word)}: the word {PINNED} stands once, alone, before what differs in the pinned run"
+    if of_pinned and name in VIEW:
+        return f"{_quoted(word)} is of the view, which both runs share; give it before the word {PINNED}"
+    more = "" if of_pinned else f", or {', '.join(VIEW)}"
+    return f"{_quoted(word)} means nothing here{quoting.meant(name, known)}; give what `mpm-lab run {problem} " \
+           f"--help` names{more}"
+
+
+def _twice(key: str) -> StateError:
+    return StateError(f"{key} is given twice; give it once")
 
 
 def _value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
@@ -137,16 +161,15 @@ def _take(word: str, view: dict[str, Any]) -> bool:
     if key not in VIEW:
         return False
     field, read_word = VIEW[key]
+    if field in view:
+        raise _twice(key)
     view[field] = read_word(key, text)
     return True
 
 
 def _number(text: str) -> Any:
     """A whole number or a float where the text is one, else the text, of which the scene knows what to say."""
-    for kind in (int, float):
-        with suppress(ValueError):
-            return kind(text)
-    return text
+    return numerals.number(text) if numerals.is_number(text) else text
 
 
 def _yes_or_no(key: str, text: str) -> bool:
@@ -158,7 +181,8 @@ def _yes_or_no(key: str, text: str) -> bool:
 def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
     def read_one(key: str, text: str) -> Any:
         if text not in meanings:
-            raise StateError(f"{key}={_quoted(text)}: give one of {', '.join(meanings)}")
+            raise StateError(f"{key}={_quoted(text)}: give one of {', '.join(meanings)}"
+                             + quoting.meant(text, meanings))
         return meanings[text]
 
     return read_one
@@ -166,15 +190,15 @@ def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
 
 def _speed(key: str, text: str) -> float:
     value = _number(text)
-    if isinstance(value, str) or not 0 < value < math.inf:
+    if isinstance(value, str) or value <= 0:
         raise StateError(f"{key}={_quoted(text)}: give periods a second, above 0")
     return float(value)
 
 
 def _particle(key: str, text: str) -> int:
-    if not re.fullmatch(r"\d{1,9}", text):
+    if (number := numerals.count(text)) is None:
         raise StateError(f"{key}={_quoted(text)}: give the number of a particle, 0 or more")
-    return int(text)
+    return number
 
 
 def _shown(value: Any) -> str:
@@ -186,7 +210,7 @@ def _shown(value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
-    return repr(text if len(text) <= 40 else text[:37] + "...")
+    return f"'{quoting.quoted(text, 40)}'" if text else "''"
 
 
 def _key(field: str) -> str:

@@ -5,6 +5,7 @@ import math
 import re
 from dataclasses import dataclass, fields
 
+from solvers.outside import numerals
 from solvers.problems import PROBLEMS
 from solvers.scene import causes
 from solvers.scene.remedies import REMEDIES
@@ -242,10 +243,10 @@ def size_in(text: str, unit: str) -> float:
     Raises ValueError for what is not a number above 0 in this unit.
     """
     prefixes = {prefix: power for power, prefix in PREFIXES.items()} if unit else {"": 0}
-    found = re.fullmatch(rf"([+\d.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
+    found = re.fullmatch(rf"([+0-9.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
     if not found:
         raise ValueError(text)
-    value = float(found[1].replace(",", ".")) * 1000.0 ** prefixes[found[2] or ""]
+    value = numerals.real(found[1].replace(",", ".")) * 1000.0 ** prefixes[found[2] or ""]
     if not 0 < value < math.inf:
         raise ValueError(text)
     return float(f"{value:.12g}")

@@ -4,7 +4,6 @@ Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable or lost 
 """
 
 import contextlib
-import difflib
 import inspect
 import io
 import os
@@ -16,13 +15,15 @@ import tyro
 
 from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
-from app.commands.flags import BadInput, shown
+from app.commands.flags import BadInput
 from app.commands.output import say
+from solvers.outside.quoting import meant, quoted
 from solvers.scene.registry import ExtensionError
 from solvers.scene.rules import SceneError, field_flag
 
 PROGRAM = "mpm-lab"
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
+LONGEST_COMPLAINT = 200  # letters of what the reader of flags says
 
 
 def dispatch(arguments: list[str]) -> int:
@@ -74,7 +75,7 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
             return name, []
         flag, equals, value = word.partition("=") if word.startswith("-") else (word, "", "")  # run --scene=TEXT
         if flag not in _next_words(name):
-            raise BadInput("", word, f"is not a command{_meant(word, _next_words(name))}; {_give(name)}")
+            raise BadInput("", word, f"is not a command{meant(word, _next_words(name))}; {_give(name)}")
         name += (flag,)
         if name in commands():
             return name, [*([value] if equals else []), *arguments[position + 1:]]
@@ -127,16 +128,11 @@ def _unexpected(word: str, kind: type, program: str) -> BadInput:
         return BadInput("", word, f"is not expected here; {program} --help shows the flags")
     if hasattr(kind, "SCENE") and (reason := kind.SCENE.RUN_ONLY.get(flag.lstrip("-").replace("-", "_"))):
         return BadInput("", flag, f"is not a flag of {program}: {reason}")
-    return BadInput("", flag, f"is not a flag of {program}{_meant(flag, flags)}; --help shows them all")
-
-
-def _meant(word: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(word, known, n=1)
-    return f" (did you mean {close[0]}?)" if close else ""
+    return BadInput("", flag, f"is not a flag of {program}{meant(flag, flags)}; --help shows them all")
 
 
 def _condensed(box: str) -> str:
     """tyro's boxed complaint as one sentence: the first line between the borders."""
     lines = [line.strip(" │|╭╮╰╯─-") for line in box.splitlines()]
     said = [line for line in lines if line and not line.startswith(("Missing", "Parsing", "For full"))]
-    return shown(said[0] if said else "the flags could not be read; --help shows them")
+    return quoted(said[0], LONGEST_COMPLAINT) if said else "the flags could not be read; --help shows them"

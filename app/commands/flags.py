@@ -5,13 +5,12 @@ as it does for a number out of range. That is why these flags take any count of 
 wrong in the same way) and why no range is repeated here.
 """
 
-import contextlib
 from collections.abc import Callable, Iterable
 from typing import Annotated, Any
 
 import tyro
 
-LARGEST_EXACT = 1e15  # "1e3" is a fine way to write 1000, but a float this large no longer means one integer
+from solvers.outside import numerals, quoting
 
 
 class BadInput(Exception):
@@ -19,39 +18,32 @@ class BadInput(Exception):
 
     def __init__(self, flag: str, value: object, sentence: str):
         self.flag, self.value, self.sentence = flag, value, sentence
-        super().__init__(f"{f'--{flag} ' if flag else ''}{shown(value)}: {sentence}")
-
-
-def shown(value: object) -> str:
-    """A value as it goes into a one-line message: nothing is named, length and odd characters are tamed."""
-    text = f"{value:.12g}" if isinstance(value, float) else str(value)
-    text = text if text.isprintable() else ascii(text)
-    return (text if len(text) <= 60 else text[:57] + "...") if text.strip() else "(no value)"
+        super().__init__(quoting.sentence(f"{f'--{flag} ' if flag else ''}{quoting.quoted(value)}: {sentence}"))
 
 
 def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
     """A tyro constructor that takes any words and never fails."""
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
-        str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [shown(value)])
+        str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quoted(value)])
 
 
 def number(words: list[str]) -> Any:
     """A whole number or a float where the words are one, else the words."""
-    text = " ".join(words)
-    with contextlib.suppress(ValueError):
-        return int(text)
-    value = real(words)
-    exact = isinstance(value, float) and value.is_integer() and abs(value) < LARGEST_EXACT
-    return int(value) if exact and "e" in text.lower() else value
+    return _read(numerals.number, words)
 
 
 def real(words: list[str]) -> Any:
     """A float where the words are one, else the words."""
+    return _read(numerals.real, words)
+
+
+def _read(reader: Callable[[str], float], words: list[str]) -> Any:
     text = " ".join(words)
-    with contextlib.suppress(ValueError):
-        return float(text)
-    return text
+    try:
+        return reader(text)
+    except ValueError:
+        return text
 
 
 def _words(words: list[str]) -> tuple[str, ...]:

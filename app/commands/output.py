@@ -14,15 +14,17 @@ from pathlib import Path
 from typing import Any
 
 from app.commands.flags import BadInput
+from solvers.outside import quoting
 
 BAR_WIDTH = 30  # of the progress bar in characters
 BAR_TEXT = 24  # of what is being done; the whole line fits a terminal of 80
+LONGEST_LINE = 1000  # letters; refusals have less
 PATIENCE = 1.0  # seconds before a bar is worth showing
 
 
 def say(message: object) -> None:
-    """One line on standard error."""
-    print("mpm-lab: " + " ".join(str(message).split()), file=sys.stderr, flush=True)
+    """One line on standard error, of which no character does anything to a terminal."""
+    print(f"mpm-lab: {quoting.sentence(message, LONGEST_LINE)}", file=sys.stderr, flush=True)
 
 
 def json_text(values: dict, lines: bool = False) -> str:

@@ -11,8 +11,7 @@ from app.lessons.lesson import INTERVAL, PREDICT, Lesson, Numbers, drawn, filled
 from app.lessons.marks import AnswerMark, mark, shown
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
-
-FORMULA_SIGNS = "=+-@\t\r"  # a spreadsheet would reckon what begins so
+from solvers.outside import quoting
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,7 @@ def table(rows: Sequence[Graded]) -> str:
         for lesson, key in questions:
             said, found = row.answers.get(key, ("", None)) if lesson == row.lesson.name else ("", None)
             cells += [said, "" if found is None or found.right is None else _yes(found.right)]
-        write.writerow([_plain(cell) for cell in cells])
+        write.writerow([quoting.cell(cell) for cell in cells])
     return out.getvalue()
 
 
@@ -90,8 +89,3 @@ def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
 
 def _yes(true: bool) -> str:
     return "yes" if true else "no"
-
-
-def _plain(cell: object) -> object:
-    """A cell that no spreadsheet takes for a formula."""
-    return f"'{cell}" if isinstance(cell, str) and cell[:1] in FORMULA_SIGNS and cell[:1] else cell

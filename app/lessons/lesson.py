@@ -8,6 +8,8 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from solvers.outside import quoting
+
 PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
 NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ("number", "choice", "drag", "interval", "text")
 
@@ -42,8 +44,8 @@ class LessonError(ValueError):
     """A file that is no lesson: where, what is wrong and what was expected, in one sentence."""
 
     def __init__(self, line: int, sentence: str, file: str = ""):
-        self.line, self.sentence = line, sentence
-        super().__init__(f"{file or 'lesson'}, line {line}: {sentence}")
+        self.line, self.sentence = line, quoting.sentence(sentence)
+        super().__init__(quoting.sentence(f"{quoting.file_name(file or 'lesson')}, line {line}: {sentence}"))
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 from app.lessons.lesson import Lesson
 from app.lessons.marks import trouble
+from solvers.outside import quoting
 from solvers.study.forms import Each, mismatch, parsed
 
 SCHEMA = "mpm-lab/answers/1"
@@ -18,6 +19,9 @@ FORM = {"schema": str, "lesson": str, "fingerprint": str, "name": str, "step": i
 
 class NotAnswers(ValueError):
     """A text that no lesson has written; the message says why."""
+
+    def __init__(self, sentence: str):
+        super().__init__(quoting.sentence(sentence))
 
 
 @dataclass
@@ -61,10 +65,10 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     if wrong := mismatch(values, FORM):
         raise NotAnswers(f"is no file of answers: {wrong}")
     if values["schema"] != SCHEMA:
-        raise NotAnswers(f"is of another version ({values['schema']:.40}); {SCHEMA} can be read")
+        raise NotAnswers(f"is of another version ({quoting.quoted(values['schema'], 40)}); {SCHEMA} can be read")
     lesson = find(values["lesson"])
     if lesson is None:
-        raise NotAnswers(f"is about a lesson that is not here: {values['lesson']:.60}")
+        raise NotAnswers(f"is about a lesson that is not here: {quoting.quoted(values['lesson'])}")
     answers = {key: Answer(**{name: given[name] for name in ANSWER}) for key, given in values["answers"].items()
                if key in lesson.questions and _fits(lesson, key, given)}
     step = min(max(values["step"], 0), len(lesson.steps) + 1)

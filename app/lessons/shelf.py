@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.lessons.lesson import Lesson, LessonError
 from app.lessons.reading import read
+from solvers.outside import quoting
 
 FOLDER = Path(__file__).parents[2] / "lessons"
 NO_LESSONS = ("README",)
@@ -28,7 +29,7 @@ def called(name: str, folder: Path = FOLDER) -> str:
     found = [full for full in known if name in (full, *full.split("-", 1))]
     found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
     if len(found) != 1:
-        raise UnknownLesson(f"there is no lesson {name!r}; give one of {', '.join(known)}")
+        raise UnknownLesson(f"there is no lesson '{quoting.quoted(name)}'; give one of {', '.join(known)}")
     return found[0]
 
 

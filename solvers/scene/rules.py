@@ -3,6 +3,8 @@
 import math
 import sys
 
+from solvers.outside import quoting
+
 KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
 
 
@@ -10,8 +12,8 @@ class SceneError(ValueError):
     """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
 
     def __init__(self, field: str, value: object, sentence: str):
-        self.field, self.value, self.sentence = field, value, sentence
-        super().__init__(f"{field_label(field)} {value}: {sentence}")
+        self.field, self.value, self.sentence = field, value, quoting.sentence(sentence)
+        super().__init__(quoting.sentence(f"{field_label(field)} {quoting.quoted(value)}: {sentence}"))
 
 
 def field_key(field: str) -> str:
@@ -38,7 +40,8 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
     """:class:`SceneError` for anything but an allowed name; ``also`` is named in its sentence too."""
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
-        raise SceneError(field, value, f"is not known; give {'one of ' if ',' in names else ''}{names}")
+        near = quoting.meant(value, allowed) if isinstance(value, str) else ""
+        raise SceneError(field, value, f"is not known{near}; give {'one of ' if ',' in names else ''}{names}")
 
 
 def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:

@@ -8,6 +8,8 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+from solvers.outside import quoting
+
 NUMBER = (int, float)
 NUMBER_OR_NONE = (int, float, type(None))
 
@@ -47,4 +49,4 @@ def mismatch(value: Any, form: Any, name: str = "") -> str | None:
 
 
 def _joined(name: str, key: str) -> str:
-    return f"{name}.{key}" if name else key
+    return f"{name}.{quoting.quoted(key)}" if name else quoting.quoted(key)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from solvers.outside import quoting
 from solvers.study.forms import parsed
 from solvers.study.row import FAILED, fault, fingerprint
 
@@ -15,6 +16,9 @@ NAME = "rows.jsonl"
 
 class StoreError(Exception):
     """The directory cannot be used; the sentence says why and what to do."""
+
+    def __init__(self, sentence: str):
+        super().__init__(quoting.sentence(sentence))
 
 
 class NotWhole(Exception):

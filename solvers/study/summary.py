@@ -5,6 +5,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from solvers.outside import quoting
 from solvers.scene.causes import CAUSES
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study.fit import pareto
@@ -40,8 +41,8 @@ def csv_text(rows: Iterable[Mapping]) -> str:
     lines = columns(rows)
     text = io.StringIO()
     writer = csv.DictWriter(text, lines[0] if lines else (), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(lines)
+    writer.writerow({name: quoting.cell(name) for name in writer.fieldnames})
+    writer.writerows({name: quoting.cell(value) for name, value in line.items()} for line in lines)
     return text.getvalue()
 
 
@@ -115,14 +116,15 @@ def _trouble(rows: Sequence[dict], names: Sequence[str]) -> str:
     for (status, reason), alike in reasons.items():
         first = ", ".join(f"{name} {_cell((alike[0]['scene'] or alike[0]['asked']).get(name))}" for name in names)
         more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
-        lines.append(f"* {first}{more}: {status}: {reason}")
+        lines.append(f"* {first}{more}: {status}: {quoting.markdown(reason)}")
     return "## Not ok\n\n" + "\n".join(lines) if lines else ""
 
 
 def _cell(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
-    return " ".join(value) if isinstance(value, (list, tuple)) else NOTHING if value is None else str(value)
+    text = " ".join(map(str, value)) if isinstance(value, (list, tuple)) else NOTHING if value is None else str(value)
+    return quoting.markdown(text, quoting.QUOTE)
 
 
 def _number(value: float | None, form: str) -> str:

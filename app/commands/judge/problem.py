@@ -1,6 +1,5 @@
 """``mpm-lab problem PROBLEM --out DIR``: all that another code needs to set the problem up."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint
+from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, real
 from app.commands.output import Folder, json_text, say
 from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
@@ -30,11 +29,8 @@ def times_of(words: tuple[str, ...], flag: str) -> list[float]:
     """Times in seconds, as they were typed."""
     times = []
     for word in words:
-        try:
-            time = float(word)
-        except ValueError:
-            time = math.nan
-        if not 0 <= time < math.inf:
+        time = real([word])
+        if isinstance(time, str) or time < 0:
             raise BadInput(flag, word, "is no time; give seconds from 0 on")
         times.append(time)
     return times

@@ -12,6 +12,7 @@ from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, title, with_unit
 from solvers.judging.measure import QUANTITIES as JUDGED
 from solvers.judging.verdict import Judgement
+from solvers.outside.quoting import code, file_name, markdown
 from solvers.study.markdown import grid
 
 CAPTIONS = {"norms.png": "Error norms over time: against the truth where there is one, and as the companion sees them",
@@ -85,7 +86,7 @@ def _verdict(g: dict, values: dict) -> str:
                          f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
                          f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
                          f"{found['particle']} at {_place(found['X'])}, {_region(values['problem'], found['X'])} "
-                         f"({Path(found['file']).name}).")
+                         f"({markdown(file_name(found['file']))}).")
     return " ".join(sentences)
 
 
@@ -95,8 +96,8 @@ def _grid(g: dict, values: dict, several: bool) -> str:
     if g["ours"]:
         parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
     if g["notes"]:
-        parts.append("\n".join(f"* {note}" for note in g["notes"]))
-    parts.append("Files: " + ", ".join(f"`{Path(file).name}`" for file in g["files"][:20])
+        parts.append("\n".join(f"* {markdown(note)}" for note in g["notes"]))
+    parts.append("Files: " + ", ".join(code(file_name(file)) for file in g["files"][:20])
                  + (f" and {len(g['files']) - 20} more" if len(g["files"]) > 20 else "") + ".")
     return "\n\n".join(parts)
 
@@ -114,7 +115,7 @@ def _error_table(g: dict) -> str:
 
 def _worst(g: dict, problem: str) -> str:
     rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
-             _region(problem, found["X"]), f"{found['t']:.4g} s", f"`{Path(found['file']).name}`"]
+             _region(problem, found["X"]), f"{found['t']:.4g} s", code(file_name(found['file']))]
             for q, found in g["worst"].items() if found]
     return "Worst of all particles and times:\n\n" + grid(
         ["error of", "size", "particle", "X", "where", "t", "file"], rows, words=("error of", "where", "file"))

@@ -8,6 +8,7 @@ from app.page.visit.downsampled import LAST_PERIODS
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
+from solvers.outside import numerals, quoting
 
 ALL, LATEST = "all", f"last {LAST_PERIODS} periods"
 
@@ -88,9 +89,9 @@ class Looking:
         if event.client is None or self._session.report is None:
             return
         text, particles = self._number.value.strip(), self._session.report.particles
-        if text and not (text.isdecimal() and int(text) < particles):
-            self._session.refuse(f"Trace particle: {text!r} is not the number of one; give one from 0 to "
-                                 f"{particles - 1}, or nothing")
+        if text and not ((number := numerals.count(text)) is not None and number < particles):
+            self._session.refuse(f"Trace particle: '{quoting.quoted(text, 20)}' is not the number of one; give one "
+                                 f"from 0 to {particles - 1}, or nothing")
             self._refused = True
             return
         if self._refused:

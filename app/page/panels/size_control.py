@@ -11,6 +11,7 @@ import viser
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.marks import mark
 from app.words import size_in, with_unit
+from solvers.outside import quoting
 
 TYPING = 0.8  # seconds without another key, after which what has been typed counts
 STEP = 0.005  # of the slider, in powers of ten
@@ -116,7 +117,7 @@ class SizeControl:
         except ValueError:
             unit = f" in {self._size.unit}" * bool(self._size.unit)
             self._bound.ask(self._slider, lambda: self._bound.refuse(
-                f"{self._size.name}: {text!r} is not a number above 0{unit}; "
+                f"{self._size.name}: '{quoting.quoted(text, 20)}' is not a number above 0{unit}; "
                 f"give one such as {self._shown(self._size.default)}"), lambda: self.show(self._value))
             return
         self._place(value)

@@ -1,11 +1,12 @@
 """What a visitor should read now, in a sentence; and doubts of a run that is sound in itself."""
 
 from dataclasses import dataclass
-from html import escape
 
 from app.page.visit.history import History
 from app.words import on_page, ratio
+from solvers.outside.quoting import as_html
 
+LONGEST = 1000  # letters of a sentence; refusals have less
 BROKEN = 30.0  # error index from which on an estimate is no estimate
 
 
@@ -22,7 +23,7 @@ class Notice:
     def html(self) -> str:
         """As it stands at the bottom of the stage."""
         return (f"<div class='lab-notice lab-{self.kind}{' lab-seen' * self.seen}' role='status'>"
-                f"{escape(self.sentence[:1].upper() + self.sentence[1:])}</div>")
+                f"{as_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
 
 
 def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:

@@ -18,7 +18,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from app.cli import main
-from app.page.features.own.judging import BUSY, Judging, shown
+from app.page.features.own.judging import BUSY, Judging
 from app.page.features.own.panel import TO_BE_READ, OwnCode
 from app.page.features.own.question import sentence as question
 from app.page.features.own.run import OwnRun
@@ -30,6 +30,7 @@ from solvers.judging import writing
 from solvers.judging.handout import exact
 from solvers.judging.measure import sizes
 from solvers.judging.show import MOST_ROWS, MOST_TIMES, Shown, ShowRequest
+from solvers.outside.quoting import file_name
 from solvers.problems import PROBLEMS
 from solvers.study.grid import task_of
 from solvers.workers.pool import Slots
@@ -262,10 +263,10 @@ def test_a_server_that_judges_enough_says_so(tmp_path):
 
 
 @pytest.mark.parametrize(("name", "said"), [
-    ("/etc/passwd", "passwd"), ("..\\..\\x.csv", "x.csv"), ("a\nb\u202ec.csv", "abc.csv"), ("", "the file"),
-    ("x" * 500 + ".csv", "x" * 30 + "…" + "x" * 26 + ".csv")])
+    ("/etc/passwd", "passwd"), ("..\\..\\x.csv", "x.csv"), ("a\nb\u202ec.csv", "a\\nb\\u202ec.csv"), ("", "the file"),
+    ("x" * 500 + ".csv", "x" * 30 + "…" + "x" * 25 + ".csv")])
 def test_names_of_files_are_shown_plainly(name, said):
-    assert shown(name) == said
+    assert file_name(name) == said
 
 
 @pytest.fixture(scope="module")

@@ -413,7 +413,7 @@ def test_two_directions_are_not_one(tmp_path, capsys):
 def _refused(arguments, said, folder, capsys, file) -> None:
     assert main([*arguments, "--out", str(folder / "new")]) == 2
     error = capsys.readouterr().err
-    assert said in error and Path(file).name in error.replace("...", Path(file).name) and error.count("\n") == 1
+    assert said in error and Path(file).name in error and error.count("\n") == 1
 
 
 @pytest.mark.parametrize("flags, said", [

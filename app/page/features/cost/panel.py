@@ -21,6 +21,7 @@ from app.page.visit.notice import Notice
 from app.page.visit.session import Session
 from app.words import command_line
 from solvers.engine.messages import FrameReport
+from solvers.outside import numerals
 from solvers.scene.scene import Scene
 from solvers.study.grid import Task
 
@@ -201,8 +202,8 @@ class CostTab:
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     def _pick(self, text: str) -> None:
-        number = text.partition(" ")[0]
-        run = self.runs.find(int(number)) if number.isdecimal() else None
+        number = numerals.count(text.partition(" ")[0])
+        run = None if number is None else self.runs.find(number)
         if run:
             self._put(run.scene, f"Run {run.number}")
 

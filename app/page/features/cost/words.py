@@ -7,6 +7,7 @@ from html import escape
 from app.page.features.cost.jobs import CostStatus
 from app.page.features.cost.runs import MOST_RUNS, NumberedRun
 from app.words import NOTHING, method_name, moving, on_page, per_cell, power_text, with_unit
+from solvers.outside import numerals, quoting
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
@@ -29,12 +30,12 @@ class NoNumber(ValueError):
 def typed(name: str, text: str, most: float = math.inf) -> float:
     """A positive number that a visitor typed."""
     try:
-        value = float(text.strip())
+        value = numerals.real(text.strip())
     except ValueError:
         value = math.nan
-    if not 0 < value <= most or math.isinf(value):
+    if not 0 < value <= most:
         allowed = f"above 0 and up to {most:g}" if math.isfinite(most) else "above 0, such as 1e-3"
-        raise NoNumber(f"{name} {text.strip()[:20]!r}: give a number {allowed}.")
+        raise NoNumber(f"{name} '{quoting.quoted(text.strip(), 20)}': give a number {allowed}.")
     return value
 
 

@@ -23,6 +23,7 @@ from app.lessons.lesson import (
 )
 from app.page.features.lesson import html as page
 from app.words import PREFIXES, SYMBOLS, size_in, with_unit
+from solvers.outside import numerals
 from solvers.scene.scene import Scene
 
 SHORT = 4  # digits of a number that is read beside a stage
@@ -119,7 +120,7 @@ def number(text: str, unit: str) -> float | None:
     """A number, also with a decimal comma, or a size as the page writes it: 2.75 mm/s."""
     plain = text.strip().replace(",", ".").replace("−", "-")
     with suppress(ValueError):
-        return float(plain)
+        return numerals.real(plain)
     for power, prefix in PREFIXES.items():  # that unit, or another of its prefixes: 330 nm where µm are asked for
         with suppress(ValueError):
             if unit.startswith(prefix) and unit != prefix:

@@ -11,13 +11,13 @@ from pathlib import Path
 from app.page.visit.limits import MOST_WATCHED
 from solvers.judging.reading import KINDS
 from solvers.judging.show import ShowRequest
+from solvers.outside.quoting import file_name
 from solvers.scene.scene import Scene
 from solvers.study.grid import task_of
 from solvers.workers.pool import Slots, WorkerPool
 from solvers.workers.processes import ProcessDied, TookTooLong
 
 PATIENCE = 180.0  # seconds that a file may take
-LONGEST_NAME = 60  # letters of a file's name that are shown
 SLOTS = Slots(max(1, (os.cpu_count() or 2) // 2))  # files that are judged at once on this server
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
 BUSY = "Other visitors' files keep this server busy; give yours again in a while"
@@ -31,7 +31,7 @@ class Judging:
 
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
                  slots: Slots = SLOTS, chosen: bool = False):
-        self.name, self._on_message, self._slots = shown(name), on_message, slots
+        self.name, self._on_message, self._slots = file_name(name), on_message, slots
         kind = Path(name).suffix.lower()
         self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
@@ -66,9 +66,3 @@ class Judging:
             self._say({"refused": f"No process could be started: {error.strerror or error}"})
         self._pool.close()
         self._slots.give_back()
-
-
-def shown(name: str) -> str:
-    """What a file is called in sentences: its name may be anything, and it is put into html escaped."""
-    plain = "".join(letter for letter in Path(name.replace("\\", "/")).name if letter.isprintable()) or "the file"
-    return plain if len(plain) <= LONGEST_NAME else f"{plain[:LONGEST_NAME // 2]}…{plain[-LONGEST_NAME // 2:]}"
