@@ -41,12 +41,17 @@ class Lost(ArithmeticError):
         super().__init__(f"lost before t = {time:g} s")
 
 
+def longest_step(body: ElasticBody) -> float:
+    """Of a step in seconds, so that what it adds to the error is no part of the whole."""
+    return SAFE / body.frequency
+
+
 class NystromIntegrator:
     """A body on its way from t = 0, at rest in shape, by steps of at most ``longest`` seconds: ``u``, ``v`` and ``a``
     (N, D) are those of the ``time`` to which it was brought last."""
 
     def __init__(self, body: ElasticBody, longest: float = math.inf):
-        self.body, self.time, self.longest = body, 0.0, min(longest, SAFE / body.frequency)
+        self.body, self.time, self.longest = body, 0.0, min(longest, longest_step(body))
         self.u, self.v = np.zeros_like(body.velocity), body.velocity.copy()
         self.a = body.accelerations(self.u, 0.0)
 

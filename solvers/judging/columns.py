@@ -12,6 +12,8 @@ from typing import Any, cast
 import numpy as np
 
 from solvers.judging.frames import FileError, Raw
+from solvers.judging.limits import LIMITS, Limits
+from solvers.outside.quoting import quoted
 
 #: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.
 NAMES = {"t": ("t", "time", "timevalue"),
@@ -21,7 +23,6 @@ NAMES = {"t": ("t", "time", "timevalue"),
          "v": ("v", "velocity", "velocities"),
          "F": ("f", "deformation_gradient", "defgrad"),
          "sigma": ("sigma", "stress", "cauchy_stress", "s")}
-MOST_ROWS = 20_000_000
 LETTERS = "xyz"
 VECTORS, TENSORS = ("X", "x", "v"), ("F", "sigma")
 SEPARATORS = ("", "_", ":", ".", "-")
@@ -68,8 +69,12 @@ def column_names(key: str, dimensions: int) -> list[str]:
     return [f"{'s' if key == 'sigma' else 'F'}{i}{j}" for i in letters for j in letters]
 
 
-def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells: int | None) -> Raw:
+def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells: int | None,
+             limits: Limits = LIMITS) -> Raw:
     """The table of named arrays (n, ...): components put together, the rest left out."""
+    known_ones = [array for name, array in named.items() if meaning(name)]
+    limits.check_rows(path, max((len(array) for array in known_ones if array.ndim), default=0))
+    limits.check_numbers(path, sum(array.size for array in known_ones))
     columns: dict[str, np.ndarray] = {}
     parts: dict[str, dict[tuple[int, ...], np.ndarray]] = {}
     for name, array in named.items():
@@ -82,12 +87,13 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
             component = None  # a whole vector, called as its first component is
         if component is None and not (values.ndim == 1 and key in VECTORS + TENSORS):
             if key in columns:
-                raise FileError(path, f"has {key} twice, the second time as {name}; give it once")
+                raise FileError(path, f"has {key} twice, the second time as {quoted(name)}; give it once")
             columns[key] = _shaped(path, key, name, values)
         else:
             where = component or ((0,) if key in VECTORS else (0, 0))
             if where in parts.setdefault(key, {}):
-                raise FileError(path, f"has the same component of {key} twice, the second time as {name}; give it once")
+                raise FileError(path, f"has the same component of {key} twice, the second time as {quoted(name)}; "
+                                      "give it once")
             parts[key][where] = values
     for key, pieces in parts.items():
         if key in columns:
@@ -98,10 +104,10 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
         told = ", ".join(f"{key} has {n}" for key, n in lengths.items())
         raise FileError(path, f"has columns of several lengths ({told}); give a row for each particle in all of them")
     if not columns or not next(iter(lengths.values())):
-        some = ", ".join(list(named)[:8]) or "nothing"
+        some = ", ".join(quoted(name, 30) for name in list(named)[:8]) or "nothing"
         raise FileError(path, f"holds no particles that are known by name, but {some}; give columns such as id, x, vx")
-    if next(iter(lengths.values())) > MOST_ROWS:
-        raise FileError(path, f"has {next(iter(lengths.values())):,} rows; give at most {MOST_ROWS:,}")
+    if "t" in columns:
+        limits.check_times(path, len(np.unique(columns["t"])))
     return Raw(path, columns, tuple(named), time, cells)
 
 
@@ -109,7 +115,7 @@ def _shaped(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
     """An array (n, ...) as (n,), (n, d) or (n, d, d)."""
     if key in ("t", "id"):
         if values.ndim != 1:
-            raise FileError(path, f"has {name} of the shape {values.shape}; give one number for each particle")
+            raise FileError(path, f"has {quoted(name)} of the shape {values.shape}; give one number for each particle")
         return values
     if key in VECTORS and values.ndim == 2 and values.shape[1] in (1, 2, 3):
         return values
@@ -121,8 +127,8 @@ def _shaped(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
             return values.reshape(-1, size, size)
         if values.ndim == 2 and values.shape[1] == 6 and key == "sigma":  # VTK's order: xx, yy, zz, xy, yz, xz
             return values[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
-    raise FileError(path, f"has {name} of the shape {values.shape}; give a row for each particle, with 1 to 3 numbers "
-                          "of a vector, and 1, 4 or 9 of a tensor, row by row")
+    raise FileError(path, f"has {quoted(name)} of the shape {values.shape}; give a row for each particle, with 1 "
+                          "to 3 numbers of a vector, and 1, 4 or 9 of a tensor, row by row")
 
 
 def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:

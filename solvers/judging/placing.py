@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from solvers.estimators.standalone import longest_step
 from solvers.judging.columns import spelled
 from solvers.judging.frames import FileError, Frame, Grid, Misfit, Raw
+from solvers.outside.quoting import quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.rules import SceneError
@@ -20,6 +22,8 @@ from solvers.scene.scene import Scene
 SAME = 1e-9  # of a period: two times that are nearer are one
 FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
 SURE = 0.5  # of a cell: at the time 0 particles that are farther from where they begin are others
+MOST_STEPS = {1: 600_000, 2: 60_000}  # of the companion, by directions: a minute or so; a thousand periods of the bar
+LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
 MOST_TRIED = 400  # cells of a grid that is looked for
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 
@@ -47,8 +51,7 @@ def _scene_of(file: str, scene: Scene, cells: int) -> Scene:
     try:
         return replace(scene, cells=cells)
     except SceneError as error:
-        raise FileError(file, f"belongs to a grid of {cells} cells, which cannot be: {error.field} {error.value}: "
-                              f"{error.sentence}") from None
+        raise FileError(file, f"belongs to a grid of {quoted(cells)} cells, which cannot be: {error}") from None
 
 
 def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | None) -> tuple[list[Frame], list[str]]:
@@ -56,11 +59,12 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
     D, columns = len(reference.axes), raw.columns
     if "x" not in columns:
         raise FileError(raw.file, f"has no positions ({spelled('x', D)} or position); its columns are "
-                                  f"{', '.join(raw.names[:12])}")
+                                  f"{', '.join(quoted(name, 20) for name in raw.names[:12])}")
     if "id" not in columns and "X" not in columns:
         raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
                                   f"or the material position ({spelled('X', D)})")
     times = _times(raw, given)
+    check_length(raw.file, scene, float(times.max()))
     whole = {key: _in_plane(raw, key, scene, D) for key in ("x", "X", "v", "F", "sigma") if key in columns}
     for key, values in whole.items():
         _check_finite(raw, key, values, times)
@@ -71,18 +75,18 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes.append(f"{turned:,} positions were moved back by a period of the grid")
     found = []
-    for t in np.unique(times):
-        at = times == t
+    for at in _by_times(times):
         part = {key: values[at] for key, values in whole.items()}
-        who = number[at] if "id" in columns else np.arange(int(at.sum()))
-        frame = Frame(raw.file, float(t), who, X[at], moved[at], part.get("v"), part.get("F"), part.get("sigma"))
+        who = number[at] if "id" in columns else np.arange(len(times[at]))
+        frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
+                      part.get("sigma"))
         _check_once(frame)
         if "X" not in columns:
             _check_beginning(frame, scene)
         found.append(frame)
     count = len(reference.start(scene).volume)
     if "id" in columns and (short := count - min(len(frame.number) for frame in found)) > 0:
-        notes.append(f"{short:,} of {count:,} particles are not in {raw.file}")
+        notes.append(f"{short:,} of {count:,} particles are not in {quoted(raw.file)}")
     return found, notes
 
 
@@ -105,6 +109,24 @@ def _times(raw: Raw, given: float | None) -> np.ndarray:
         bad = first[~(np.isfinite(first) & (first >= 0))][0]
         raise FileError(raw.file, f"has the time {bad:g}; give seconds from 0 on")
     return first
+
+
+def _by_times(times: np.ndarray) -> Iterator[Any]:
+    """Which rows are of each time, in their order: views of the rows where these are in order of time, as usual."""
+    order = None if (np.diff(times) >= 0).all() else np.argsort(times, kind="stable")
+    _, first = np.unique(times if order is None else times[order], return_index=True)
+    for start, end in itertools.pairwise([*first.tolist(), len(times)]):
+        yield slice(start, end) if order is None else order[start:end]
+
+
+def check_length(file: str, scene: Scene, time: float) -> None:
+    """Refuse a time that the companion would take too many steps to."""
+    a_step = longest_step(PROBLEMS[scene.problem].reference.companion(scene, True))
+    most = MOST_STEPS[scene.DIMENSIONS]
+    if not time <= most * a_step:
+        raise FileError(file, f"has the time {time:.6g} s, to which the companion that it is compared with takes "
+                              f"{time / a_step:.3g} steps; at most {most:,} are allowed, so give times up to "
+                              f"{most * a_step:.4g} s")
 
 
 def _in_plane(raw: Raw, key: str, scene: Scene, D: int) -> np.ndarray:
@@ -142,7 +164,7 @@ def _count(number: int) -> str:
 
 
 def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> None:
-    bad = ~np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+    bad = ~(np.abs(values.reshape(len(values), -1)) < LARGEST).all(axis=1)
     if bad.any():
         row = int(np.argmax(bad))
         who = f"particle {raw.columns['id'][row]:g}" if "id" in raw.columns else f"row {row + 1}"
@@ -154,7 +176,7 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
               X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Material position (n, D) and number (n,) of each row."""
     ids = raw.columns.get("id")
-    if ids is not None and not (np.isfinite(ids).all() and (ids == np.round(ids)).all()):
+    if ids is not None and not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
         raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
     if X is not None:
         n = len(X)
@@ -223,8 +245,8 @@ def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
     frames = sorted(frames, key=lambda frame: frame.time)
     for one, other in itertools.pairwise(frames):
         if other.time - one.time <= SAME * scene.period:
-            raise FileError(other.file, f"has the time {other.time:g} s, which {one.file} has too, on one grid; give "
-                                        "each time of a grid once, and --cells with one number for each file of "
+            raise FileError(other.file, f"has the time {other.time:g} s, which {quoted(one.file)} has too, on one "
+                                        "grid; give each time of a grid once, and --cells with one number for each file of "
                                         "several grids")
     return tuple(frames)
 

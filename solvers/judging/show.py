@@ -21,7 +21,8 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.fitting import own_scene, placed
-from solvers.judging.frames import FileError, Frame, Grid, Misfit, Raw
+from solvers.judging.frames import FileError, Frame, Grid, Misfit
+from solvers.judging.limits import Limits
 from solvers.judging.measure import Companions, Errors, crossed, differences, listed, series, sizes, stress
 from solvers.judging.reading import read
 from solvers.judging.verdict import GridJudgement
@@ -31,8 +32,9 @@ from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
 from solvers.study.grid import Task, task_of
 
-LARGEST_UNPACKED = 400_000_000  # bytes of what a file holds
-MOST_ROWS, MOST_TIMES = 2_000_000, 2000  # particles of all times together
+#: Of a file, so that a page can show it.
+LIMITS = Limits(bytes=400_000_000, columns=1000, rows=2_000_000, numbers=25_000_000, times=2000,
+                otherwise=", or judge it with `mpm-lab judge`")
 MEMORY = 3_000_000_000  # bytes that the process may ask for
 TOO_LARGE = "needs more memory than a page gives it; give fewer times, or judge it with `mpm-lab judge`"
 
@@ -96,8 +98,7 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
 
 
 def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
-    raw = replace(read(asked.file, LARGEST_UNPACKED), file=asked.name)
-    _check_amount(raw)
+    raw = replace(read(asked.file, LIMITS), file=asked.name)
     raw = replace(raw, said=None) if asked.chosen else raw
     scene, [grid] = placed([raw], own_scene(raw, Task(**asked.task).scene()), [], [])
     del raw
@@ -119,15 +120,6 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     table.put("estimate", judged.estimated)
     tell({"estimate": listed(series(judged.estimated))})
     tell({"verdict": judged.to_dict()})
-
-
-def _check_amount(raw: Raw) -> None:
-    rows = len(next(iter(raw.columns.values())))
-    if rows > MOST_ROWS:
-        raise FileError(raw.file, f"has {rows:,} particles of all times together; give at most {MOST_ROWS:,} here, or "
-                                  "judge it with `mpm-lab judge`")
-    if "t" in raw.columns and (times := len(np.unique(raw.columns["t"]))) > MOST_TIMES:
-        raise FileError(raw.file, f"has {times:,} times; give at most {MOST_TIMES:,} here")
 
 
 def _check_watched(scene: Scene, grid: Grid, asked: ShowRequest) -> None:

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solvers.judging import measure
+from solvers.judging.arrays import from_arrays
 from solvers.judging.fitting import placed
 from solvers.judging.frames import FileError, Grid, Raw
+from solvers.judging.limits import LIMITS, Limits
 from solvers.judging.measure import QUANTITIES, Apart, Companions, Errors, WorstParticle
 from solvers.judging.placing import SAME, check_origin
-from solvers.judging.reading import from_arrays, read
+from solvers.judging.reading import read
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
@@ -183,7 +185,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         if given and len(given) not in counts:
             raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
                              "one for each")
-    scene, found = placed([_raw(source, k) for k, source in enumerate(sources)], scene, cells or [scene.cells], times)
+    scene, found = placed(_read(sources), scene, cells or [scene.cells], times)
     every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
     companions = Companions(scene, every)
     judged: list[GridJudgement] = []
@@ -210,12 +212,21 @@ def _compared(one: GridJudgement, on_progress: Progress) -> Iterator[Ours]:
         yield compared(scene, one.grid.times.tolist(), None if one.true else one.companions, tell)
 
 
-def _raw(source: Particles, k: int) -> Raw:
+def _read(sources: Sequence[Particles]) -> list[Raw]:
+    """What the files hold, all of them together within the limits."""
+    left, found = LIMITS, list[Raw]()
+    for k, source in enumerate(sources):
+        found.append(_raw(source, k, left))
+        left = left.less(found[-1])
+    return found
+
+
+def _raw(source: Particles, k: int, limits: Limits) -> Raw:
     """What number ``k`` of the files holds."""
     if isinstance(source, Mapping):
         name = f"arrays {k + 1}"
         try:
-            return from_arrays(name, {key: np.asarray(array) for key, array in source.items()})
+            return from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, limits)
         except ValueError as error:
             raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
-    return source if isinstance(source, Raw) else read(os.fspath(source))
+    return source if isinstance(source, Raw) else read(os.fspath(source), limits)

@@ -29,7 +29,7 @@ from app.viewer import server, upload
 from solvers.judging import writing
 from solvers.judging.handout import exact
 from solvers.judging.measure import sizes
-from solvers.judging.show import MOST_ROWS, MOST_TIMES, Shown, ShowRequest
+from solvers.judging.show import LIMITS, Shown, ShowRequest
 from solvers.outside.quoting import file_name
 from solvers.problems import PROBLEMS
 from solvers.study.grid import task_of
@@ -190,7 +190,7 @@ def bomb():
     return out.getvalue()
 
 
-MANY = np.zeros((MOST_TIMES + 1, 1, 1))
+MANY = np.zeros((LIMITS.times + 1, 1, 1))
 BAD = [("notes.txt", b"x,id\n0,0\n", "is of no kind that is known; give a file that ends in .csv, .npz"),
        ("empty.csv", b"", "is empty"), ("text.csv", b"\xff\xfe\x00", "is no text"),
        ("noise.npz", b"PK\x03\x04 noise", "is no .npz of plain numbers"),
@@ -204,10 +204,10 @@ BAD = [("notes.txt", b"x,id\n0,0\n", "is of no kind that is known; give a file t
         "(so many are those of 20 cells)"),
        ("cells.csv", b"# cells = 50000\nid,x,t\n0,0,0\n", "too many to watch"),
        ("cells.csv", b"# cells = -3\nid,x,t\n0,0.5,0\n", "belongs to a grid of -3 cells, which cannot be"),
-       ("times.npz", npz(t=np.arange(MOST_TIMES + 1.0), id=np.arange(1), x=MANY),
+       ("times.npz", npz(t=np.arange(LIMITS.times + 1.0), id=np.arange(1), x=MANY),
         "has 2,001 times; give at most 2,000"),
-       ("rows.npz", npz(t=np.array(0.0), x=np.zeros(MOST_ROWS + 1)), "2,000,001 particles of all times together"),
-       ("bomb.npz", bomb, "unpacks to 0.8 GB; give at most 0.4 GB")]
+       ("rows.npz", npz(t=np.array(0.0), x=np.zeros(LIMITS.rows + 1)), "2,000,001 particles of all times together"),
+       ("bomb.npz", bomb, "unpacks to 800 MB; give at most 400 MB")]
 
 
 @pytest.mark.parametrize(("name", "content", "said"), BAD, ids=[f"{k} {name}" for k, (name, _, _) in enumerate(BAD)])

@@ -345,8 +345,8 @@ CONTENTS = {
     "grid.csv": (b"# cells = 2\nid,x,t\n1,2,3\n", "belongs to a grid of 2 cells, which cannot be"),
     "latin.csv": (b"id,x\xff\n1,2\n", "is no text"),
     "no.npz": (b"nothing", "is no .npz of plain numbers"),
-    "no.vtu": (b"<VTKFile>", "cannot be read as .vtu by meshio"),
-    "no.vtk": (b"nothing", "cannot be read as .vtk by meshio"),
+    "no.vtu": (b'<VTKFile type="UnstructuredGrid">', "cannot be read as .vtu ("),
+    "no.vtk": (b"nothing", "cannot be read as .vtk ("),
     "no.vtp": (b'<VTKFile type="UnstructuredGrid"/>', "is no PolyData"),
     "no.xyz": (b"1", "is of no kind that is known; give a file that ends in .csv, .npz"),
 }

@@ -1,0 +1,167 @@
+"""VTK's legacy format, .vtk, of points: sections, each with a line that says how much follows, as text or binary."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import IO
+from urllib.parse import unquote
+
+import numpy as np
+
+from solvers.judging.vtk_parts import POINTS, NotVTK, Points
+from solvers.outside.quoting import quoted
+
+LONGEST_LINE = 1000
+MOST_SECTIONS = 10_000
+DATASETS = ("UNSTRUCTURED_GRID", "POLYDATA")  # others lay their points out by rules, and are no particles
+TYPES = {"unsigned_char": "u1", "char": "i1", "unsigned_short": "u2", "short": "i2", "unsigned_int": "u4", "int": "i4",
+         "unsigned_long": "u8", "long": "i8", "float": "f4", "double": "f8", "vtkidtype": "i8", "vtktypeint64": "i8",
+         "vtktypeuint64": "u8", "vtktypeint32": "i4", "vtktypeuint32": "u4", "vtktypefloat32": "f4",
+         "vtktypefloat64": "f8"}
+#: Sections of an array of the data of points or cells: how many numbers there are of each, or which word says it.
+WIDTHS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1}
+CELLS = ("CELLS", "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
+
+
+def read_legacy(file: IO[bytes], found: Points) -> None:
+    """Put what a file holds into ``found``."""
+    _Reader(file, found).read()
+
+
+class _Reader:
+    def __init__(self, file: IO[bytes], found: Points):
+        self._file, self._found = file, found
+        self._size = file.seek(0, 2)
+        file.seek(0)
+        self._binary, self._old = False, True
+        self._rows, self._of_points = 0, False  # of the data that come, and whether they are of points
+        self._before_data = True
+
+    def read(self) -> None:
+        self._head()
+        for _ in range(MOST_SECTIONS):
+            if not (line := self._line()):
+                return
+            if words := line.split():
+                self._section(words[0].upper(), words[1:])
+        raise NotVTK(f"more than {MOST_SECTIONS:,} sections")
+
+    def _line(self) -> str:
+        line = self._file.readline(LONGEST_LINE)
+        if len(line) >= LONGEST_LINE:
+            raise NotVTK(f"a line of more than {LONGEST_LINE} letters where a section should begin")
+        return line.decode("utf-8", "replace")
+
+    def _head(self) -> None:
+        first, _, form, dataset = (self._line() for _ in range(4))
+        version = re.match(r"#\s*vtk DataFile Version\s+([0-9])\.([0-9])", first, re.IGNORECASE)
+        if not version or form.strip().upper() not in ("ASCII", "BINARY"):
+            raise NotVTK("not the first lines of a .vtk file")
+        self._old = (int(version[1]), int(version[2])) < (5, 0)
+        self._binary = form.strip().upper() == "BINARY"
+        while not dataset.strip() and dataset:
+            dataset = self._line()
+        word, _, kind = dataset.strip().upper().partition(" ")
+        if word != "DATASET" or kind.strip() not in DATASETS:
+            raise NotVTK(f"{quoted(dataset, 40)}, and {' or '.join(DATASETS)} can be read")
+
+    def _section(self, name: str, said: Sequence[str]) -> None:
+        if name == "METADATA":
+            while self._line().strip():
+                pass
+        elif name == POINTS.upper():
+            rows = _count(said, 0)
+            self._found.begin_piece(rows)
+            self._array(POINTS, said[1:2], rows, 3, self._found.wants(POINTS, rows, 3))
+        elif name in CELLS:
+            self._cells(said)
+        elif name == "CELL_TYPES":
+            self._take("i4", _count(said, 0), False)
+        elif name in ("POINT_DATA", "CELL_DATA"):
+            self._rows, self._of_points, self._before_data = _count(said, 0), name == "POINT_DATA", False
+        elif name == "FIELD":
+            self._fields(_count(said, 1))
+        elif name == "LOOKUP_TABLE":
+            self._take("u1" if self._binary else "f8", 4 * _count(said, 1), False)
+        elif name == "COLOR_SCALARS":
+            self._take("u1" if self._binary else "f8", _count(said, 1) * self._rows, False)
+        else:
+            self._attribute(name, said)
+
+    def _attribute(self, name: str, said: Sequence[str]) -> None:
+        """An array of the data of points or cells."""
+        if len(said) < 2 or name not in (*WIDTHS, "SCALARS", "TEXTURE_COORDINATES"):
+            raise NotVTK(f"the section {quoted(name, 40)}")
+        kind = said[2:3] if name == "TEXTURE_COORDINATES" else said[1:2]
+        width = WIDTHS.get(name) or (_count(said, 1) if name == "TEXTURE_COORDINATES"
+                                     else _count(said, 2) if len(said) > 2 else 1)
+        if name == "SCALARS":
+            here = self._file.tell()
+            if not self._line().upper().startswith("LOOKUP_TABLE"):
+                self._file.seek(here)
+        wants = self._of_points and self._found.wants(unquote(said[0]), self._rows, width)
+        self._array(unquote(said[0]), kind, self._rows, width, wants)
+
+    def _fields(self, count: int) -> None:
+        for _ in range(min(count, MOST_SECTIONS)):
+            words = self._line().split()
+            while words[:1] == ["METADATA"] or not words:
+                while words and self._line().strip():
+                    pass
+                if not (line := self._line()):
+                    raise NotVTK("fields that end too early")
+                words = line.split()
+            if len(words) != 4:
+                raise NotVTK("a field without its name, sizes and type")
+            name, width, rows = unquote(words[0]), _count(words, 1), _count(words, 2)
+            if self._before_data:
+                wants = self._found.wants_field(name, width * rows)
+                if (values := self._take(_type(words[3:]), width * rows, wants)) is not None:
+                    self._found.fields[name] = values
+            else:
+                self._array(name, words[3:], rows, width, self._of_points and self._found.wants(name, rows, width))
+
+    def _array(self, name: str, kind: Sequence[str], rows: int, width: int, wants: bool) -> None:
+        if (values := self._take(_type(kind), rows * width, wants)) is not None:
+            self._found.put(name, values, width)
+
+    def _cells(self, said: Sequence[str]) -> None:
+        """Which nobody wants: their sizes, and the numbers of their points."""
+        if self._old:
+            self._take("i4", _count(said, 1), False)
+            return
+        for name, size in (("OFFSETS", _count(said, 0)), ("CONNECTIVITY", _count(said, 1))):
+            words = self._line().split() or self._line().split()
+            if words[:1] != [name]:
+                raise NotVTK(f"cells without {name}")
+            self._take(_type(words[1:]), size, False)
+
+    def _take(self, kind: str, count: int, wants: bool) -> np.ndarray | None:
+        """The numbers that follow, None where they are not wanted. There are no more than the file has bytes."""
+        size = count * np.dtype(kind).itemsize if self._binary else 2 * count - 1
+        here = self._file.tell()
+        if size > self._size - here:
+            raise NotVTK(f"{count:,} numbers announced in {self._size - here:,} bytes" if count < 10**12
+                         else "more numbers announced than there are bytes")
+        if self._binary:
+            if not wants:
+                self._file.seek(size, 1)
+                return None
+            return np.frombuffer(self._file.read(size), np.dtype(f">{kind}"))
+        values = np.fromfile(self._file, dtype=float, sep=" ", count=count) if count else np.empty(0)
+        if len(values) != count:
+            raise NotVTK(f"{len(values):,} numbers where {count:,} are announced")
+        return values if wants else None
+
+
+def _count(words: Sequence[str], which: int) -> int:
+    if which >= len(words) or not re.fullmatch(r"[0-9]{1,15}", words[which]):
+        raise NotVTK("a section that does not say its size")
+    return int(words[which])
+
+
+def _type(words: Sequence[str]) -> str:
+    if not words or words[0].lower() not in TYPES:
+        raise NotVTK(f"numbers of the type {quoted(' '.join(words), 20)}")
+    return TYPES[words[0].lower()]
