@@ -10,6 +10,7 @@ import tyro
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, put_text, say, working
 from app.lessons.lesson import Lesson, LessonError
+from solvers.outside.quoting import file_name
 from solvers.scene.rules import require_whole
 
 if TYPE_CHECKING:
@@ -143,13 +144,17 @@ def _answers(file: str) -> "tuple[str, Progress] | None":
     """What a file says; None where it cannot be read, which is told."""
     from app.lessons import progress, shelf
     try:
+        if os.path.exists(file) and not os.path.isfile(file):  # a pipe would be waited for
+            raise progress.NotAnswers("is not a file; give files that the page has saved")
         with open(file, encoding="utf-8") as opened:
-            text = opened.read(MOST_CHARACTERS)
-        return os.path.basename(file), progress.read(text, shelf.lessons().get)
+            text = opened.read(MOST_CHARACTERS + 1)
+        if len(text) > MOST_CHARACTERS:
+            raise progress.NotAnswers(f"is too long; give a file of at most {MOST_CHARACTERS:,} characters")
+        return file_name(file), progress.read(text, shelf.lessons().get)
     except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        say(BadInput("", os.path.basename(file) or file, said))
+        say(BadInput("", file_name(file), said))
         return None
 
 

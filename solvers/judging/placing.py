@@ -168,7 +168,8 @@ def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> 
     if bad.any():
         row = int(np.argmax(bad))
         who = f"particle {raw.columns['id'][row]:g}" if "id" in raw.columns else f"row {row + 1}"
-        raise FileError(raw.file, f"has {int(bad.sum()):,} rows whose {key} is no number, first {who} at t = "
+        what = f"beyond {LARGEST:g}" if np.isfinite(values[bad]).all() else "no number"
+        raise FileError(raw.file, f"has {int(bad.sum()):,} rows whose {key} is {what}, first {who} at t = "
                                   f"{times[row]:g} s; leave times out at which the run had gone bad")
 
 
@@ -246,8 +247,8 @@ def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
     for one, other in itertools.pairwise(frames):
         if other.time - one.time <= SAME * scene.period:
             raise FileError(other.file, f"has the time {other.time:g} s, which {quoted(one.file)} has too, on one "
-                                        "grid; give each time of a grid once, and --cells with one number for each file of "
-                                        "several grids")
+                                        "grid; give each time of a grid once, and --cells with one number for each "
+                                        "file of several grids")
     return tuple(frames)
 
 

@@ -111,7 +111,7 @@ class Encoding:
         out, done, begin = bytearray(size), 0, 0
         for length, unpacked in zip(packed, sizes, strict=True):
             packed_block = data[begin:begin + length]
-            piece = PACKINGS[self.packing or ""]().decompress(packed_block, unpacked) if unpacked else b""
+            piece = PACKINGS[self.packing or ""]().decompress(packed_block, unpacked + 1)
             if len(piece) != unpacked:
                 raise NotVTK("a block that does not unpack to its size")
             out[done:done + unpacked] = piece

@@ -64,7 +64,7 @@ class _Reader:
             dataset = self._line()
         word, _, kind = dataset.strip().upper().partition(" ")
         if word != "DATASET" or kind.strip() not in DATASETS:
-            raise NotVTK(f"{quoted(dataset, 40)}, and {' or '.join(DATASETS)} can be read")
+            raise NotVTK(f"{quoted(dataset.strip(), 40)}, and {' or '.join(DATASETS)} can be read")
 
     def _section(self, name: str, said: Sequence[str]) -> None:
         if name == "METADATA":

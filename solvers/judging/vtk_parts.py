@@ -77,6 +77,9 @@ def from_text(text: bytes, count: int) -> np.ndarray:
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # by which it tells of what is no number
         try:
-            return np.fromstring(text, dtype=float, sep=" ", count=count)
+            values = np.fromstring(text, dtype=float, sep=" ", count=count)
         except (ValueError, DeprecationWarning):
-            raise NotVTK(f"no {count:,} numbers where so many are announced") from None
+            values = np.empty(0)
+    if len(values) != count:
+        raise NotVTK(f"no {count:,} numbers where so many are announced")
+    return values
