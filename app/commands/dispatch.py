@@ -17,7 +17,7 @@ from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput
 from app.commands.output import say
-from solvers.outside.quoting import meant, quoted
+from solvers.outside.quoting import meant, quoted, sentence
 from solvers.scene.registry import ExtensionError
 from solvers.scene.rules import SceneError, field_flag
 
@@ -45,7 +45,7 @@ def dispatch(arguments: list[str]) -> int:
     except Exception as error:
         if _wants_traceback():
             raise
-        say(f"failed: {type(error).__name__}: {error}")
+        say(sentence(f"failed: {type(error).__name__}: {error}"))
         return FAILED
 
 

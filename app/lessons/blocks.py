@@ -26,12 +26,16 @@ def toml(text: str, line: int) -> dict[str, Any]:
     """The values of a TOML text that begins at ``line``."""
     try:
         return tomllib.loads(text)
+    except (RecursionError, OverflowError):
+        raise LessonError(line, "this is nested too deep; give lines such as key = 3") from None
     except tomllib.TOMLDecodeError as error:
         where = _AT.search(str(error))
         last = max(0, len(text.rstrip("\n").splitlines()) - 1)
         at = line + (int(where[1]) - 1 if where and where[1] else last)
         raise LessonError(at, f"this is no TOML ({_AT.sub('', str(error)).lower()}); give lines such as "
                               "key = \"text\", key = 3 or key = [\"one\", \"two\"]") from None
+    except ValueError:  # of whole numbers that have more digits than Python reads
+        raise LessonError(line, "a number here has too many digits; give lines such as key = 3") from None
 
 
 def line_of(key: str, text: str, line: int) -> int:

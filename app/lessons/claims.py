@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from app.words import EXTRA_NORMS, QUANTITIES
+from solvers.outside.quoting import quoted, sentence
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.registry import ESTIMATORS
 
@@ -43,12 +44,16 @@ _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Pow: operator.pow}
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
     "<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
+LONGEST = 1000  # letters of a claim
 _COMPARED = re.compile(r"(.+?)(<=|>=|==|!=|<|>)(.+)", re.DOTALL)
 _RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
 
 
 class ClaimError(ValueError):
     """An expression that means nothing, or that has no value here: why, and what was expected."""
+
+    def __init__(self, why: str):
+        super().__init__(sentence(why))
 
 
 @dataclass(frozen=True)
@@ -142,24 +147,26 @@ def said(found: float | str) -> str:
 
 def _split(claim: str) -> tuple[str, ...]:
     """(left, operator, right) or (value, low, high)."""
-    for pattern in (_RANGE, _COMPARED):
+    for pattern in (_RANGE, _COMPARED) if len(claim) <= LONGEST else ():
         if found := pattern.fullmatch(claim.strip()):
             return tuple(part.strip() for part in found.groups())
-    raise ClaimError(f"{claim!r} claims nothing; give something like error.x.max < 1e-5 or order(x) in 1.9..2.1")
+    raise ClaimError(f"'{quoted(claim)}' claims nothing; give something like error.x.max < 1e-5 or "
+                     "order(x) in 1.9..2.1")
 
 
 def _parsed(text: str) -> ast.expr:
     try:
-        tree = ast.parse(text.strip(), mode="eval").body
-    except (SyntaxError, ValueError):
-        raise ClaimError(f"{text!r} cannot be read; give numbers, paths such as error.x.max, + - * / ** and "
+        tree = ast.parse(text.strip() if len(text) <= LONGEST else "", mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):  # of what is nested too deep, the last two
+        raise ClaimError(f"'{quoted(text)}' cannot be read; give numbers, paths such as error.x.max, + - * / ** and "
                          f"{', '.join(f'{name}(…)' for name in FUNCTIONS)}") from None
     allowed = (ast.BinOp, ast.UnaryOp, ast.USub, ast.Constant, ast.Attribute, ast.Name, ast.Call, ast.Load,
                *_OPERATORS)
     for node in ast.walk(tree):
         if not isinstance(node, allowed) or (isinstance(node, ast.Constant) and not _is_real(node.value)):
-            raise ClaimError(f"{text!r}: {ast.unparse(node) if isinstance(node, ast.expr) else 'this'} means nothing "
-                             "here; give numbers, paths such as error.x.max, + - * / ** and functions")
+            part = quoted(ast.unparse(node)) if isinstance(node, ast.expr) else "this"
+            raise ClaimError(f"'{quoted(text)}': {part} means nothing here; give numbers, paths such as error.x.max, "
+                             "+ - * / ** and functions")
     return tree
 
 

@@ -10,15 +10,17 @@ from markdown_it import MarkdownIt
 from markdown_it.renderer import RendererHTML
 from mdit_py_plugins.dollarmath import dollarmath_plugin
 
+from solvers.outside.quoting import quoted, sentence
+
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
 
 
 class MarkupError(ValueError):
     """A formula or picture that cannot be shown. ``piece`` is what stands in the text."""
 
-    def __init__(self, piece: str, sentence: str):
+    def __init__(self, piece: str, why: str):
         self.piece = piece
-        super().__init__(sentence)
+        super().__init__(sentence(why))
 
 
 def html(markdown: str, folder: Path | None = None) -> str:
@@ -46,11 +48,11 @@ def _formula(latex: str, options: dict) -> str:
     try:
         mathml = latex2mathml.converter.convert(latex, display="block" if options["display_mode"] else "inline")
     except Exception as error:  # the library raises what comes
-        raise MarkupError(latex, f"the formula ${latex}$ cannot be shown ({type(error).__name__}); "
+        raise MarkupError(latex, f"the formula ${quoted(latex)}$ cannot be shown ({type(error).__name__}); "
                                  "give plain LaTeX such as $\\frac{h}{2}$") from None
     if unknown := re.search(r"\\\w+", mathml):  # a command that nobody knows would be shown as it is typed
-        raise MarkupError(latex, f"the formula ${latex}$ has {unknown[0]}, which cannot be shown; give plain LaTeX "
-                                 "such as $\\frac{h}{2}$")
+        raise MarkupError(latex, f"the formula ${quoted(latex)}$ has {quoted(unknown[0])}, which cannot be "
+                                 "shown; give plain LaTeX such as $\\frac{h}{2}$")
     return mathml
 
 
@@ -59,5 +61,6 @@ def _data(folder: Path | None, source: str) -> str:
     path = None if folder is None else folder / source
     kind = KINDS.get(Path(source).suffix)
     if kind is None or path is None or not re.fullmatch(r"[\w./-]+", source) or ".." in source or not path.is_file():
-        raise MarkupError(source, f"the picture {source} is not there; give an .svg or .png file beside the lesson")
+        raise MarkupError(source, f"the picture {quoted(source)} is not there; give an .svg or .png file beside "
+                                  "the lesson")
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

@@ -9,14 +9,15 @@ import hashlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from app.lessons import blocks, claims
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, filled
 from app.lessons.markup import MarkupError, html
+from solvers.outside import quoting
 
+LARGEST = 1_000_000  # bytes of a lesson
 FENCE = "```"
 HEAD = "+++"
 BLOCKS = ("run", "question", "claims", "teacher")
@@ -38,6 +39,8 @@ class _Part:
 def read(path: Path) -> Lesson:
     """The lesson of a file; :class:`LessonError` where it is none."""
     try:
+        if path.stat().st_size > LARGEST:
+            raise LessonError(1, f"the file has more than {LARGEST:,} bytes; make it shorter")
         return parse(path.read_text(encoding="utf-8"), path.stem, path.parent)
     except LessonError as error:
         raise LessonError(error.line, error.sentence, path.name) from None
@@ -97,7 +100,8 @@ def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
     controls = blocks.texts(values, "controls", at("controls"))
     for control in controls:
         if control not in CONTROLS:
-            raise LessonError(at("controls"), f"controls: {control!r} is not known; give {', '.join(CONTROLS)}")
+            raise LessonError(at("controls"), f"controls: '{quoting.quoted(control)}' is not known; give "
+                                              f"{', '.join(CONTROLS)}")
     return Lesson(name, title.strip(), minutes, goals, controls, blocks.texts(values, "prerequisites",
                                                                               at("prerequisites")),
                   _variants(values, at("variants")), fingerprint=fingerprint)
@@ -127,7 +131,8 @@ def _parts(lines: list[str], first: int) -> list[_Part]:
         elif fence.startswith(FENCE):
             block, opened = fence[len(FENCE):].strip(), number
             if block not in BLOCKS:
-                raise LessonError(number, f"a block {block!r} is not known; give {', '.join(BLOCKS)} after {FENCE}")
+                raise LessonError(number, f"a block '{quoting.quoted(block)}' is not known; give "
+                                          f"{', '.join(BLOCKS)} after {FENCE}")
         elif line.startswith("## "):
             parts.append(_Part(line, number, [], []))
         else:
@@ -170,9 +175,9 @@ def _kind(part: _Part) -> tuple[str, str]:
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
     if not found or kind not in KINDS:
-        meant = "".join(f" (did you mean {close.capitalize()}?)" for close in get_close_matches(kind, KINDS, n=1))
-        raise LessonError(part.line, f"{part.heading.strip()!r} begins no step{meant}; give ## Predict: ..., "
-                          "## Run: ..., ## Observe: ... or ## Explain: ...")
+        meant = quoting.meant(kind.capitalize(), [known.capitalize() for known in KINDS])
+        raise LessonError(part.line, f"'{quoting.quoted(part.heading.strip())}' begins no step{meant}; give "
+                          "## Predict: ..., ## Run: ..., ## Observe: ... or ## Explain: ...")
     return kind, found["title"].strip()
 
 

@@ -22,7 +22,7 @@ class Misfit(FileError):
     that they could be of."""
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
-        self.reason, self.allowed, self.problems = reason, allowed, problems
+        self.reason, self.allowed, self.problems = quoting.sentence(reason), allowed, problems
         fits = f"it fits {' or '.join(f'`mpm-lab judge {problem}`' for problem in problems)}" if problems else allowed
         super().__init__(file, f"{reason}; {fits}")
 

@@ -12,6 +12,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from solvers.judging.frames import FileError, Misfit, Raw, Said
+from solvers.outside.quoting import quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS
 from solvers.scene.rules import SceneError, field_key, field_label, key_field
@@ -41,7 +42,7 @@ def read_line(file: str, text: object, cells: int | None) -> Said | None:
     except (ValueError, TypeError, KeyError, RecursionError):
         raise FileError(file, f"says a scene that cannot be read; {HINT}") from None
     if schema != SCHEMA:
-        raise FileError(file, f"says its scene in the words of another version ({str(schema)[:LONGEST_WORD]}), and "
+        raise FileError(file, f"says its scene in the words of another version ({quoted(schema, LONGEST_WORD)}), and "
                               f"{SCHEMA} can be read; {HINT}")
     if not isinstance(problem, str) or problem not in PROBLEMS:
         raise FileError(file, f"says that it is of a problem that is none here; {HINT}")
@@ -61,8 +62,7 @@ def scene(file: str, said: Said) -> Scene:
             raise TypeError
         return PROBLEMS[said.problem].scene(**said.inputs)
     except SceneError as error:
-        raise FileError(file, f"says a scene that cannot be: {field_label(error.field)} {str(error.value)[:30]}: "
-                              f"{error.sentence}; {HINT}") from None
+        raise FileError(file, f"says a scene that cannot be: {error}; {HINT}") from None
     except (TypeError, ValueError, OverflowError):
         raise FileError(file, f"says a scene whose inputs are none of the {said.problem}'s; {HINT}") from None
 
@@ -97,7 +97,7 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
         if taken:
             settled_scene = _with(raw.file, settled_scene, taken)
             told = ", ".join(f"{field_label(name)} {_plain(value)}" for name, value in taken.items())
-            notes.append(f"judged with what {raw.file} says of its scene: {told}")
+            notes.append(f"judged with what {quoted(raw.file)} says of its scene: {told}")
     return settled_scene, notes
 
 

@@ -12,6 +12,7 @@ from solvers.study.forms import parsed
 from solvers.study.row import FAILED, fault, fingerprint
 
 NAME = "rows.jsonl"
+LARGEST, LONGEST = 100_000_000, 1_000_000  # bytes of it, and of a line; ten thousand rows have some ten million
 
 
 class StoreError(Exception):
@@ -87,17 +88,26 @@ class Store:
 
     def _load(self, problem: str) -> None:
         """Read what is there. A last line that a kill cut short is taken off; its row will be measured again."""
-        content = self._path.read_bytes()
-        *lines, rest = content.split(b"\n")
-        for number, line in enumerate(lines, 1):
-            self._take(number, line, problem)
+        if (size := self._path.stat().st_size) > LARGEST:
+            raise StoreError(f"holds a {NAME} of {size / 1e6:,.0f} MB; give one of at most {LARGEST / 1e6:,.0f} MB, or "
+                             "another directory")
+        rest = b""
+        with open(self._path, "rb") as lines:
+            for number, line in enumerate(iter(lambda: lines.readline(LONGEST + 1), b""), 1):
+                if len(line) > LONGEST:
+                    raise StoreError(f"holds a {NAME} whose line {number} has more than {LONGEST:,} letters; take that "
+                                     "line out, or give another directory")
+                if line.endswith(b"\n"):
+                    self._take(number, line[:-1], problem)
+                else:
+                    rest = line
         if rest:
             try:
                 whole(rest, fault)
             except NotWhole:
-                self._file.truncate(len(content) - len(rest))
+                self._file.truncate(size - len(rest))
             else:  # but for the end of its line
-                self._take(len(lines) + 1, rest, problem)
+                self._take(number, rest, problem)
                 self._file.write(b"\n")
                 self._file.flush()
 

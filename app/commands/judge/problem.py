@@ -13,6 +13,7 @@ from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
 from app.words import per_cell, title
 from solvers.judging.columns import column_names
+from solvers.judging.limits import LIMITS
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS, Texts
 from solvers.scene.rules import field_key
@@ -21,8 +22,6 @@ from solvers.scene.scene import Scene
 PAGE = Path(__file__).parent / "problem.md"
 TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
 QUARTERS = 4  # of a period: the times of the exact solution where none are asked for
-MOST_TIMES = 10_000
-MOST_ROWS = 5_000_000
 
 
 def times_of(words: tuple[str, ...], flag: str) -> list[float]:
@@ -55,12 +54,12 @@ class ProblemCommand(SceneFlags):
 
     def execute(self) -> int:
         scene = self.scene()
-        quarters = max(1, min(MOST_TIMES, round(QUARTERS * scene.end_time / scene.period)))
+        quarters = max(1, min(LIMITS.times, round(QUARTERS * scene.end_time / scene.period)))
         times = sorted(set(times_of(self.times, "times"))) or \
             [k * scene.period / QUARTERS for k in range(1, quarters + 1)]
-        if len(times) > MOST_TIMES or len(times) * scene.particles > MOST_ROWS:
+        if len(times) > LIMITS.times or len(times) * scene.particles > LIMITS.rows:
             raise BadInput("times", f"{len(times)} times", f"make {len(times) * scene.particles:,} rows; at most "
-                           f"{MOST_ROWS:,} are allowed, of at most {MOST_TIMES:,} times")
+                           f"{LIMITS.rows:,} are allowed, of at most {LIMITS.times:,} times")
         folder = Folder(self.out)
         for name, content in _files(scene, times).items():
             folder.put(name, content)

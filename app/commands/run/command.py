@@ -13,12 +13,13 @@ from app.commands.output import Target, json_target, put_result, say, working
 from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
+from solvers.judging.limits import LIMITS
 from solvers.scene.scene import Scene
 from solvers.solver.result import Result, Snapshot
 
 OK, FAILED, BROKEN = 0, 1, 3
 KINDS = (".npz", ".csv")  # of files of particles
-MOST_ROWS = 20_000_000  # of particles and times, which is what the judge reads at most
+LETTERS = 21  # of a number in a .csv, with what parts it from the next
 
 
 class ParticleWriter:
@@ -27,10 +28,12 @@ class ParticleWriter:
     def __init__(self, text: str, scene: Scene):
         if Path(text).suffix.lower() not in KINDS:
             raise BadInput("particles", text, f"give a file that ends in {' or '.join(KINDS)}")
-        rows = scene.particles * (scene.steps // scene.sample_interval + 2)
-        if rows > MOST_ROWS:
-            raise BadInput("particles", text, f"would hold {rows:,} particles of all samples; at most {MOST_ROWS:,} "
-                                              "are allowed: sample more rarely with --sample-every")
+        samples = scene.steps // scene.sample_interval + 2
+        rows, most = scene.particles * samples, _most_rows(scene.DIMENSIONS, text)
+        if rows > most or samples > LIMITS.times:
+            raise BadInput("particles", text, f"would hold {rows:,} particles of {samples:,} samples; at most {most:,} "
+                                              f"of {LIMITS.times:,} are allowed, as the judge reads them: sample more "
+                                              "rarely with --sample-every")
         self._target, self._scene = Target("particles", text), scene
         self._frames: list[Frame] = []
 
@@ -50,6 +53,13 @@ class ParticleWriter:
             said = {"problem": self._scene.problem, "cells": self._scene.cells, "scene": line(self._scene)}
             content = writing.csv(writing.table(self._frames), said)
         self._target.write(content)
+
+
+def _most_rows(dimensions: int, path: str) -> int:
+    """Of a file that the judge reads: time, id, three vectors and a tensor in each."""
+    width = 2 + 3 * dimensions + dimensions**2
+    in_bytes = LIMITS.bytes // (width * LETTERS) if path.lower().endswith(".csv") else LIMITS.rows
+    return min(LIMITS.rows, LIMITS.numbers // width, in_bytes)
 
 
 @dataclass(frozen=True, kw_only=True)

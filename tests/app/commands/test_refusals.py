@@ -1,0 +1,205 @@
+"""Whatever is quoted in a refusal is harmless and short: hostile text is fed to every flag, field, file and lesson."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from contextlib import ExitStack
+from dataclasses import fields
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+
+from app import state
+from app.cli import main
+from app.commands import commands
+from app.lessons import grading, progress, shelf
+from app.lessons.claims import ClaimError, check_claim
+from app.lessons.lesson import LessonError
+from app.lessons.markup import MarkupError, html
+from app.lessons.reading import parse
+from app.page.visit.notice import Notice
+from solvers.judging.arrays import from_arrays
+from solvers.judging.frames import FileError
+from solvers.problems import PROBLEMS
+from solvers.scene.rules import SceneError
+from solvers.study.store import NAME, Store, StoreError
+from solvers.study.summary import csv_text, summary
+
+EVIL = "\x1b]0;owned\x07\x1b[31m\u202e\u2066evil\x9b2J"
+TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t" + EVIL, "<img src=x>![](http://evil.example)`" + EVIL]
+LONGEST = 410  # letters of a message
+SLOW = ("app.page.serving.serve", "app.commands.study.tables._run_rows", "app.commands.run.command._run",
+        "app.commands.run.budget.working", "app.commands.bench.command.working", "app.commands.lesson.working",
+        "app.commands.export.working", "app.commands.judge.command.working", "app.commands.judge.problem._files",
+        "app.commands.study.rows.Study._place", "app.commands.study.advise.Advise._search")
+
+
+class Begun(BaseException):
+    """A command was let in."""
+
+
+def begin(*_, **__) -> None:
+    raise Begun
+
+
+def harmless(said: str) -> None:
+    assert all(line.isprintable() and len(line) <= LONGEST for line in said.split("\n")), ascii(said)[:600]
+
+
+@pytest.mark.parametrize(("name", "texts"), [
+    *(pytest.param(name, TEXTS[1:2], id="-".join(name)) for name in commands() if name[-1] not in ("ring", "vortex")),
+    *(pytest.param(name, TEXTS, id="-".join((*name, "all")), marks=pytest.mark.slow) for name in commands())])
+def test_every_flag_of_every_command(name, texts, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    flags = [f.name for f in fields(commands()[name])]
+    lines = [[f"--{flag.replace('_', '-')}", text] for flag in flags for text in texts] + [[text] for text in texts]
+    lines += [[f"--{text}"] for text in texts]
+    with ExitStack() as patches:
+        for place in SLOW:
+            patches.enter_context(patch(place, begin))
+        for k, line in enumerate(lines):
+            out = ["--out", f"out{k}"] if "--out" not in line and "out" in flags else []
+            try:
+                assert main([*name, *line, *out]) in (0, 1, 2)
+            except Begun:
+                continue
+            said = capsys.readouterr().err
+            assert (said.startswith("mpm-lab: ") and "failed:" not in said) or not said
+            harmless(said)
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_every_field_of_a_scene_and_word_of_a_state(problem, text):
+    kind = PROBLEMS[problem].scene
+    for name in (field.name for field in fields(kind) if field.name != "problem"):
+        for value in (text, (text,), 10**5000, float("nan")):
+            try:
+                kind(**{name: value})
+            except SceneError as error:
+                harmless(str(error))
+                harmless(error.sentence)
+        for word in (f"{name}={text}", f"{text}={name}", f"pinned;{name}={text}"):
+            with pytest.raises(state.StateError) as refusal:
+                state.read(f"{problem};{word}")
+            harmless(str(refusal.value))
+    for word in state.VIEW:
+        with pytest.raises(state.StateError) as refusal:
+            state.read(f"{problem};{word}={text}")
+        harmless(str(refusal.value))
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_every_reader_of_files_of_particles(text, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    line = text.replace("\n", " ")[:3000]
+    said = f'# scene = {{"schema":"mpm-lab/particles/{line}"}}'
+    contents = [f"id,x,{line}\n1,2,3\n", f"id,x\n1,{line}\n", f"# t = {line}\nid,x\n0,0\n",
+                f"# cells = {line}\nid,x\n0,0\n", f"{said}\nid,x\n0,0\n", f"{line}\n{line}\n",
+                f"id,{line},{line}\n1,2,3\n"]
+    for content in contents:
+        (tmp_path / "a.csv").write_text(content, encoding="utf-8")
+        assert main(["judge", "bar", "a.csv", "--out", "out", "--no-compare"]) == 2
+        harmless(capsys.readouterr().err)
+    for kind, content in ((".vtk", f"# vtk DataFile Version 3.0\n\nASCII\nDATASET {line}\n"),
+                          (".vtu", f"<VTKFile type='{line}'/>"), (".vtp", line), (".npz", line)):
+        (tmp_path / f"a{kind}").write_text(content, encoding="utf-8")
+        assert main(["judge", "bar", f"a{kind}", "--out", "out"]) == 2
+        harmless(capsys.readouterr().err)
+    assert main(["judge", "bar", f"{line}.csv", "--out", "out"]) == 2
+    harmless(capsys.readouterr().err)
+    for arrays in ({text: [1.0]}, {"x": [text]}, {"x": [0.0], "position": [1.0], text: [1]}):
+        with pytest.raises(FileError) as refusal:
+            from_arrays(text, {name: np.array(values) for name, values in arrays.items()})
+        harmless(str(refusal.value))
+
+
+LESSON = """+++
+title = "T"
+minutes = 5
+goals = ["g"]
+{head}
++++
+{intro}
+
+## Run: First
+```run
+hat = "{scene}"
+```
+```claims
+{claim}
+```
+{heading}
+"""
+FINE = {"head": "", "intro": "", "scene": "bar cells=20", "claim": "error.x.max < 1", "heading": ""}
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+@pytest.mark.parametrize("place, wrong", [
+    ("head", '{} = 1'), ("head", 'controls = ["{}"]'), ("head", "x = {}"), ("scene", "bar {}"), ("scene", "{}"),
+    ("claim", "{} < 1"), ("claim", "error.{} < 1"), ("claim", "{}"), ("heading", "## {}: x"), ("heading", "```{}\n```"),
+    ("intro", "![]({})"), ("intro", "${}$"), ("intro", "$\\{}$")])
+def test_every_part_of_a_lesson(place, wrong, text):
+    bare = json.dumps(text, ensure_ascii=False)[1:-1] if place == "scene" or '"{}"' in wrong else text
+    try:
+        parse(LESSON.format(**FINE | {place: wrong.replace("{}", bare)}), "a")
+    except LessonError as error:
+        harmless(str(error))
+        harmless(error.sentence)
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_claims_pictures_names_and_notices(text):
+    for act, refusal in ((lambda: check_claim(text, {}, ""), ClaimError),
+                         (lambda: shelf.called(text), shelf.UnknownLesson),
+                         (lambda: html(f"![]({'x' * 9000}.svg)"), MarkupError)):
+        with pytest.raises(refusal) as found:
+            act()
+        harmless(str(found.value))
+    said = Notice("refused", text).html
+    assert said.isprintable() and "<img" not in said and len(said) < 1300
+
+
+ANSWERS = {"schema": progress.SCHEMA, "lesson": "01-one-step", "fingerprint": "", "name": "", "step": 0, "answers": {}}
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_every_field_of_handed_in_answers(text, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    wrong = [{key: text} for key in ("schema", "lesson", "step", "answers")] + [
+        {"answers": {text: value}} for value in (text, {"first": 1}, {})] + [{"name": [text]}]
+    for k, part in enumerate(wrong):
+        (tmp_path / f"{k}.json").write_text(json.dumps(ANSWERS | part, ensure_ascii=False), encoding="utf-8")
+    (tmp_path / "text.json").write_text(text, encoding="utf-8")
+    name = text[:40].replace("/", "_")
+    (tmp_path / f"{name}.json").write_text("no JSON", encoding="utf-8")
+    files = [str(path) for path in tmp_path.iterdir()]
+    assert main(["lesson", "grade", *files, text[:90]]) == 1
+    said = capsys.readouterr()
+    assert said.err.count("\n") == len(files) + 1
+    harmless(said.err)
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_tables_hold_no_formula_and_nothing_that_does_not_show(text):
+    lesson = shelf.lessons()["01-one-step"]
+    key = next(key for key, step in lesson.questions.items())
+    found = grading.Graded(text, progress.Progress("01-one-step", "", text), lesson, {key: (text, None)})
+    row = {"scene": {"method": text, text: text}, "asked": {}, "status": "failed", "reason": text, "index": None}
+    for table in (grading.table([found]), csv_text([row])):
+        cells = [cell for line in csv.reader(io.StringIO(table)) for cell in line]
+        assert all(cell.isprintable() and not cell.startswith(tuple("=+-@\t\r")) for cell in cells)
+    assert "\n* " in summary("bar", [row]) and "<img" not in html(summary("bar", [row]))
+    assert all(line.isprintable() for line in summary("bar", [row]).split("\n"))
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_rows_of_a_sweep_that_is_resumed(text, tmp_path):
+    for content in (text, json.dumps({"schema": text}), json.dumps({text: text, "problem": text}), "x" * 1_100_000):
+        (tmp_path / NAME).write_text(content + "\n", encoding="utf-8")
+        with pytest.raises(StoreError) as refusal:
+            Store(tmp_path, "bar", resume=True)
+        harmless(str(refusal.value))
