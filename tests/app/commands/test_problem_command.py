@@ -159,7 +159,7 @@ def test_start_and_exact_agree_at_the_time_0():
     (["--out", "new", "--times", "nan"], "--times nan: is no time"),
     (["--out", "new", "--cells", "1"], "--cells 1: give a whole number"),
     (["--out", "new", "--amplitude", "5"], "--amplitude 5"),
-    (["--out", "new", "--cells", "9000", "--times", *map(str, range(600))], "at most 5,000,000 are allowed"),
+    (["--out", "new", "--cells", "9000", "--times", *map(str, range(600))], "at most 4,000,000 are allowed"),
     (["--out", "new", "--method", "mpm"], "--method: is not a flag"),
 ])
 def test_bad_input_is_one_line(flags, said, tmp_path, capsys, monkeypatch):

@@ -172,7 +172,7 @@ def said(**changed) -> str:
     (said(problem="dam"), "says that it is of a problem that is none here"),
     (said(problem=["bar"]), "says that it is of a problem that is none here"),
     (said(schema="mpm-lab/particles/2"), "in the words of another version (mpm-lab/particles/2)"),
-    (said(inputs={"amplitude": 1e9}), "says a scene that cannot be: amplitude 1000000000.0"),
+    (said(inputs={"amplitude": 1e9}), "says a scene that cannot be: amplitude 1000000000:"),
     (said(inputs={"amplitude": "much"}), "says a scene"), (said(inputs={"cells": True}), "says a scene"),
     (said(inputs={"amplitude": float("nan")}), "says a scene that cannot be: amplitude nan"),
     (said(inputs={"cells": 10**9}), "says a scene that cannot be: cells"),
