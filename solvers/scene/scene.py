@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers.scene import registry
+from solvers.scene.balance import Moments
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS
 from solvers.scene.remedies import FROZEN
@@ -148,6 +149,11 @@ class Scene(SceneDefaults, ABC, Remembered):
     def critical_time_step(self) -> float:
         """The longest step in seconds that the motion ahead bears by linear theory, worked out anew: see
         :attr:`step_bound`."""
+
+    @abstractmethod
+    def balanced_motion(self, times: np.ndarray) -> Moments:
+        """Moments of the motion that the balance of momentum makes of the body at the times (T,) in s, which the
+        samples of its run are held against."""
 
     @abstractmethod
     def _check_amplitude(self) -> None:

@@ -2,9 +2,10 @@
 
 A run is *unstable* where numbers themselves have gone bad (``solvers.solver.base`` stops it), *lost* where its
 particles no longer say anything about the motion, though every number is finite. Lost is what a rule below finds at a
-sample; the run goes on, for it is worth seeing. The rules were tried on 1,400 runs with a known error: no false alarm,
-and all but one of the lost runs with the built-in force found. Late waves of a free bar are consistent with themselves
-and stay unseen: "no contradiction found" is not "right".
+sample; the run goes on, for it is worth seeing. Four rules hold the particles against each other, one against the
+motion that the balance of momentum makes (``solvers.scene.balance``): it sees what is consistent with itself, such as
+a ring that turns as a whole or late waves of a free bar. All look at positions; what else was looked at or not, a run's
+``solvers.solver.checked`` says.
 """
 
 from __future__ import annotations
@@ -48,6 +49,10 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
     # Seen on fine grids, where neighbours are too close to be apart by much; sound runs reach 0.3.
     Contradiction("displacement_mismatch", 0.4,
                   "displacements no longer add up to what the deformation says (off by {size} of the amplitude)"),
+    # A lower bound of the error, but for that of the balance, a hundredth or less.
+    Contradiction("balance_gap", MOST_ERROR,
+                  "the particles do not stand where the balance of momentum brings them (off by {size} of the "
+                  "amplitude)"),
 )}
 #: What three of them were called in JSON objects up to version 0.1.0; both names are written until the next version.
 FORMER_NAMES = {"neighbour_gap": "apart", "mean_drift": "adrift", "displacement_mismatch": "torn"}
@@ -70,6 +75,7 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
 
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
+    series = {**series, "balance_gap": balance_gap(scene, series)}
     A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if registry.ESTIMATORS[n].judges]
     rules = {name: (series[name], rule.most, A, rule.sentence) for name, rule in CONTRADICTIONS.items()}
     rules["error_x"] = (series["error_x"], MOST_ERROR, A, "the particles have lost the solution (the true error of x "
@@ -107,9 +113,22 @@ def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, un
 
 
 @UNBOUNDED
+def balance_gap(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
+    """How far the particles are at least, as RMS in m, from the motion that the balance of momentum makes (T,); NaN
+    where it was not looked for or cannot be followed."""
+    gap, squares = np.full(len(series["time"]), np.nan), series["motion_square"]
+    looked = np.flatnonzero(~np.isnan(squares))
+    if len(looked):
+        known = scene.balanced_motion(series["time"][looked])
+        sums = np.stack([series[f"motion_{k}"][looked] for k in range(known.sums.shape[1])], axis=1)
+        gap[looked] = known.distance(sums, squares[looked])
+    return gap
+
+
+@UNBOUNDED
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:
     """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
     for; for the JSON object."""
-    A = scene.motion_amplitude
+    A, series = scene.motion_amplitude, {**series, "balance_gap": balance_gap(scene, series)}
     found = {name: largest(series[name] / A) for name in CONTRADICTIONS}
     return found | {former: found[name] for name, former in FORMER_NAMES.items()}

@@ -9,11 +9,10 @@ u = v0 t, F = F0 for ever.
 
 import numpy as np
 
+from solvers.problems.bar.balance import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.problems.bar.scene import BarScene
 
 WAVENUMBER = 2 * np.pi
-SECOND_SIZE = 0.5  # of the force's second tone, of the first
-SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 
 
 def displacement(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:

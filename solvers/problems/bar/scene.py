@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.bar import patch, step_bound, validity
+from solvers.problems.bar import balance, patch, step_bound, validity
 from solvers.problems.bar.patch import PATCH, VIBRATE
+from solvers.scene.balance import Moments
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.described import described
@@ -115,6 +116,9 @@ class BarScene(Scene):
         """As every scene; a budget needs the truth, or of the estimators the companion."""
         known = effect != "budget" or super().has("truth") or "companion" in self.active_estimators
         return known and super().has(effect)
+
+    def balanced_motion(self, times: np.ndarray) -> Moments:
+        return balance.moments(self, times)
 
     def to_dict(self) -> dict:
         """As every scene; None for what means nothing in this motion."""

@@ -5,6 +5,8 @@ w'(a) = w'(b) = 0, so that with nu = 0 both free surfaces carry no traction. F i
 F_r = 1 + T w', F_theta = 1 + T w/R, and P = mu (F - 1/F) in each, mu = E/2 (neo-Hookean with lambda = 0).
 """
 
+from typing import Any
+
 import numpy as np
 
 from solvers.scene.scene import Scene
@@ -21,7 +23,7 @@ def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return ((C3 * R + C2) * R + C1) * R, (3 * C3 * R + 2 * C2) * R + C1, 6 * C3 * R + 2 * C2
 
 
-def time_factors(scene: Scene, t: float) -> tuple[float, float, float]:
+def time_factors(scene: Scene, t: Any) -> tuple[Any, Any, Any]:
     """T, T' and T'' at the time t: with w(R) the radial displacement, velocity and acceleration."""
     A, w = scene.amplitude, scene.angular_frequency
     T = A * np.sin(w * t)
@@ -49,7 +51,7 @@ def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
 
-def stretches(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+def stretches(scene: Scene, R: np.ndarray, t: Any) -> tuple[np.ndarray, np.ndarray]:
     """F_r and F_theta at the radii R."""
     (w, slope, _), T = shape(R), time_factors(scene, t)[0]
     return 1 + T * slope, 1 + T * w / R
@@ -87,11 +89,11 @@ def field(scene: Scene, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
     return shape(R)[0] * factors["xva".index(quantity)]
 
 
-def body_force(scene: Scene, R: np.ndarray, t: float) -> np.ndarray:
+def body_force(scene: Scene, R: np.ndarray, t: Any) -> np.ndarray:
     """Radial body force per mass, in m/s^2, that makes u the solution: rho b = rho u_tt - P_r' - (P_r - P_theta)/R.
     With two tones w^2 A/2 cos(pi (R - a)/(b - a)) sin(1.7 wt) beside it; zero for the free ring."""
     if scene.body_force == "none":
-        return np.zeros_like(R)
+        return np.zeros(np.broadcast_shapes(R.shape, np.shape(t)))
     w, _, curvature = shape(R)
     T, mu, frequency = time_factors(scene, t)[0], 0.5 * scene.modulus, scene.angular_frequency
     radial, hoop = stretches(scene, R, t)

@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from solvers.problems.planar import circles
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.ring import exact, step_bound, validity
+from solvers.scene.balance import Moments
 from solvers.scene.described import described
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
@@ -68,6 +72,19 @@ class RingScene(PlanarScene):
     @staticmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
         return max(1, round(2 * cells * ppc / 3)), max(1, round(cells * ppc / 6))
+
+    @property
+    def lame_moduli(self) -> tuple[float, float]:
+        return 0.0, 0.5 * self.modulus
+
+    def circle_velocity(self, R: np.ndarray) -> np.ndarray:
+        return exact.time_factors(self, 0.0)[1] * exact.shape(R)[0].astype(complex)
+
+    def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
+        return exact.body_force(self, R, t)
+
+    def balanced_motion(self, times: np.ndarray) -> Moments:
+        return circles.of_scene(self).moments(times)
 
     def critical_time_step(self) -> float:
         return step_bound.critical_time_step(self)

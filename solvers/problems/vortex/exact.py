@@ -49,13 +49,13 @@ def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return (1 + (BEND + RISE * square) * square, (2 * BEND + 4 * RISE * square) * s, 2 * BEND + 12 * RISE * square)
 
 
-def time_factors(scene: Scene, t: float) -> tuple[float, float, float]:
+def time_factors(scene: Scene, t: Any) -> tuple[Any, Any, Any]:
     """g, g' and g'' at the time t: with h(R) the angle, its rate and its acceleration."""
     w, A = scene.angular_frequency, scene.amplitude
     return A * np.sin(w * t), A * w * np.cos(w * t), -A * w * w * np.sin(w * t)
 
 
-def turn(scene: Scene, R: np.ndarray, t: float) -> Turn:
+def turn(scene: Scene, R: np.ndarray, t: Any) -> Turn:
     """By how much the circles of radius R are turned, and how that changes."""
     (h, slope, curvature), (g, rate, acceleration) = shape(R), time_factors(scene, t)
     return Turn(g * h, rate * h, acceleration * h, g * slope, g * curvature)
@@ -131,7 +131,7 @@ def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
                      hoop * c * c + 2 * shear * c * s], axis=1)
 
 
-def polar_force(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+def polar_force(scene: Scene, R: np.ndarray, t: Any) -> tuple[np.ndarray, np.ndarray]:
     """Body force per mass along e_r and e_theta at the present angle, in m/s^2, at the radii R.
 
     rho b = rho a - div sigma, and in the turned frame div sigma = -sigma_tt/R e_r + (sigma_rt' + 2 sigma_rt/R) e_theta.
@@ -157,16 +157,22 @@ def body_force(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     return combined(_turned(E, turn(scene, R, t).angle), *polar_force(scene, R, t))
 
 
-def force_at_rest(scene: Scene, R: np.ndarray, t: float) -> np.ndarray:
-    """Body force per mass (K, 2) at the radii R, in m/s^2, along e_R and e_Theta of the particle at rest."""
+def circle_force(scene: Scene, R: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Body force per mass (T, K) at the radii R and the times t (T, 1), in m/s^2: along e_R of the particle at rest,
+    and as imaginary part along e_Theta."""
     if scene.body_force == "none":
-        return np.zeros((len(R), 2))
+        return np.zeros(np.broadcast_shapes(R.shape, t.shape), complex)
     along, around = polar_force(scene, R, t)
     if scene.body_force == "two-tone":
         w = scene.angular_frequency
         around = around + SECOND_SIZE * w * w * scene.amplitude * R * shape(R)[0] * np.sin(SECOND_FREQUENCY * w * t)
-    angle = turn(scene, R, t).angle
-    return combined(np.stack([np.cos(angle), np.sin(angle)], axis=1), along, around)
+    return np.exp(1j * turn(scene, R, t).angle) * (along + 1j * around)
+
+
+def force_at_rest(scene: Scene, R: np.ndarray, t: float) -> np.ndarray:
+    """The same (K, 2) at one time, as vectors."""
+    force = circle_force(scene, R, np.array([[t]]))[0]
+    return np.stack([force.real, force.imag], axis=1)
 
 
 def on_axis(R: np.ndarray) -> np.ndarray:

@@ -6,9 +6,13 @@ import functools
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from solvers.problems.planar import circles
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.vortex import step_bound, validity
-from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, lame
+from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
+from solvers.scene.balance import Moments
 from solvers.scene.described import described
 from solvers.scene.effects import EFFECTS
 from solvers.scene.remedies import FILTER, FROZEN
@@ -76,6 +80,19 @@ class VortexScene(PlanarScene):
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
         """As many in each quarter."""
         return 4 * max(1, round(2 * math.pi * ppc * cells / 12)), max(1, round(ppc * cells / 6))
+
+    @property
+    def lame_moduli(self) -> tuple[float, float]:
+        return lame(self)
+
+    def circle_velocity(self, R: np.ndarray) -> np.ndarray:
+        return 1j * R * turn(self, R, 0.0).rate
+
+    def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
+        return circle_force(self, R, t)
+
+    def balanced_motion(self, times: np.ndarray) -> Moments:
+        return circles.of_scene(self).moments(times)
 
     def critical_time_step(self) -> float:
         return step_bound.critical_time_step(self)

@@ -1,9 +1,10 @@
-"""Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other; see
-``solvers.solver.soundness``."""
+"""Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other, and circles of them where
+the balance of momentum brings them; see ``solvers.solver.soundness``."""
 
 import taichi as ti
 
 from solvers.kernels import runtime
+from solvers.scene.balance import MODES
 from solvers.solver.samples import column
 
 SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
@@ -47,3 +48,25 @@ def neighbour_gap(body: ti.template(), p, q):
     miss_x = dx[0] - F[0] * dX[0] - F[1] * dX[1]
     miss_y = dx[1] - F[2] * dX[0] - F[3] * dX[1]
     return miss_x * miss_x + miss_y * miss_y
+
+
+@ti.func
+def moments(body: ti.template(), k, along, around, inner, outer):
+    """What a circle adds to the sums that ``solvers.problems.planar.circles`` knows: its displacements ``along`` e_R and
+    ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to rim."""
+    half = ti.static(MODES // 2)
+    s = (2 * body.radii[k][0] - inner - outer) / (outer - inner)
+    sums = ti.Vector([0.0] * MODES)
+    older, value = 0.0, 1.0
+    for n in ti.static(range(half)):
+        sums[n], sums[half + n] = value * along, value * around
+        older, value = value, ((2 * n + 1) * s * value - n * older) / (n + 1)
+    return sums
+
+
+@ti.func
+def write_moments(body: ti.template(), row, squares, sums):
+    """Write the sum of |u|^2 over particles and those of all circles."""
+    body.samples[row, ti.static(column("motion_square"))] = squares
+    for n in ti.static(range(MODES)):
+        body.samples[row, ti.static(column("motion_0")) + n] = sums[n]

@@ -1,0 +1,136 @@
+"""The motion that the balance of momentum makes of a ring's circles (see ``solvers.scene.balance``).
+
+Start, loads and material are the same all around, so that each circle of material stays a circle, widens and turns as a
+whole: a particle at R e_R goes to z = p + i q, p along e_R and q along e_Theta of where it is at rest. With the columns
+z' and i z/R of F as complex numbers, J = Re(z' conj(z))/R and P = mu F + (lambda ln J - mu) F^-T,
+
+    m_i z_i'' = m_i b_i - sum_k w_k R_k (mu z' + c z/(R J)) phi_i' - w_i (mu z/R + c z'/J),  c = lambda ln J - mu,
+
+m_i = rho w_i R_i, on the nodes of one spectral element from rim to rim, which are free of traction; in time by leapfrog.
+These are the vortex's companion's equations (``solvers.problems.vortex.estimators.companion``) for every ring, solved
+in numpy on a coarse mesh where a run looks for contradictions, 20 times a period: for a verdict a thousandth of the
+amplitude is plenty.
+"""
+
+from __future__ import annotations
+
+import bisect
+import functools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from solvers.estimators.spectral import Elements, unresolved
+from solvers.problems.planar.layout import particle_layout
+from solvers.scene.balance import MODES, Moments
+
+#: Orders of the element, up to an amplitude: against the exact solutions they miss at most 0.004 and 0.003 of it.
+ORDERS = ((0.4, 6), (math.inf, 10))
+COURANT = 1.2  # highest frequency times step: leapfrog is stable up to 2
+STEPS_A_PERIOD = 60  # of the loads, at least
+TRUSTED = 0.05  # of the amplitude: what the element's polynomials leave out, up to which they are to be trusted
+MOST_STEPS = 200_000  # of one scene, some five seconds; a motion that needs more is not followed to its end
+AT_ONCE = 1024  # steps whose loads are found together
+
+
+class Instant(NamedTuple):
+    """The circles at a time: places and velocities of the nodes, complex (N,), or None where they are not followed."""
+
+    time: float
+    place: np.ndarray | None
+    velocity: np.ndarray
+
+
+class CircleMotion:
+    """The circles of one scene, at the times that it was asked for."""
+
+    def __init__(self, scene: Any):
+        self._scene, layout = scene, particle_layout(scene)
+        order = next(order for most, order in ORDERS if scene.amplitude <= most)
+        elements = Elements(scene.INNER, scene.OUTER, 1, order)
+        self._R, self._D, w = elements.nodes, elements.derivative.astype(complex), elements.weights
+        self._lame = scene.lame_moduli
+        self._mass = scene.density * w * self._R
+        self._pull, self._weights = self._D.T * (w * self._R), w
+        self._instants = [Instant(0.0, self._R.astype(complex), scene.circle_velocity(self._R))]
+        self._steps = 0
+        _, self._read, _ = elements.locate(layout.radii)
+        self._counts, self._radii = np.bincount(layout.radius, minlength=len(layout.radii)), layout.radii
+        middle = 0.5 * (scene.INNER + scene.OUTER)
+        self._shapes = legendre.legvander((layout.radii - middle) / (scene.OUTER - middle), MODES // 2 - 1)
+        gram = np.kron(np.eye(2), self._shapes.T @ (self._counts[:, None] * self._shapes))
+        self._inverse = np.linalg.pinv(gram, hermitian=True)
+        stiffness = (self._pull @ self._D).real + np.diag(w / self._R)
+        self._frequency = scene.wave_speed * math.sqrt(
+            np.linalg.eigvals(stiffness / (w * self._R)[:, None]).real.max())
+
+    def moments(self, times: np.ndarray) -> Moments:
+        """The moments at times (T,): along e_R with Legendre polynomials of R from rim to rim, then along e_Theta."""
+        sums, squares = np.zeros((len(times), MODES)), np.zeros(len(times))
+        trusted = np.zeros(len(times), bool)
+        for row, time in enumerate(times):
+            place = self._at(float(time)).place
+            if place is not None:
+                u = self._read @ (place - self._R)
+                weighted = self._shapes.T @ (self._counts * u)
+                sums[row], squares[row] = [*weighted.real, *weighted.imag], self._counts @ np.abs(u) ** 2
+                trusted[row] = True
+        return Moments(sums, squares, self._inverse, int(self._counts.sum()), trusted)
+
+    def _at(self, time: float) -> Instant:
+        """The circles at a time, from the last instant before that is known."""
+        known = bisect.bisect_right(self._instants, time, key=lambda one: one.time)
+        last = self._instants[known - 1]
+        if last.time == time:
+            return last
+        with np.errstate(all="ignore"):  # a motion that breaks down ends as no number
+            found = self._go(last, time)
+        self._instants.insert(known, found)
+        return found
+
+    def _go(self, start: Instant, end: float) -> Instant:
+        """From an instant on to a later time; nowhere from where they were not followed."""
+        z, v = start.place, start.velocity
+        if z is None:
+            return Instant(end, None, v)
+        rate = max(self._frequency * math.sqrt(self._stiffness(z)) / COURANT, STEPS_A_PERIOD / self._scene.period)
+        needed = (end - start.time) * rate
+        if not self._steps + needed <= MOST_STEPS:
+            return Instant(end, None, v)
+        steps = math.ceil(needed)
+        self._steps += steps
+        H = (end - start.time) / steps
+        for first in range(0, steps, AT_ONCE):
+            count = min(AT_ONCE, steps - first)
+            loads = self._scene.circle_force(self._R, start.time + H * np.arange(first, first + count + 1)[:, None])
+            a = loads[0] + self._internal(z)
+            for b in loads[1:]:
+                v = v + 0.5 * H * a
+                z = z + H * v
+                a = b + self._internal(z)
+                v = v + 0.5 * H * a
+        missed = np.abs(unresolved((z - self._R)[None], 1)[0])
+        return Instant(end, z if missed <= TRUSTED * self._scene.motion_amplitude else None, v)
+
+    def _internal(self, z: np.ndarray) -> np.ndarray:
+        """The acceleration that stress gives the nodes (N,)."""
+        lam, mu = self._lame
+        slope, hoop = self._D @ z, z / self._R
+        J = slope.real * hoop.real + slope.imag * hoop.imag
+        c = (lam * np.log(J) - mu) / J if lam else -mu / J
+        return -(self._pull @ (mu * slope + c * hoop) + self._weights * (mu * hoop + c * slope)) / self._mass
+
+    def _stiffness(self, z: np.ndarray) -> float:
+        """The stiffest tangent along the radius over that at rest, lambda + 2 mu."""
+        (lam, mu), slope, hoop = self._lame, self._D @ z, z / self._R
+        J = slope.real * hoop.real + slope.imag * hoop.imag
+        tangent = mu + (lam + mu - lam * np.log(J)) * np.abs(hoop) ** 2 / J**2
+        return max(1.0, float(tangent.max()) / (lam + 2 * mu))
+
+
+@functools.lru_cache(maxsize=4)
+def of_scene(scene: Any) -> CircleMotion:
+    """The circles of a scene; they go on from where they were left, while a run is watched."""
+    return CircleMotion(scene)
