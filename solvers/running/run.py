@@ -12,6 +12,7 @@ from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
+from solvers.solver.checked import as_large_as_itself
 from solvers.solver.result import Result, Seconds, Snapshot
 from solvers.solver.soundness import earliest, findings
 
@@ -113,4 +114,4 @@ def _status(solver: Solver, series: dict[str, np.ndarray],
     finding = earliest(findings(solver.scene, series), not_valid)
     if finding and finding.particle is None and error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
-    return solver.status(finding)
+    return solver.status(finding, as_large_as_itself(solver.scene, series, not_valid))

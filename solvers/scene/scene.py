@@ -151,6 +151,11 @@ class Scene(SceneDefaults, ABC, Remembered):
         :attr:`step_bound`."""
 
     @abstractmethod
+    def rms_of(self, quantity: str) -> float:
+        """How large x (its displacement), v, sigma or a is in the exact motion itself: RMS over the body and a
+        period, in SI; without a built-in solution, that of the one with the built-in force."""
+
+    @abstractmethod
     def balanced_motion(self, times: np.ndarray) -> Moments:
         """Moments of the motion that the balance of momentum makes of the body at the times (T,) in s, which the
         samples of its run are held against."""

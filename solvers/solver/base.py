@@ -15,12 +15,14 @@ from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
 from solvers.solver.arrays import Watch
+from solvers.solver.checked import AsLarge, sentence
 from solvers.solver.result import Snapshot
 from solvers.solver.samples import MARGIN, ROWS
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
+NOTHING: Mapping[str, AsLarge] = {}
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 
 
@@ -170,12 +172,14 @@ class Solver(ABC):
         return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
                 f"(X = {self._place(p)}) {what}; {self._advice()}")
 
-    def status(self, finding: Finding | None) -> tuple[str, str | None, float | None]:
-        """Whether the run is "ok", "unstable" or "lost" if this was found, a sentence, and the time in s since when."""
+    def status(self, finding: Finding | None,
+               as_large: Mapping[str, AsLarge] = NOTHING) -> tuple[str, str | None, float | None]:
+        """Whether the run is "ok", "unstable" or "lost" if this was found, a sentence, and the time in s since when. A
+        run that is ok has a sentence too where the errors of quantities are ``as_large`` as these."""
         since = None if finding is None else finding.time
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
-        return (OK, None, None) if finding is None else (LOST, self.lost(finding), since)
+        return (OK, sentence(as_large), None) if finding is None else (LOST, self.lost(finding), since)
 
     def lost(self, finding: Finding) -> str:
         """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""

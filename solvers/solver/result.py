@@ -1,7 +1,7 @@
 """Result: what a run leaves behind, and the JSON object that the command line prints."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from solvers.scene.effects import ALL
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver import budget, norms
+from solvers.solver.checked import as_large_as_itself, checked, not_checked
 from solvers.solver.norms import UNBOUNDED, finite, largest, summary
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
@@ -63,7 +64,7 @@ class Result:
 
     scene: Scene
     status: str  # "ok", "unstable" or "lost" (``solvers.solver.soundness``)
-    reason: str | None
+    reason: str | None  # why it is not ok, or which quantities are as wrong as they are large though positions hold
     broken_at: float | None  # time at which the run was found lost or unstable
     time: float
     steps: int
@@ -182,11 +183,20 @@ class Result:
         """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""
         return {"dt": self.scene.time_step, "bound": self.scene.step_bound, "margin": largest(self.series["margin"])}
 
+    def verdict(self) -> dict:
+        """What status and reason rest on (``solvers.solver.checked``): ``checked``, ``not_checked`` and
+        ``as_large_as_itself``."""
+        held = checked(self.scene, self.series, self.not_valid)
+        large = as_large_as_itself(self.scene, self.series, self.not_valid)
+        return {"checked": held, "not_checked": not_checked(self.scene, self.series, held),
+                "as_large_as_itself": {q: {**asdict(one), "size": finite(one.size)} for q, one in large.items()}}
+
     def to_dict(self) -> dict:
         """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
         crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
         return {
             "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
+            **self.verdict(),
             "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
             "index": self._each(self.index, None), "distance": self._each(self.distance, None),

@@ -14,9 +14,9 @@ QUANTITIES = ("x", "v", "sigma", "a")
 #: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own norm
 #: (bar: stress as E ln F); ``angular_momentum`` is about the centre, ``torque`` the impulse of the body force's, and
 #: ``exact_angular_momentum`` what the exact solution has; ``neighbour_gap`` to ``displacement_mismatch`` are
-#: contradictions (``solvers.solver.soundness``) in metres, ``place`` is the particle where they are worst, ``motion_square``
-#: and ``motion_0`` ... the sums of displacements that ``solvers.scene.balance`` holds against the motion that loads, law
-#: and start make; ``margin`` is dt over its bound; what is switched off stays NaN.
+#: contradictions (``solvers.solver.soundness``) in metres, ``place`` is the particle where they are worst;
+#: ``motion_square`` and ``motion_0`` ... are sums of displacements for ``solvers.scene.balance``, ``margin`` is dt over
+#: its bound; what is switched off stays NaN.
 BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
         "kinetic", "strain", "work", "angular_momentum", "torque", "exact_angular_momentum", "crossings",
         "neighbour_gap", "mean_drift", "out_of_shape", "displacement_mismatch", "place", "motion_square",

@@ -72,12 +72,18 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
     for row in rows:
         values = row["scene"] or row["asked"]
         index, budget = row.get("index") or {}, row.get("budget") or {}
-        lines.append([*(_cell(values.get(name)) for name in names), row["status"],
+        lines.append([*(_cell(values.get(name)) for name in names), _status(row),
                       *(_number(error_of(row, q), ".3e") for q in SHOWN),
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
                       *(_number((budget.get(field) or {}).get(cause), ".3f") for field, cause in shares),
                       _number((row.get("seconds") or {}).get("min"), ".4g"), _number(row.get("rate"), ".3g")])
     return "Errors are the largest RMS over particles; seconds the shortest of the bare runs.\n\n" + grid(heads, lines)
+
+
+def _status(row: dict) -> str:
+    """The status, and for which quantities it does not hold."""
+    large = row.get("as_large_as_itself") or {}
+    return row["status"] + f" for x, not for {', '.join(large)}" * (row["status"] == OK and bool(large))
 
 
 def _slopes(rows: Sequence[dict]) -> str:
@@ -107,17 +113,17 @@ def _front(rows: Sequence[dict], names: Sequence[str]) -> str:
 
 
 def _trouble(rows: Sequence[dict], names: Sequence[str]) -> str:
-    """What is not ok, once for each reason."""
+    """What is not ok, or for positions alone, once for each reason."""
     reasons: dict[tuple[str, str], list[dict]] = {}
     for row in rows:
-        if row["status"] != OK:
+        if row["reason"]:
             reasons.setdefault((row["status"], row["reason"]), []).append(row)
     lines = []
     for (status, reason), alike in reasons.items():
         first = ", ".join(f"{name} {_cell((alike[0]['scene'] or alike[0]['asked']).get(name))}" for name in names)
         more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
         lines.append(f"* {first}{more}: {status}: {quoting.markdown(reason)}")
-    return "## Not ok\n\n" + "\n".join(lines) if lines else ""
+    return "## Not ok, or not for all\n\n" + "\n".join(lines) if lines else ""
 
 
 def _cell(value: object) -> str:

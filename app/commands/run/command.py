@@ -92,8 +92,9 @@ class Output:
         if writer:
             writer.write()
         drawn = picture is None or _draw(result, picture)
-        if result.status != "ok":
+        if result.reason:
             say(result.reason)
+        if result.status != "ok":
             return BROKEN
         return OK if drawn else FAILED
 

@@ -37,7 +37,14 @@ def _heading(result: dict) -> str:
     per = per_cell(scene["problem"], scene["ppc"])
     return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} particles per cell "
             f"({result['particles']:,}), {_moving(scene)}, cfl {scene['cfl']:.3g}\n"
-            f"{result['status']}: {result['steps']:,} steps to t = {result['t']:.6g} s")
+            f"{result['status']}{_doubts(result)}: {result['steps']:,} steps to t = {result['t']:.6g} s"
+            + f"\n{result['not_checked']}" * bool(result["not_checked"]))
+
+
+def _doubts(result: dict) -> str:
+    """Behind the word ok, which quantities it does not hold for."""
+    return f" for x, not for {', '.join(result['as_large_as_itself'])}" \
+        if result["status"] == "ok" and result["as_large_as_itself"] else ""
 
 
 def _moving(scene: dict) -> str:

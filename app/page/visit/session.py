@@ -20,6 +20,7 @@ from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
+from solvers.solver.soundness import OK
 
 TO_BE_READ = 8.0  # seconds that what has happened is said
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
@@ -229,8 +230,9 @@ class Session:
             waiting = self.report is None or self.report.number < self._number
             urgent, history = self._urgent(waiting), self.history
             valid = self.report.valid_estimators if self.report else ()
+            reason = self.report.reason if self.report else None
         # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
-        return urgent or (None if waiting else doubt(history, valid) or self._crowd())
+        return urgent or (None if waiting else doubt(history, valid, reason) or self._crowd())
 
     def _urgent(self, waiting: bool) -> Notice | None:
         """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
@@ -249,7 +251,7 @@ class Session:
             so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
             return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
                                   "is compiled the first time it is used; several estimators at once take longest.")
-        if self.report and self.report.reason and not waiting:
+        if self.report and self.report.status != OK and self.report.reason and not waiting:
             return Notice(self.report.status, f"{on_page(self.report.reason)}.")
         happened, sentence = self._news
         return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None

@@ -102,6 +102,10 @@ class BarScene(Scene):
             return abs(self.stretch - 1) / self.STRAIN_PER_AMPLITUDE
         return self.amplitude / 2 if self.body_force == "none" else self.amplitude
 
+    def rms_of(self, quantity: str) -> float:
+        """Half the largest, of what goes with sines in space and time; of a patch test, whose stress is even, that."""
+        return self.size_of(quantity) * (0.5 if self.swings else 1.0)
+
     @property
     def lost_from(self) -> dict[str, float]:
         """Of a patch test the stress counts too: it is all that there is to get wrong."""

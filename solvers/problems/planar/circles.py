@@ -1,15 +1,15 @@
 """The motion that the balance of momentum makes of a ring's circles (see ``solvers.scene.balance``).
 
-Start, loads and material are the same all around, so that each circle of material stays a circle, widens and turns as a
+Start, loads and material are the same all around, so that each circle of material stays one, widens and turns as a
 whole: a particle at R e_R goes to z = p + i q, p along e_R and q along e_Theta of where it is at rest. With the columns
 z' and i z/R of F as complex numbers, J = Re(z' conj(z))/R and P = mu F + (lambda ln J - mu) F^-T,
 
     m_i z_i'' = m_i b_i - sum_k w_k R_k (mu z' + c z/(R J)) phi_i' - w_i (mu z/R + c z'/J),  c = lambda ln J - mu,
 
-m_i = rho w_i R_i, on the nodes of one spectral element from rim to rim, which are free of traction; in time by leapfrog.
-These are the vortex's companion's equations (``solvers.problems.vortex.estimators.companion``) for every ring, solved
-in numpy on a coarse mesh where a run looks for contradictions, 20 times a period: for a verdict a thousandth of the
-amplitude is plenty.
+m_i = rho w_i R_i, on the nodes of one spectral element from rim to rim, both free of traction; in time by leapfrog.
+These are the equations of the vortex's companion (``solvers.problems.vortex.estimators.companion``) for every ring,
+solved in numpy on a coarse mesh where a run looks for contradictions, 20 times a period: for a verdict a thousandth of
+the amplitude is plenty.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from solvers.estimators.spectral import Elements, unresolved
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.layout import circles
 from solvers.scene.balance import MODES, Moments
 
 #: Orders of the element, up to an amplitude: against the exact solutions they miss at most 0.004 and 0.003 of it.
@@ -32,6 +32,7 @@ COURANT = 1.2  # highest frequency times step: leapfrog is stable up to 2
 STEPS_A_PERIOD = 60  # of the loads, at least
 TRUSTED = 0.05  # of the amplitude: what the element's polynomials leave out, up to which they are to be trusted
 MOST_STEPS = 200_000  # of one scene, some five seconds; a motion that needs more is not followed to its end
+MOST_KEPT = 20_000  # instants of a run that goes on and on
 AT_ONCE = 1024  # steps whose loads are found together
 
 
@@ -47,7 +48,7 @@ class CircleMotion:
     """The circles of one scene, at the times that it was asked for."""
 
     def __init__(self, scene: Any):
-        self._scene, layout = scene, particle_layout(scene)
+        self._scene = scene
         order = next(order for most, order in ORDERS if scene.amplitude <= most)
         elements = Elements(scene.INNER, scene.OUTER, 1, order)
         self._R, self._D, w = elements.nodes, elements.derivative.astype(complex), elements.weights
@@ -56,10 +57,10 @@ class CircleMotion:
         self._pull, self._weights = self._D.T * (w * self._R), w
         self._instants = [Instant(0.0, self._R.astype(complex), scene.circle_velocity(self._R))]
         self._steps = 0
-        _, self._read, _ = elements.locate(layout.radii)
-        self._counts, self._radii = np.bincount(layout.radius, minlength=len(layout.radii)), layout.radii
+        radii, self._counts = circles(scene)
+        _, self._read, _ = elements.locate(radii)
         middle = 0.5 * (scene.INNER + scene.OUTER)
-        self._shapes = legendre.legvander((layout.radii - middle) / (scene.OUTER - middle), MODES // 2 - 1)
+        self._shapes = legendre.legvander((radii - middle) / (scene.OUTER - middle), MODES // 2 - 1)
         gram = np.kron(np.eye(2), self._shapes.T @ (self._counts[:, None] * self._shapes))
         self._inverse = np.linalg.pinv(gram, hermitian=True)
         stiffness = (self._pull @ self._D).real + np.diag(w / self._R)
@@ -87,7 +88,10 @@ class CircleMotion:
             return last
         with np.errstate(all="ignore"):  # a motion that breaks down ends as no number
             found = self._go(last, time)
-        self._instants.insert(known, found)
+        if last.place is not None:
+            self._instants.insert(known, found)
+        if len(self._instants) > MOST_KEPT:
+            del self._instants[1]
         return found
 
     def _go(self, start: Instant, end: float) -> Instant:

@@ -36,6 +36,20 @@ def particle_layout(scene: PlanarScene) -> Layout:
     return cartesian(scene.INNER, scene.OUTER, scene.spacing / scene.ppc, least)
 
 
+def circles(scene: PlanarScene) -> tuple[np.ndarray, np.ndarray]:
+    """The radii (K,) of the scene's layout and how many particles each has (K,)."""
+    if scene.layout == "polar":
+        around, across = scene.polar_counts(scene.cells, scene.ppc)
+        return polar_radii(scene.INNER, scene.OUTER, across), np.full(across, around)
+    layout = particle_layout(scene)
+    return layout.radii, np.bincount(layout.radius)
+
+
+def polar_radii(inner: float, outer: float, across: int) -> np.ndarray:
+    """The radii of so many circles of particles, evenly between two others."""
+    return inner + (np.arange(across) + 0.5) * ((outer - inner) / across)
+
+
 def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Half the edge vectors (P, 2, 2) in metres, a row each, of the particles' domains as the method sees them where
     the deformation gradients are ``F`` (P, 2, 2); ``edges`` (P, 4) are those of the layout. No domain: zeros."""
@@ -64,7 +78,7 @@ def polar(inner: float, outer: float, angle: float, around: int, across: int) ->
     """``around`` x ``across`` particles between two radii and from the x axis to an ``angle``: they fill it exactly. A
     whole turn closes on itself."""
     d_angle, d_radius = angle / around, (outer - inner) / across
-    radii = inner + (np.arange(across) + 0.5) * d_radius
+    radii = polar_radii(inner, outer, across)
     theta, radius = (g.ravel() for g in np.meshgrid((np.arange(around) + 0.5) * d_angle, np.arange(across),
                                                     indexing="ij"))
     R, c, s = radii[radius], np.cos(theta), np.sin(theta)

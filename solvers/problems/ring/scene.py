@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from solvers.problems.planar import circles
 from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.sizes import own_sizes
 from solvers.problems.ring import exact, step_bound, validity
 from solvers.scene.balance import Moments
 from solvers.scene.described import described
@@ -82,6 +84,13 @@ class RingScene(PlanarScene):
 
     def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
         return exact.body_force(self, R, t)
+
+    @functools.cached_property
+    def _own_sizes(self) -> dict[str, float]:
+        return own_sizes(self, exact)
+
+    def rms_of(self, quantity: str) -> float:
+        return self._own_sizes[quantity]
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
         return circles.of_scene(self).moments(times)

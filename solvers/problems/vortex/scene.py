@@ -10,7 +10,8 @@ import numpy as np
 
 from solvers.problems.planar import circles
 from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.vortex import step_bound, validity
+from solvers.problems.planar.sizes import own_sizes
+from solvers.problems.vortex import exact, step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
 from solvers.scene.balance import Moments
 from solvers.scene.described import described
@@ -90,6 +91,13 @@ class VortexScene(PlanarScene):
 
     def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
         return circle_force(self, R, t)
+
+    @functools.cached_property
+    def _own_sizes(self) -> dict[str, float]:
+        return own_sizes(self, exact)
+
+    def rms_of(self, quantity: str) -> float:
+        return self._own_sizes[quantity]
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
         return circles.of_scene(self).moments(times)

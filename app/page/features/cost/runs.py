@@ -164,7 +164,8 @@ def live_row(report: FrameReport, history: History) -> dict:
     return {
         **BLANK, "schema": SCHEMA, "key": task.key, "problem": scene.problem, "asked": task.inputs,
         "scene": scene.to_dict(), "h": scene.spacing, "status": status,
-        "reason": None if status == OK else report.reason, "t": steps * scene.time_step, "steps": steps,
+        "reason": None if status == OK != report.status else report.reason,
+        "t": steps * scene.time_step, "steps": steps,
         "particles": report.particles, "particle_steps": steps * report.particles,
         "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
         "estimate": {name: {q: summary(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},

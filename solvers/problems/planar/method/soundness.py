@@ -1,5 +1,5 @@
-"""Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other, and circles of them where
-the balance of momentum brings them; see ``solvers.solver.soundness``."""
+"""Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other, and circles of them
+where the balance of momentum brings them; see ``solvers.solver.soundness``."""
 
 import taichi as ti
 
@@ -52,8 +52,8 @@ def neighbour_gap(body: ti.template(), p, q):
 
 @ti.func
 def moments(body: ti.template(), k, along, around, inner, outer):
-    """What a circle adds to the sums that ``solvers.problems.planar.circles`` knows: its displacements ``along`` e_R and
-    ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to rim."""
+    """What a circle adds to the sums that ``solvers.problems.planar.circles`` knows: its displacements ``along`` e_R
+    and ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to rim."""
     half = ti.static(MODES // 2)
     s = (2 * body.radii[k][0] - inner - outer) / (outer - inner)
     sums = ti.Vector([0.0] * MODES)
