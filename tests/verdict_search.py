@@ -27,7 +27,7 @@ from solvers.scene.scene import Scene
 from solvers.solver.checked import as_large_as_itself
 from solvers.solver.soundness import LOST, MOST_ERROR, OK, UNSTABLE, findings
 
-FINE = 0.1  # amplitudes: a run whose error of x never exceeds it must not be called lost
+FINE = 0.1  # amplitudes: a run whose error of x never exceeds it, nor v and sigma themselves, must not be called lost
 BETWEEN = 1.2  # looks are 20 a period: between two of them an error may be larger than at either
 MOST_WORK, MOST_STEPS = 3e5, 8000  # of a scene: particles and nodes times steps, and steps
 SWITCHES: dict[str, tuple[dict[str, Any], ...]] = {
@@ -70,7 +70,11 @@ class Outcome:
 
     @property
     def false_alarm(self) -> bool:
-        return self.blind == LOST and self.errors["x"] < FINE
+        return self.blind == LOST and self.fine
+
+    @property
+    def fine(self) -> bool:
+        return self.errors["x"] < FINE and not self.named and self.status != UNSTABLE
 
     def wrong(self, quantity: str) -> float:
         """How wrong a run is that counts as right in this quantity; 0 where that is said."""
@@ -149,7 +153,7 @@ def told(outcomes: list[Outcome]) -> str:
     return (f"{len(outcomes)} runs: {sum(one.status == UNSTABLE for one in outcomes)} unstable, {len(lost)} lost, "
             f"{len(seen)} of them found without the truth ({len(old)} without the balance of momentum; {dict(kinds)}), "
             f"{sum(one.missed for one in outcomes)} missed; "
-            f"{sum(one.errors['x'] < FINE and one.status != UNSTABLE for one in outcomes)} fine, "
+            f"{sum(one.fine for one in outcomes)} fine, "
             f"{sum(one.false_alarm for one in outcomes)} false alarms; "
             f"ok with v or sigma as wrong as large: {sum(one.status == OK and bool(one.named) for one in outcomes)}")
 

@@ -23,8 +23,10 @@ from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.solver import budget, samples
 from solvers.solver.base import Solver
+from solvers.solver.checked import AsLarge, as_large_as_itself, merged
 from solvers.solver.norms import RATIOS, error_index
 from solvers.solver.result import Snapshot
+from solvers.solver.rounding import rounding
 from solvers.solver.soundness import earliest, findings
 from solvers.workers.pool import WorkerPool
 
@@ -198,8 +200,8 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
     for estimator in scene.active_estimators:
         tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
         for ratio, norm in RATIOS.items():
-            table = [[error_index(until(f"{estimator}/{norm}_{key}", k), until(f"error_{key}", k))
-                      for key in samples.QUANTITIES] for k in range(len(times))]
+            table = [[error_index(until(f"{estimator}/{norm}_{key}", k), until(f"error_{key}", k), rounding(
+                scene, key, times[k] / scene.time_step)) for key in samples.QUANTITIES] for k in range(len(times))]
             tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.array(table, float)))
     return tracks
 
@@ -228,7 +230,10 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str
           shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """What the player must know of a run beside its numbers."""
     found = [finding for one in series if (finding := earliest(findings(scene, one), not_valid))]
-    status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None))
+    large: dict[str, AsLarge] = {}
+    for one in series:
+        large = merged(large, as_large_as_itself(scene, one, not_valid))
+    status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None), large)
     stage = VIEWS[scene.problem].stage
     return {"problem": scene.problem, "particles": _count(shots), "shown": shown,
             "spacing": scene.spacing, "first_line": stage.first_line(scene), "step": scene.time_step,

@@ -13,6 +13,7 @@ from typing import Self
 
 from app.words import QUANTITIES, brief, per_cent, ratio, with_unit
 from solvers.scene.scene import Scene
+from solvers.solver.rounding import rounding
 
 ROUND_OFF = 1e-9  # of a quantity's size, and far above what a patch test that is passed has
 UNSTABLE, LAST = "the run went unstable and has stopped at t = {time} s", "this is its last picture"
@@ -97,7 +98,7 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
                       f"{{true}} of {with_unit(size, words.unit)} at most", why,
                       f"no error of the {words.noun} has been measured", "exactly nothing happens, as it should",
                       f"the true error of the {words.noun} is {{true}}, round-off",
-                      -1.0 if scene.swings else ROUND_OFF * size)
+                      -1.0 if scene.swings else max(ROUND_OFF * size, rounding(scene, quantity, scene.steps)))
 
 
 def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float, before: str = "") -> Said:

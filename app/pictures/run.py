@@ -23,6 +23,7 @@ from solvers.scene.causes import FIELDS
 from solvers.solver import budget
 from solvers.solver.norms import RunningIndex
 from solvers.solver.result import Result
+from solvers.solver.rounding import rounding
 
 DOTS_PER_INCH = 110
 WIDTH, MIN_SHARE = 12.5, 0.3  # inches, and what bodies beside each other need of the height of one at least
@@ -126,7 +127,7 @@ def _draw_index(axes: Axes, result: Result) -> None:
         for quantity, style in INDEX_STYLES.items():
             symbol = QUANTITIES[quantity].symbol
             estimated, true = result.series[f"{name}/estimate_{quantity}"], result.series[f"error_{quantity}"]
-            ratio = RunningIndex().extend(estimated, true)
+            ratio = RunningIndex().extend(estimated, true, rounding(result.scene, quantity, result.steps))
             ratio = np.where(np.isfinite(ratio), ratio, np.nan)
             if not np.isfinite(ratio).any():
                 silent += [f"{symbol} by {name}"] * (name in _not_estimated(result, quantity))

@@ -67,8 +67,9 @@ class FrameReport:
     been measured. ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found
     out by now; ``holds`` is what the frame holds of what was asked for. ``status`` is "ok", "unstable" or "lost"
     (``solvers.solver.soundness``), ``reason`` says why in a sentence, ``since`` from which time in s on. An unstable
-    run has stopped; a lost one goes on. ``breakdown`` is of the last step, if the wish asks for it and that was a
-    single one.
+    run has stopped; a lost one goes on; one that is ok for positions has a reason where other quantities are as wrong
+    as they are large. ``not_checked`` says what nobody looks at. ``breakdown`` is of the last step, if the wish asks
+    for it and that was a single one.
     """
 
     session: int
@@ -90,6 +91,7 @@ class FrameReport:
     status: str = OK
     since: float | None = None
     breakdown: StepBreakdown | None = None
+    not_checked: str | None = None
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.checked import AsLarge, as_large_as_itself, merged
+from solvers.solver.checked import AsLarge, as_large_as_itself, checked, followed, merged, not_checked
 from solvers.solver.soundness import Finding, earliest, findings
 
 MOST_WAITING = 20  # samples
@@ -22,6 +22,7 @@ class SoundnessWatch:
         self._waiting: list[np.ndarray] = []  # samples to be judged with those that come next
         self._findings: dict[str, Finding] = {}
         self._large: dict[str, AsLarge] = {}
+        self._followed = True
         self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
         self._doubts: dict[str, tuple[float, str]] = {}  # when, in s, an estimator was last found not to hold, and why
 
@@ -45,6 +46,7 @@ class SoundnessWatch:
         series = samples.read(np.concatenate(waiting), scene.active_estimators, particles, scene.time_step)
         self._findings = {**findings(scene, series), **self._findings}
         self._large = merged(self._large, as_large_as_itself(scene, series))
+        self._followed = followed(scene, series)
 
     def doubted(self, time: float, found: dict[str, str]) -> dict[str, str]:
         """The estimators that do not hold at a time in s, each with a sentence: those ``found`` not to now, and those
@@ -59,3 +61,7 @@ class SoundnessWatch:
         after it has found something: then that counts no longer."""
         large = {quantity: one for quantity, one in self._large.items() if one.by not in not_valid}
         return solver.status(earliest(self._findings, not_valid), large)
+
+    def not_checked(self, not_valid: dict[str, str]) -> str | None:
+        """What nobody has looked at so far, in a sentence (``solvers.solver.checked``)."""
+        return not_checked(self._scene, checked(self._scene, not_valid, self._followed))

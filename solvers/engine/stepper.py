@@ -165,7 +165,7 @@ class Stepper:
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
             fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,
-            rows=rows, reason=reason, status=status, since=since,
+            rows=rows, reason=reason, status=status, since=since, not_checked=self._watch.not_checked(not_valid),
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, holds=replace(wished, differences=bool(shot.difference)),
             breakdown=self._breakdown if wished.broken_down is not None else None)

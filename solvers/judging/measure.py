@@ -18,6 +18,7 @@ from solvers.judging.handout import carried, solution
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.solver.norms import error_index, finite, summary
+from solvers.solver.rounding import rounding
 
 QUANTITIES = ("x", "v", "sigma")
 Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
@@ -209,8 +210,11 @@ def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
     return sum(int(moved.sum()) for moved in crossed(scene, frames))
 
 
-def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray]) -> dict[str, float | None]:
-    return {q: error_index(estimated[q], true[q]) for q in QUANTITIES}
+def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray],
+          scene: Scene | None = None) -> dict[str, float | None]:
+    """Estimated over true error; with a scene, None where the true one is nothing but rounding."""
+    return {q: error_index(estimated[q], true[q], rounding(scene, q, scene.steps) if scene else 0.0)
+            for q in QUANTITIES}
 
 
 def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[Errors]:

@@ -85,7 +85,7 @@ class GridJudgement:
             "norms": None if true is None else measure.listed(true),
             "estimate": {"companion": measure.summarised(times, estimates), "norms": measure.listed(estimates),
                          "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
-                         "index": None if true is None else measure.index(estimates, true),
+                         "index": None if true is None else measure.index(estimates, true, self.scene),
                          "distance": None if true is None else measure.distances(self.estimated, self.true)},
             "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
             **dict.fromkeys(("neighbour_gap", "apart"),  # the second is the former name, kept for a version

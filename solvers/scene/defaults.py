@@ -1,9 +1,13 @@
 """What holds for the scene of most problems, and what a problem that knows better replaces."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
+import numpy as np
+
+from solvers.scene.balance import Moments
 from solvers.scene.rules import require_whole
 
 MOST_PER_CELL = 64  # particles, along each direction
@@ -43,6 +47,26 @@ class SceneDefaults:
         """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""
         A, w = self.motion_amplitude, self.angular_frequency
         return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
+
+    @abstractmethod
+    def rms_of(self, quantity: str) -> float:
+        """How large x (its displacement), v, sigma or a is in the exact motion itself: RMS over the body and a
+        period, in SI; without a built-in solution, that of the one with the built-in force."""
+
+    @abstractmethod
+    def balanced_motion(self, times: np.ndarray) -> Moments:
+        """Moments of the motion that the balance of momentum makes of the body at the times (T,) in s, which the
+        samples of its run are held against."""
+
+    @property
+    def drift_speed(self) -> float:
+        """The speed in m/s at which the body as a whole moves on."""
+        return 0.0
+
+    @property
+    def initial_stretch(self) -> float:
+        """F at the start."""
+        return 1.0
 
     @property
     def solution_known(self) -> bool:

@@ -15,10 +15,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
-import numpy as np
-
 from solvers.scene import registry
-from solvers.scene.balance import Moments
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS
 from solvers.scene.remedies import FROZEN
@@ -149,16 +146,6 @@ class Scene(SceneDefaults, ABC, Remembered):
     def critical_time_step(self) -> float:
         """The longest step in seconds that the motion ahead bears by linear theory, worked out anew: see
         :attr:`step_bound`."""
-
-    @abstractmethod
-    def rms_of(self, quantity: str) -> float:
-        """How large x (its displacement), v, sigma or a is in the exact motion itself: RMS over the body and a
-        period, in SI; without a built-in solution, that of the one with the built-in force."""
-
-    @abstractmethod
-    def balanced_motion(self, times: np.ndarray) -> Moments:
-        """Moments of the motion that the balance of momentum makes of the body at the times (T,) in s, which the
-        samples of its run are held against."""
 
     @abstractmethod
     def _check_amplitude(self) -> None:

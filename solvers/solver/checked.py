@@ -65,28 +65,27 @@ def sentence(found: Mapping[str, AsLarge]) -> str | None:
     return f"{SOLUTION}{'; '.join(parts)}" if parts else None
 
 
-def checked(scene: Scene, series: Mapping[str, np.ndarray], not_valid: Collection[str]) -> dict[str, list[str]]:
+def checked(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
     """For each of x, v, sigma and a what it was held against: "truth", estimators that judge and hold, and for x
-    "contradictions" and, among them, the "balance" of momentum, if it could be followed to the end."""
+    "contradictions" and, among them, the ``balance`` of momentum, if it was :func:`followed`."""
     judges = [name for name in scene.active_estimators if registry.ESTIMATORS[name].judges and name not in not_valid]
     held = {q: ["truth"] * scene.has("truth") + judges for q in QUANTITIES}
     if not scene.has("acceleration"):
         held["a"] = []
     if scene.has("soundness"):
-        held["x"] += ["contradictions", *["balance"] * bool(np.isfinite(_last_look(scene, series)[1]))]
+        held["x"] += ["contradictions"] + ["balance"] * balance
     return held
 
 
-def not_checked(scene: Scene, series: Mapping[str, np.ndarray], held: Mapping[str, list[str]]) -> str | None:
+def not_checked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
     """What of :func:`checked` is missing, in one sentence; None where each quantity was held against something."""
     if not held["x"]:
         return ("nothing was checked but that numbers stay finite and no particle turns inside out: switch on the "
                 "effect soundness or truth, or the estimator companion")
     parts = []
     if held["x"] == ["contradictions"]:
-        time = _last_look(scene, series)[0]
         parts.append("positions were held against each other alone, not against the balance of momentum, whose motion "
-                     f"could not be followed to t = {time:.4g} s")
+                     "could not be followed to the end")
     alone = [NOUNS[q] for q in ("v", "sigma", "a") if not held[q] and (q != "a" or scene.has("acceleration"))]
     if alone:
         parts.append(f"{' and '.join(', '.join(alone).rsplit(', ', 1))} were held against nothing: the effect truth or "
@@ -94,10 +93,8 @@ def not_checked(scene: Scene, series: Mapping[str, np.ndarray], held: Mapping[st
     return "; ".join(parts) or None
 
 
-def _last_look(scene: Scene, series: Mapping[str, np.ndarray]) -> tuple[float, float]:
-    """The time of the last look for contradictions, and how far the balance of momentum was off then."""
-    looked = np.flatnonzero(~np.isnan(series["motion_square"]))
-    if not len(looked):
-        return 0.0, np.nan
-    last = {name: series[name][looked[-1:]] for name in series if name == "time" or name.startswith("motion_")}
-    return float(last["time"][0]), float(balance_gap(scene, last)[0])
+def followed(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
+    """Whether the motion that the balance of momentum makes was known at the last look for contradictions."""
+    looked = np.flatnonzero(~np.isnan(series["motion_square"]))[-1:]
+    last = {name: series[name][looked] for name in series if name == "time" or name.startswith("motion_")}
+    return bool(np.isfinite(balance_gap(scene, last)).any())

@@ -47,7 +47,7 @@ def largest(values: np.ndarray) -> float | None:
 
 
 @UNBOUNDED
-def error_index(norms: np.ndarray, true: np.ndarray) -> float | None:
+def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> float | None:
     """The paper's eq 35: the sum over time of norms over that of the true error's norms.
 
     Parameters
@@ -55,27 +55,39 @@ def error_index(norms: np.ndarray, true: np.ndarray) -> float | None:
     norms : (T,) array
         One of :data:`RATIOS`.
     true : (T,) array, in the same unit
+    rounding
+        What an error must exceed once to be one (``solvers.solver.rounding``).
 
     Returns
     -------
     float or None
-        None where there was no error, or nothing is known of it.
+        None where there was no error but rounding, or nothing is known of it.
     """
+    if nothing_but_rounding(true, rounding):
+        return None
     return finite(float(_over(np.sum(norms), np.sum(true))))
+
+
+def nothing_but_rounding(true: np.ndarray, rounding: float) -> bool:
+    """Whether a true error (T,) is known and never exceeds what ``rounding`` may make."""
+    return bool(np.isfinite(true).any()) and not (np.isnan(true) | (true > rounding)).any()
 
 
 class RunningIndex:
     """The error index at each time of a run that goes on."""
 
     def __init__(self) -> None:
-        self._norms = self._true = 0.0
+        self._norms = self._true = self._excess = 0.0
 
     @UNBOUNDED
-    def extend(self, norms: np.ndarray, true: np.ndarray) -> np.ndarray:
-        """The index up to each of these further times (T,), from the norms at them; NaN where there is none."""
+    def extend(self, norms: np.ndarray, true: np.ndarray, rounding: np.ndarray | float = 0.0) -> np.ndarray:
+        """The index up to each of these further times (T,), from the norms at them; NaN where there is none, as long as
+        no true error has exceeded the ``rounding`` up to its time."""
         sums, true_sums = np.cumsum(norms) + self._norms, np.cumsum(true) + self._true
         self._norms, self._true = float(sums[-1]), float(true_sums[-1])
-        return _over(sums, true_sums)
+        excess = np.maximum(self._excess, np.maximum.accumulate(true - rounding))
+        self._excess = float(excess[-1])
+        return np.where(excess > 0, _over(sums, true_sums), np.nan)
 
 
 def _over(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:

@@ -9,8 +9,10 @@ from solvers.scene.effects import ALL
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver import budget, norms
-from solvers.solver.checked import as_large_as_itself, checked, not_checked
+from solvers.solver.checked import as_large_as_itself, checked, followed, not_checked
 from solvers.solver.norms import UNBOUNDED, finite, largest, summary
+from solvers.solver.rounding import rounding
+from solvers.solver.rounding import sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
 
@@ -133,7 +135,14 @@ class Result:
     def _ratio(self, ratio: str, estimator: str) -> dict:
         self._require(estimator)
         norm = f"{estimator}/{norms.RATIOS[ratio]}"
-        return {q: norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"]) for q in QUANTITIES}
+        return {q: norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
+                                     rounding(self.scene, q, self.steps)) for q in QUANTITIES}
+
+    def rounding(self) -> dict[str, str]:
+        """Of the quantities whose true error is nothing but rounding, so that no index is a number, a sentence each."""
+        limits = {q: float(rounding(self.scene, q, self.steps)) for q in QUANTITIES}
+        return {q: nothing_but(limit) for q, limit in limits.items()
+                if norms.nothing_but_rounding(self.series[f"error_{q}"], limit)}
 
     def _require(self, estimator: str) -> None:
         """:class:`~solvers.scene.rules.SceneError` where the run has no such estimate."""
@@ -186,9 +195,9 @@ class Result:
     def verdict(self) -> dict:
         """What status and reason rest on (``solvers.solver.checked``): ``checked``, ``not_checked`` and
         ``as_large_as_itself``."""
-        held = checked(self.scene, self.series, self.not_valid)
+        held = checked(self.scene, self.not_valid, followed(self.scene, self.series))
         large = as_large_as_itself(self.scene, self.series, self.not_valid)
-        return {"checked": held, "not_checked": not_checked(self.scene, self.series, held),
+        return {"checked": held, "not_checked": not_checked(self.scene, held),
                 "as_large_as_itself": {q: {**asdict(one), "size": finite(one.size)} for q, one in large.items()}}
 
     def to_dict(self) -> dict:
@@ -199,7 +208,8 @@ class Result:
             **self.verdict(),
             "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
-            "index": self._each(self.index, None), "distance": self._each(self.distance, None),
+            "index": self._each(self.index, None), "rounding": self.rounding(),
+            "distance": self._each(self.distance, None),
             "grid_crossings": int(crossings) if math.isfinite(crossings) else None, "energy": self.energy(),
             "angular_momentum": self.angular_momentum(), "budget": self.budget(),
             "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),

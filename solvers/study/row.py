@@ -79,8 +79,8 @@ def _measured(task: Task, scene: Scene) -> dict:
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
     each = {"estimate": full.estimates, "index": full.index, "distance": full.distance}
     row |= {kind: {name: value_of(name) for name in names} for kind, value_of in each.items()}
-    kept = ("checked", "not_checked", "as_large_as_itself", "not_valid", "grid_crossings", "energy", "soundness",
-            "life", "effects", "bytes", "budget")
+    kept = ("rounding", "checked", "not_checked", "as_large_as_itself", "not_valid", "grid_crossings", "energy",
+            "soundness", "life", "effects", "bytes", "budget")
     row |= {name: values[name] for name in kept}
     row |= {"seconds": {"repeats": seconds, "min": least, "full": fastest, "compile": full.seconds.compile,
                         "setup": full.seconds.setup, "estimators": prices, "effects": effects}}

@@ -17,6 +17,8 @@ def run_table(result: dict) -> str:
     parts += [_estimates(name, *values) for name, values in estimates.items()]
     if estimates:
         parts += ["index: estimate over truth, 1 is perfect; distance: their difference over truth, 0 is perfect"]
+    if estimates and result["rounding"]:
+        parts += ["\n".join(f"no index of {q}: {why}" for q, why in result["rounding"].items())]
     parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
     if result.get("budget"):
         parts.append(budget_table(result["budget"]))

@@ -74,7 +74,8 @@ function marked(row, colour, dashes) {
 // What has become of the run, and in a sentence what is seen.
 function status(run) {
   const box = document.getElementById("status"), broken = isBroken(run);
-  put(box, !stage.refusal && broken ? capital(run.reason) + "." : "");
+  const said = broken || (run.status === "ok" && run.reason);  // ok for positions, not for all
+  put(box, !stage.refusal && said ? capital(run.reason) + "." : "");
   box.hidden = !box.textContent;
   put(document.getElementById("title"), stage.plan.says[flatNumber(stage.plan, stage.chosen)] || "");
   put(document.getElementById("summary"), summary(run));

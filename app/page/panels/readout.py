@@ -17,11 +17,13 @@ from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.scene.registry import ESTIMATORS
-from solvers.solver.norms import angular_momentum_drift, energy_drift
+from solvers.solver.norms import angular_momentum_drift, energy_drift, nothing_but_rounding
+from solvers.solver.rounding import rounding
 from solvers.solver.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
 ENERGY = (0.05, 0.5)  # shares of the largest energy out of balance: to look at, and to be alarmed at
+ROUNDED = "nothing but rounding"
 SHORT = 30  # characters of a reason that fit beside a name
 #: What a line of the readout means, for who rests on it.
 HINTS = {
@@ -33,6 +35,7 @@ HINTS = {
     "shown": "an earlier frame, of those that the slider Look back goes through",
     "energy": "kinetic and strain energy less the work of the body force, over the largest energy",
     "turning": "angular momentum: beyond the torque of the body force, and beyond the exact, over that at the start",
+    "unseen": "what the verdict does not rest on",
     "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
     "norm": "root of the mean square over the particles, now",
     "index": "error index: estimated over true, summed over the run so far; 1 is perfect",
@@ -121,6 +124,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
         rows.append(("step", _margin(margin)))
     rows += [("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
              ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
+             *([("unseen", html.escape(report.not_checked))] if report.not_checked else []),
              ("region", html.escape(probed or "drag a rectangle on the stage"))]
     return table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows),
                  "lab-run")
@@ -192,7 +196,11 @@ def silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) 
     """For the truth and each estimator asked for, why there is no number of it; "" where there is."""
     norms = {name: series.get(f"{name}/estimate_{quantity}", np.zeros(0)) for name in report.scene.estimators}
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
-    return why_no_numbers(report.scene, report.not_valid, quantity, silent)
+    reasons = why_no_numbers(report.scene, report.not_valid, quantity, silent)
+    true = series.get(f"error_{quantity}", np.zeros(0))
+    if len(true) > 1 and nothing_but_rounding(true, rounding(report.scene, quantity, report.step)):
+        reasons |= {name: reason or ROUNDED for name, reason in reasons.items() if name != TRUE}
+    return reasons
 
 
 def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:

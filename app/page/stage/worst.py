@@ -16,6 +16,7 @@ from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.solver import soundness
+from solvers.solver.rounding import rounding
 
 ALIKE = 0.8, 1.25  # an estimate over the truth, both as norms, that is right for the eye
 LEAD = 1.05  # by which another region must be worse to take over: a tie must not flicker
@@ -76,7 +77,8 @@ class WorstRegions:
                                            for worst, own in zip(self._worst, errors, strict=True))
         estimate, truth = self.by_estimate, self.by_truth
         scene, unit = report.scene, QUANTITIES[quantity].unit
-        least = 0.0 if scene.swings else ROUND_OFF * scene.size_of(quantity)
+        least = 0.0 if scene.swings else max(ROUND_OFF * scene.size_of(quantity),
+                                             rounding(scene, quantity, scene.steps))
 
         def told(region: WorstRegion | None, estimated: bool) -> Worst | None:
             size = (region.estimated if estimated else region.true) if region else None

@@ -12,6 +12,7 @@ from app.page.visit.downsampled import RunSeries
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.norms import RATIOS, RunningIndex
+from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES
 
 MOST_WAITING = 500  # frames' samples that may wait for a reader
@@ -59,7 +60,8 @@ class History(RunSeries):
         new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step)
         for estimator, q, (ratio, norm) in product(scene.active_estimators, QUANTITIES, RATIOS.items()):
             name = f"{estimator}/{ratio}_{q}"
-            new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"])
+            new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding(
+                scene, q, new["time"] / scene.time_step))
         looked = np.flatnonzero(np.isfinite(new["margin"]))
         self._margin = float(new["margin"][looked[-1]]) if len(looked) else self._margin
         self.append(new)

@@ -83,8 +83,11 @@ class BarScene(Scene):
         return not self.is_patch
 
     @property
+    def drift_speed(self) -> float:
+        return abs(self.initial_velocity) if self.is_patch else 0.0
+
+    @property
     def initial_stretch(self) -> float:
-        """F at the start."""
         return self.stretch if self.is_patch else 1.0
 
     @property

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
 from solvers.scene.rules import SceneError
-from solvers.solver.soundness import LOST, OK, UNSTABLE
+from solvers.solver.checked import as_large_as_itself
+from solvers.solver.soundness import LOST, NOUNS, OK, UNSTABLE
 from tests.random_scenes import ASKED, Inputs, inputs, odd_inputs, scenes_a_set, sets
 
 MOST_ERROR = 0.5  # amplitudes of the motion, of x: no run beyond it may be called ok
@@ -44,13 +45,17 @@ def check(drawn: Inputs, prices: bool) -> None:
     scene.warnings()
     result = run(scene, prices=prices)
     assert result.status in (OK, UNSTABLE, LOST)
-    assert (result.reason is None) == (result.status == OK)
+    large = as_large_as_itself(scene, result.series, result.not_valid)
+    assert (result.reason is None) == (result.status == OK and not large)
     assert result.reason is None or (result.reason.isprintable() and "nan" not in result.reason.split())
     json.dumps(result.to_dict(), allow_nan=False)
     if result.status == OK:
         assert np.isfinite(result.final.position).all() and np.isfinite(result.final.deformation_gradient).all()
         if scene.has("truth"):
             assert result.series["error_x"].max() <= MOST_ERROR * scene.motion_amplitude
+            assert {q for q in ("v", "sigma", "a") if np.nanmax(result.series[f"error_{q}"], initial=0.0)
+                    > scene.rms_of(q)} == large.keys()
+            assert all(NOUNS[q] in result.reason for q in large)
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

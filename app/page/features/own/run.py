@@ -13,6 +13,7 @@ from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport
 from solvers.judging.show import Shown, columns, open_table
 from solvers.solver.norms import RunningIndex
+from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.grid import Task
 
@@ -50,7 +51,8 @@ class OwnRun(RunSeries):
         for q in KEYS:
             new[f"error_{q}"] = none if self.true is None else self.true.get(q, none)
             new[f"{JUDGE}/estimate_{q}"] = estimate.get(q, none)
-            new[f"{JUDGE}/index_{q}"] = RunningIndex().extend(new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"])
+            new[f"{JUDGE}/index_{q}"] = RunningIndex().extend(new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"], rounding(
+                self.scene, q, self.scene.steps))
         self.append(new)
         self.estimate = estimate
 

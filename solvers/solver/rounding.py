@@ -1,0 +1,39 @@
+"""How large an error may be that is nothing but rounding; beside such a one an estimate has nothing to estimate.
+
+A step adds numbers of which each is rounded to eps/2 of itself; what is lost so adds up over n steps like a random
+walk, to some eps sqrt(n) times the size of the numbers. Of 150 patch tests and motions of 1e-12 m, those in which
+rounding was all stayed below 15 times that in x and v, and below 70 in sigma and a. An error index of an error that
+never exceeds ``ROUNDINGS`` times it is no number, and is not given.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from solvers.scene.scene import Scene
+
+ROUNDINGS = 100.0
+EPS = float(np.finfo(float).eps)
+LENGTH = 1.0  # m: no coordinate is much larger while a body does not drift
+
+
+def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
+    """The largest RMS error of x, v, sigma or a, in SI, that rounding alone may have made in so many ``steps``, a
+    number or an array of them."""
+    return ROUNDINGS * EPS * np.sqrt(np.maximum(1.0, steps)) * largest_summand(scene, quantity)
+
+
+def largest_summand(scene: Scene, quantity: str) -> float:
+    """Size of the numbers that a step adds up, in SI. Of x coordinates; of v the speeds of waves and of a drift; of
+    sigma E, and what velocities that are rounded make of F; of a the forces at a node before they cancel."""
+    drift, stretch = scene.drift_speed, max(1.0, scene.initial_stretch)
+    stress = scene.modulus * stretch * (1 + drift * scene.time_step / scene.spacing)
+    return {"x": LENGTH + drift * scene.end_time, "v": scene.wave_speed + drift, "sigma": stress,
+            "a": stress / (scene.density * scene.spacing)}[quantity]
+
+
+def sentence(limit: float) -> str:
+    """Why there is no index, where rounding may make errors up to ``limit``."""
+    return f"nothing but rounding: the true error never exceeds {limit:.2g}, which rounding alone may make"
