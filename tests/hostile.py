@@ -32,6 +32,11 @@ def npz(members: list[tuple[str, bytes]], packing: int = zipfile.ZIP_DEFLATED) -
     return out.getvalue()
 
 
+def doubled() -> bytes:
+    """Two arrays of one name: with the ending of an array and without, and another that a change of a letter makes."""
+    return npz([(name, npy(array(), bytes(32))) for name in ("x.npy", "x", "y.npy")], zipfile.ZIP_STORED)
+
+
 def savez(**arrays) -> bytes:
     out = io.BytesIO()
     np.savez_compressed(out, **arrays)
@@ -100,6 +105,7 @@ FILES: dict[str, bytes | Callable[[Path], bytes]] = {
                   b"\nid,x,t\n0,0,0\n"),
     "huge-cells.csv": b"# cells = 1e300\nid,x,t\n0,0,0\n", "many-cells.csv": b"# cells = 100000\nid,x,t\n0,0,0\n",
     "huge-ids.csv": b"id,x,t\n1e300,0,0\n", "huge-places.csv": b"id,x,t\n0,1e308,0\n",
+    "double.npz": lambda _: doubled(), "overlap.npz": lambda _: doubled().replace(b"y.npy", b"x.npy"),
     "terabytes.npz": npz([("x.npy", npy(SEVEN_TB)), ("t.npy", npy(array(shape="()"), bytes(8)))]),
     "negative.npz": npz([("x.npy", npy(array(shape="(-5,)")))]), "nothing.npz": npz([("x.npy", b"")]),
     "digits.npz": npz([("x.npy", npy(array(shape=f"({'9' * 4000},)")))]),
@@ -136,6 +142,10 @@ FILES: dict[str, bytes | Callable[[Path], bytes]] = {
     "\x1b[31m\u202e![](http:..evil).csv": b"x\n1\n", "<script>.npz": b"x", "n" * 200 + ".csv": b"x\n1\n"}
 
 
+N = 3_600_000  # particles: as many numbers as are allowed, and every byte of them eight
+PLANE = {"X": (2,), "x": (2,), "v": (2,), "F": (2, 2)}
+
+
 def _many(folder: Path) -> bytes:
     row = b"0,0,0,0\n" * 100_000
     return b"id,x,vx,t\n" + row * 100
@@ -147,6 +157,11 @@ LARGE: dict[str, bytes | Callable[[Path], bytes]] = {
         4_000_000))),
     "gigabytes.npz": lambda _: npz([(f"{name}.npy", npy(array(shape="(60000000,)"), bytes(480_000_000)))
                                     for name in ("x", "v", "F", "sigma")]),
+    "full.npz": lambda _: savez(t=np.array(0.0), id=np.zeros(N, np.int8), **{
+        name: np.zeros((N, *shape), np.int8) for name, shape in PLANE.items()}),
+    "stacked.npz": lambda _: savez(t=np.arange(1000.0), id=np.arange(3300), **{
+        name: np.zeros((1000, 3300, *shape), np.int8) for name, shape in PLANE.items()}),
+    "nan.npz": lambda _: savez(t=np.array(0.0), id=np.arange(N), x=np.full((N, 2), np.nan), F=np.zeros((N, 2, 2))),
     "text.vtu": lambda _: vtu(ASCII_POINT.replace("0.5 0 0", "0 " * 60_000_000), 4_000_000),
     "many.vtu": lambda _: vtu(ASCII_POINT.replace("0.5 0 0", "0 " * 12_000_000), 4_000_000)}
 

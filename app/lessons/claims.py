@@ -41,7 +41,7 @@ PATHS: dict[str, tuple[tuple[str, ...], ...]] = {
     "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
 _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Pow: operator.pow}
+    ast.Pow: lambda base, power: float(base) ** power}  # of whole numbers it might not end
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
     "<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
 LONGEST = 1000  # letters of a claim

@@ -22,7 +22,7 @@ from solvers.scene.scene import Scene
 SAME = 1e-9  # of a period: two times that are nearer are one
 FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
 SURE = 0.5  # of a cell: at the time 0 particles that are farther from where they begin are others
-MOST_STEPS = {1: 600_000, 2: 60_000}  # of the companion, by directions: a minute or so; a thousand periods of the bar
+MOST_STEPS = {1: 400_000, 2: 60_000}  # of the companion, by directions: a minute or two; 680 periods of the bar
 LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
 MOST_TRIED = 400  # cells of a grid that is looked for
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method

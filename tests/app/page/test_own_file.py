@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import time
 import zipfile
 from dataclasses import asdict, replace
@@ -37,6 +38,7 @@ from solvers.workers.pool import Slots
 from solvers.workers.processes import WorkerProcess
 from tests.app.serving.test_messages import page_of
 from tests.doors import lab
+from tests.hostile import FILES, LARGE, written
 from tests.processes import until
 from tests.raw import Raw, unknown
 
@@ -207,7 +209,11 @@ BAD = [("notes.txt", b"x,id\n0,0\n", "is of no kind that is known; give a file t
        ("times.npz", npz(t=np.arange(LIMITS.times + 1.0), id=np.arange(1), x=MANY),
         "has 2,001 times; give at most 2,000"),
        ("rows.npz", npz(t=np.array(0.0), x=np.zeros(LIMITS.rows + 1)), "2,000,001 particles of all times together"),
-       ("bomb.npz", bomb, "unpacks to 800 MB; give at most 400 MB")]
+       ("bomb.npz", bomb, "unpacks to 800 MB; give at most 400 MB"),
+       ("late.csv", FILES["late.csv"], "has the time 1e+06 s, to which the companion"),
+       ("wide.csv", FILES["wide.csv"](Path()), "has 30,000 columns or arrays; give at most 1,000"),
+       ("laughs.vtu", FILES["laughs16.vtu"], "has a document type or an entity"),
+       ("blocks.vtu", FILES["blocks.vtu"], "cannot be read as .vtu (more than 100,000 blocks)")]
 
 
 @pytest.mark.parametrize(("name", "content", "said"), BAD, ids=[f"{k} {name}" for k, (name, _, _) in enumerate(BAD)])
@@ -221,6 +227,21 @@ def test_a_bad_file_is_refused_in_one_sentence(name, content, said, process, tmp
     assert said in answers["refused"] and answers["refused"].startswith(f"The file {name} ")
     assert str(tmp_path) not in answers["refused"] and "\n" not in answers["refused"]
     assert before in (None, process.process_id)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted({*FILES, *LARGE} - {"many-cells.csv", "<script>.npz"}), ids=ascii)
+def test_a_file_that_means_harm_is_refused_at_once_and_in_little_memory(name, tmp_path):
+    """In a process of its own; the whole address space of it is limited too."""
+    file = written(name, tmp_path, LARGE if name in LARGE else FILES)
+    worker, begun = WorkerProcess("solvers.judging.show:show"), monotonic()
+    answers, _ = shown_of(worker, file, PROBLEMS["bar"].scene(), tmp_path, "mine")
+    seconds = monotonic() - begun
+    peak = re.search(r"VmHWM:\s+(\d+)", Path(f"/proc/{worker.process_id}/status").read_text())
+    worker.close()
+    print(f"{ascii(name)[:30]:32} page {seconds:5.1f} s {int(peak[1]) / 1000:6.0f} MB")
+    assert list(answers) == ["refused"] and answers["refused"].isprintable() and len(answers["refused"]) < 450
+    assert seconds < 20 and int(peak[1]) < 1_000_000
 
 
 def test_memory_of_the_process_is_limited(process, tmp_path):
