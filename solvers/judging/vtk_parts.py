@@ -60,7 +60,10 @@ class Points:
 
     def put(self, name: str, values: np.ndarray, width: int) -> None:
         """What such an array holds, in rows of so many."""
-        self._pieces[name].append(values.reshape(-1, width) if width != 1 else values)
+        rows = values.reshape(-1, width) if width != 1 else values
+        if self._pieces[name] and self._pieces[name][0].shape[1:] != rows.shape[1:]:
+            raise NotVTK(f"pieces with different components of {quoted(name, 20)}")
+        self._pieces[name].append(rows)
 
     def columns(self) -> dict[str, np.ndarray]:
         """All pieces together; of arrays that are not wanted the names alone."""

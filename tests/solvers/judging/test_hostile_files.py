@@ -204,3 +204,39 @@ def test_a_directory_or_a_pipe_among_answers_is_refused_and_waited_for_by_nobody
     os.mkfifo(pipe)
     assert LessonGrade(files=(str(pipe), str(tmp_path))).execute() == 1
     assert capsys.readouterr().err.count("is not a file") == 2
+
+
+def honest(kind: str, folder: Path) -> bytes:
+    """A file that can be read."""
+    path = str(folder / f"honest{kind}")
+    if kind == ".npz":
+        np.savez_compressed(path, t=np.array([0.0, 1.0]), id=np.arange(3), x=np.zeros((2, 3, 3)), cells=np.array(40))
+    elif kind == ".csv":
+        Path(path).write_text("# t = 0.5\n# cells = 40\nid,x,vx\n0,0.5,1\n1,0.25,2\n")
+    elif kind == ".vtp":
+        Path(path).write_bytes(appended("raw", True))
+    else:
+        mesh = meshio.Mesh(POINTS, [("vertex", np.arange(3)[:, None])], point_data=DATA)
+        (meshio.vtu if kind == ".vtu" else meshio.vtk).write(path, mesh, binary=True)
+    return Path(path).read_bytes()
+
+
+@pytest.mark.parametrize("kind", [".csv", ".npz", ".vtk", ".vtu", ".vtp"])
+@pytest.mark.parametrize("count", [150, pytest.param(3000, marks=pytest.mark.slow)])
+def test_a_file_with_bytes_that_are_others_is_read_or_refused_in_a_sentence(kind, count, tmp_path):
+    """Some changed, taken out, doubled or put in: nothing else comes of it than a table or a refusal."""
+    content, random = honest(kind, tmp_path), np.random.default_rng(count)
+    read(str(tmp_path / f"honest{kind}"))
+    file = tmp_path / f"changed{kind}"
+    for _ in range(count):
+        changed = bytearray(content)
+        for _ in range(random.integers(1, 6)):
+            start, length = random.integers(len(changed) + 1), int(random.choice([1, 1, 2, 8, 50]))
+            way = random.integers(4)
+            new = random.integers(0, 256, length, dtype=np.uint8).tobytes() if way else bytes(changed[start:start + 50])
+            changed[start:start + (length if way != 1 else 0)] = b"" if way == 2 else new
+        file.write_bytes(changed)
+        try:
+            read(str(file))
+        except FileError as error:
+            assert str(error).isprintable() and len(str(error)) <= 400
