@@ -7,9 +7,9 @@ import numpy as np
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver.norms import UNBOUNDED, finite
 
-#: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 300 random runs, three
+#: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 600 random runs, three
 #: causes taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of
-#: the error before in 97 % of the cases, from 3 to 10 in 94 %, and beyond in 56 %, where it missed by up to three times
+#: the error before in 97 % of the cases, from 3 to 10 in 94 %, and beyond in 50 %, where it missed by many times
 #: the error (``assets/budget.md``). 3 is on the safe side: shares of parts that cancel are hard to read, too.
 MOST_CANCELLED = 3.0
 ROUND_OFF = 1e-12  # m: an error of x up to which it may be that of the last digits, of numbers up to some metres
