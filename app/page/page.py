@@ -1,6 +1,5 @@
 """The page: one visitor's stage, panels and session, tied together."""
 
-import logging
 import secrets
 import threading
 from time import thread_time
@@ -8,6 +7,7 @@ from time import thread_time
 import viser
 
 from app import state
+from app.doors.faults import noted
 from app.frame.scale import ColourScale
 from app.frame.sentence import Said
 from app.page.canvas import Canvas
@@ -39,11 +39,13 @@ from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
 from app.viewer.widgets import number
+from app.viewer.wire import stands_still
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on
+PATIENCE = 2.0  # seconds in which a browser has to take what is sent, if anything is to be computed for it
 RESTING = 12  # times a refresh's work, for each stage that moves, until the next: frames come first
 
 
@@ -56,6 +58,7 @@ class Page:
         self.token = secrets.token_urlsafe(12)
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._keeping = threading.Lock()
+        self._watched = self._takes = True  # the browser shows the page, and takes what is sent to it
         self._stands = threading.Event()  # the frame that has come is the last for now
         self._recent = Recent()
         self._trace = Trace(self._recent)
@@ -98,19 +101,25 @@ class Page:
 
     def attend(self, watched: bool) -> None:
         """The browser shows the page, or no longer: then nothing is computed or sent for it."""
-        self._session.attend(watched)
+        self._watched = watched
+        self._session.attend(watched and self._takes)
 
-    def close(self) -> None:
-        """The visitor has gone, or is to see something else: nothing is drawn or said any more."""
+    def fall_silent(self) -> None:
+        """Nothing is drawn or said from now on."""
         self._closed.set()
         self._stands.set()
         for under_way in (self._drawing, self._refreshing):  # each comes to its end, whatever it does meanwhile
             with under_way:
                 pass
+
+    def close(self) -> None:
+        """The visitor has gone, or is to see something else."""
+        self.fall_silent()
         self._slow.close()
         self._own.close()
         self._player.close()
         self._session.close()
+        self._links.close()
         self._cost.jobs.close()
         self._budget.jobs.close()
 
@@ -211,12 +220,15 @@ class Page:
             self._stands.wait(rest)
             self._stands.clear()
             begun = thread_time()
+            if (takes := stands_still(self.client) < PATIENCE) != self._takes:
+                self._takes = takes
+                self.attend(self._watched)
             try:
                 with self._refreshing:
                     if self._session.watched and not self._closed.is_set():
                         self._refresh()
-            except Exception:  # one bad refresh must not silence the page for the rest of the visit
-                logging.getLogger(__name__).exception("the page could not be refreshed")
+            except Exception as error:  # one bad refresh must not silence the page for the rest of the visit
+                noted("the page could not be refreshed", error)
             rest = max(0.0, RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS)
 
     def _refresh(self) -> None:

@@ -10,6 +10,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from time import sleep
 from typing import Any
@@ -17,8 +18,10 @@ from urllib.parse import quote
 
 from app.doors.address import Addresses
 from app.doors.code import ClassCode, made_up
+from app.doors.faults import Brief
 from app.identity import ICON
 from app.lessons import shelf
+from app.page.ending import ending, in_background
 from app.page.features.lesson.marking import Classroom
 from app.page.prewarm import usual_scenes
 from app.page.visit.health import Tally
@@ -28,7 +31,9 @@ from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
-HEARS_WITHIN, TOLD_WITHIN = 0.3, 3.0  # seconds until it hears of its end, and has told all others at most
+HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it hears of its end, and has told all others at most
+CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.6  # seconds in which pages close, and after which it ends as it is
+MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
 FULL = "Every place on this server is taken. This page tries again by itself; nothing needs to be done."
@@ -96,15 +101,16 @@ class Visitors:
             page.attend(watched)
         return page is not None
 
-    def say_goodbye(self) -> None:
-        """Tell all who are here that the lab closes. Those whose pages are being made are told by who makes them."""
+    def say_goodbye(self) -> list[threading.Thread]:
+        """Tell all who are here that the lab closes, and close their pages, each on a thread, which are given back.
+        Those whose pages are being made are told by who makes them."""
         with self._lock:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
-        for page in pages:
-            page.close()
-            self._show(page.client, OVER)
-            page.client.flush()
+        closing = [threading.Thread(target=self._send_home, args=(page,), daemon=True) for page in pages]
+        for thread in closing:
+            thread.start()
+        return closing
 
     def all_told(self) -> bool:
         """After the goodbye: whether no page is being made any more whose visitor is still to hear it."""
@@ -115,6 +121,12 @@ class Visitors:
         return {"ready": self._pool.wait_ready(0), "sessions": len(self._pages), "places": self._places,
                 "engines": len(self._pool.process_ids), "playing": self._pool.playing,
                 "frames_per_second": self._frames.a_second}
+
+    def _send_home(self, page: Any) -> None:
+        page.fall_silent()
+        self._show(page.client, OVER)
+        page.client.flush()
+        page.close()
 
     def _admit(self, client: Any) -> None:
         """Make the page of a visitor who has a place; one that fails leaves nothing behind."""
@@ -159,6 +171,9 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
+    log = logging.StreamHandler()
+    log.addFilter(Brief())
+    logging.getLogger().addHandler(log)
     try:
         server = _start_server(host, port, pool, max_sessions, addresses, code, classroom, notes)
         address = f"{HERE if host in EVERYWHERE else host}:{server.get_port()}"
@@ -178,25 +193,31 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
         while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
             sleep(HEARS_WITHIN)
     finally:
-        if server is not None:
-            server.visitors.say_goodbye()
-            server.wait_until_told(TOLD_WITHIN)
-        pool.close()
-        classroom.outcomes.close()
-        if server is not None:
-            with contextlib.redirect_stdout(io.StringIO()):
-                server.stop()
+        with ending(ENDS_WITHIN):
+            pool.dismiss()  # first: it takes them longest
+            closing = [] if server is None else server.visitors.say_goodbye()
+            closing.append(in_background(classroom.outcomes.close))
+            if server is not None:
+                server.wait_until_told(TOLD_WITHIN)
+            pool.close(CLOSED_WITHIN)
+            for thread in closing:
+                thread.join(CLOSED_WITHIN / max(1, len(closing)))
+            if server is not None:
+                with contextlib.redirect_stdout(io.StringIO()):
+                    server.stop()
 
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
                   classroom: Classroom, notes: str = "") -> Any:
     from app.page.page import Page
     from app.page.panels.head import GROUND, set_up
+    from app.viewer import faults
     from app.viewer.index import Index
     from app.viewer.server import Doors, Lab
     from app.viewer.wire import mend
 
     mend()
+    faults.mend()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     doors = Doors(addresses, ClassCode(code, port, notes) if code else None)
@@ -212,7 +233,13 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     visitors = Visitors(pool, max_sessions, make_page, _show)
     doors.watch(server, visitors)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
-    server.on_client_connect(visitors.connect)
+    # On threads of their own: callbacks of those who are here need not wait for the pages of those who come.
+    makers = ThreadPoolExecutor(MAKERS, "page")
+
+    def connect(client: Any) -> None:
+        makers.submit(visitors.connect, client)
+
+    server.on_client_connect(connect)
     server.visitors = visitors
     return server
 

@@ -16,7 +16,8 @@ from app.viewer.line import send_away
 # A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
 MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
 BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
-PART_AS = 4  # and a part of a file that is taken: 25 a second, 13 MB, in the long run
+PART_AS = 4  # and a part of a file that is taken
+PARTS, PARTS_A_SECOND = 64, 25  # of files, of all of one network: one of 32 MB at once, 13 MB a second in the long run
 TOO_MUCH = "too many messages"
 
 
@@ -29,16 +30,18 @@ class Hearing:
         The websocket, and the IP address at its other end.
     refusals
         Where it is noted what is refused.
+    parts
+        What it shares with others of its network: parts of files that are taken.
     find
         Gives a widget of the page behind it by its id, or None.
     keep_away
         Is told the address of one that says what no browser does.
     """
 
-    def __init__(self, connection: Any, who: str, refusals: Refusals, find: Callable[[str], Any],
+    def __init__(self, connection: Any, who: str, refusals: Refusals, parts: Bucket, find: Callable[[str], Any],
                  keep_away: Callable[[str], None]):
         self._connection, self._who, self._refusals = connection, who, refusals
-        self._find, self._keep_away = find, keep_away
+        self._parts, self._find, self._keep_away = parts, find, keep_away
         self._receive, self._rate, self._calm = connection.recv, Bucket(MESSAGES, A_SECOND), monotonic()
         self._first: bytes | None = None
         connection.recv = self._next
@@ -54,10 +57,13 @@ class Hearing:
             return first
         while True:
             message = await self._received(*args, **options)
-            refusal = messages.refusal(message, self._find)
+            refusal = messages.refusal(message, self._find, self._who)
             of_file = refusal is None and upload.kind_of(message)
             self._rate.pay(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if refusal else 0))
             await self._keep_pace()
+            if of_file:
+                self._parts.pay()
+                await asyncio.sleep(self._parts.wait(0))
             if refusal is not None:
                 self._refusals.note(refusal, self._who)
             elif not of_file:

@@ -7,6 +7,7 @@ Nothing is made for a line that says nothing, and it holds no place that another
 import asyncio
 from contextlib import suppress
 from typing import Any
+from weakref import WeakSet
 
 from websockets.asyncio.server import ServerConnection
 
@@ -21,29 +22,40 @@ HEADS_WITHIN = 5.0  # seconds in which a line has to ask for something
 LONGEST_HEAD = 32_000  # bytes of what it asks; browsers send some hundred
 GOING = 1.0  # seconds that one who is sent away has to say goodbye
 
-Anterooms = tuple[Anteroom["Line"], Anteroom["Line"]]
 
+class Lines:
+    """All lines of one server: those that have not asked for anything yet are ``new``, and those whose websocket has
+    not spoken ``silent``. A proxy on this machine opens a line when it has the whole of a request: where there is one,
+    those lines are of nobody's network yet."""
 
-def anterooms() -> Anterooms:
-    """For lines, and for websockets."""
-    return Anteroom(*LINES), Anteroom(*SOCKETS)
+    def __init__(self, trusts_proxy: bool):
+        self.trusts_proxy = trusts_proxy
+        self.new, self.silent = Anteroom["Line"](*LINES), Anteroom["Line"](*SOCKETS)
+        self.there = WeakSet["Line"]()
+
+    def come(self, line: "Line", remote: object) -> None:
+        """A line is there, from this address and port."""
+        who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
+        self.there.add(line)
+        if gone := self.new.enter(line, str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)):
+            gone.transport.abort()
+
+    def cut(self) -> None:
+        """All of them, whatever their other ends do."""
+        for line in list(self.there):
+            line.transport.abort()
 
 
 class Line(ServerConnection):
-    """One browser's. ``head`` is its request as it has come, until that has been answered. A proxy on this machine
-    opens one when it has the whole of a request: those lines are of nobody's network yet."""
+    """One browser's. ``head`` is its request as it has come, until that has been answered."""
 
-    def __init__(self, lines: Anteroom["Line"], trusts_proxy: bool, *args: Any, **options: Any):
+    def __init__(self, lines: Lines, *args: Any, **options: Any):
         super().__init__(*args, **options)
-        self._lines, self._trusts_proxy, self.head = lines, trusts_proxy, b""
+        self._lines, self.head = lines, b""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
-        remote = transport.get_extra_info("peername")
-        who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
-        network = str(remote) if self._trusts_proxy and is_loopback(who) else network_of(who)
-        if gone := self._lines.enter(self, network):
-            gone.transport.abort()
+        self._lines.come(self, transport.get_extra_info("peername"))
 
     def data_received(self, data: bytes) -> None:
         if self.request is None:
@@ -55,11 +67,11 @@ class Line(ServerConnection):
 
     def answered(self) -> None:
         """It has asked, and gets an answer: its place is free."""
-        self._lines.leave(self)
+        self._lines.new.leave(self)
         self.head = b""
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._lines.leave(self)
+        self._lines.new.leave(self)
         super().connection_lost(exc)
 
 

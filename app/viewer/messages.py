@@ -13,6 +13,7 @@ from app.viewer import upload, widgets
 
 MOST_BYTES = 32_000  # of a message that is read at all; honest ones have some hundred
 LONGEST_NAME = 1000  # letters of a file's name
+NEAR = 1e-6  # between a camera and what it looks at
 FAR = 1e6  # no camera, and no place of the canvas, is further out
 LARGEST_CANVAS = 32_768  # pixels
 STEEP = 1e-6  # part of a click's ray across the stage; one along the stage never meets it
@@ -71,8 +72,9 @@ FIELDS: dict[str, dict[str, Rule]] = {
         "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
 
 
-def refusal(message: bytes | str, find: Callable[[str], Any]) -> str | None:
-    """Why a message is refused, if it is; ``find`` gives a widget by its id. A part of a file is taken in."""
+def refusal(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
+    """Why a message from an IP address is refused, if it is; ``find`` gives a widget by its id. A part of a file is
+    taken in."""
     part_of_file = upload.kind_of(message)
     most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
     if not isinstance(message, bytes) or len(message) > most:
@@ -89,11 +91,13 @@ def refusal(message: bytes | str, find: Callable[[str], Any]) -> str | None:
         return "a file that no page sends"
     if said.keys() != fields.keys() or not all(rule(said[name]) for name, rule in fields.items()):
         return f"a {kind} with fields that it cannot have"
+    if kind == "ViewerCameraMessage" and math.dist(said["position"], said["look_at"]) < NEAR:
+        return "a camera that looks nowhere"
     if kind == "ScenePointerMessage":
         return None if _pointer(said) else "a place that nobody can point at"
     if part_of_file:
         box = upload.of(find(said["source_component_uuid"]))
-        return "a file that nobody has asked for" if box is None else box.take(part_of_file, said)
+        return "a file that nobody has asked for" if box is None else box.take(part_of_file, said, who)
     if kind == "GuiUpdateMessage":
         widget = find(said["uuid"])
         return "a widget that is not there" if widget is None else widgets.refusal(widget, said["updates"]["value"])

@@ -5,7 +5,7 @@ import json
 import logging
 import re
 from collections.abc import Awaitable, Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from http import HTTPStatus
 from pathlib import Path
@@ -25,19 +25,21 @@ from app.doors.code import ClassCode
 from app.doors.network import Buckets, network_of
 from app.doors.page import has_page
 from app.doors.refusals import Refusals
+from app.viewer import faults
 from app.viewer.answers import dressed, said
-from app.viewer.hearing import Hearing
+from app.viewer.hearing import PARTS, PARTS_A_SECOND, Hearing
 from app.viewer.index import Index
-from app.viewer.line import HEADS_WITHIN, Line, address_of, anterooms, send_away
+from app.viewer.line import HEADS_WITHIN, Line, Lines, address_of, send_away
 from app.viewer.wire import PROTOCOL, Buffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
-# Websockets opened from one network, each with a page to make: a class that reloads three times never gets there. One
+# Websockets opened from one network, each with a page to make: a class that reloads twice within half a minute. One
 # that is sent away takes so many more, as far as there are: who comes again and again would have the server make
 # nothing but pages. There is no such number for all: whoever used it up would keep everybody out.
-HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 160, 1, 30
+HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 80, 2, 30
 AWAY = 10.0  # seconds in which the address of one who was sent away must wait
+STOPPING = 0.2  # seconds that browsers have to say goodbye when the server ends
 SILENT = 60.0  # seconds in which a browser, however busy, says where its camera is; one that never speaks is none
 NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
 NO_CODE = "The class code is missing. Load the page again and type it."
@@ -48,9 +50,10 @@ _CODE_PAGE = (Path(__file__).parents[1] / "doors" / "code.html").read_text(encod
 
 class Lab(viser.ViserServer):
     """The viewer's server without its tunnel: nothing that is asked for makes the lab public. Its ``visitors`` are who
-    has come through the doors."""
+    has come through its ``doors``."""
 
     visitors: Any = None
+    doors: "Doors"
 
     def wait_until_told(self, seconds: float) -> None:
         """Until every browser has been sent the goodbye and all before it; not longer for one that takes nothing."""
@@ -59,6 +62,14 @@ class Lab(viser.ViserServer):
         while monotonic() < end and not (self.visitors.all_told() and all(
                 cast(Buffer, state.message_buffer).all_sent for state in list(states.values()))):
             sleep(0.01)
+
+    def stop(self) -> None:
+        """The end. Who does not say goodbye in turn is cut off."""
+        loop = self._websock_server._background_event_loop
+        if loop is not None:
+            with suppress(RuntimeError):  # it has ended
+                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.doors.cut)
+        super().stop()
 
     def request_share_url(self, verbose: bool = True) -> None:
         """There is none."""
@@ -81,15 +92,21 @@ class Doors:
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, Refusals()
         self._handshakes = Buckets(lambda: Bucket(HANDSHAKES, HANDSHAKES_A_SECOND))
-        self._lines, self._silent = anterooms()
+        self._parts = Buckets(lambda: Bucket(PARTS, PARTS_A_SECOND))
+        self._lines = Lines(trusts_proxy=bool(addresses.names))
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
         self._host: Host | None = None
 
-    def watch(self, server: viser.ViserServer, host: Host) -> None:
+    def watch(self, server: Lab, host: Host) -> None:
         """This server's widgets are meant in what browsers say, and these visitors."""
         self._server, self._host = server, host
+        server.doors = self
+
+    def cut(self) -> None:
+        """All connections."""
+        self._lines.cut()
 
     @contextmanager
     def guarding(self, index: Index) -> Iterator[None]:
@@ -104,8 +121,9 @@ class Doors:
                 connection.answered()
                 return answer
 
+            asyncio.get_running_loop().set_exception_handler(faults.of_loop)
             own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "open_timeout": HEADS_WITHIN,
-                   "create_connection": partial(Line, self._lines, bool(self._addresses.names)),
+                   "create_connection": partial(Line, self._lines),
                    "process_request": answer, "process_response": dressed}
             return serve(partial(self._handle, handler), *args, **{**options, **own})
 
@@ -134,8 +152,9 @@ class Doors:
             self._refusals.note("a page of another version", who)
             await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
             return
-        hearing = Hearing(connection, who, self._refusals, partial(self._widget, connection), self._keep_away)
-        if gone := self._silent.enter(connection, network_of(who)):
+        hearing = Hearing(connection, who, self._refusals, self._parts.of(network_of(who)),
+                          partial(self._widget, connection), self._keep_away)
+        if gone := self._lines.silent.enter(connection, network_of(who)):
             self._close(gone, CROWDED)
         silent = asyncio.get_running_loop().call_later(SILENT, self._close, connection, NOTHING_SAID)
         try:
@@ -144,7 +163,7 @@ class Doors:
             return
         finally:
             silent.cancel()
-            self._silent.leave(connection)
+            self._lines.silent.leave(connection)
         await handler(connection)
 
     def _answer(self, connection: Line, request: Request, index: Index) -> Response | None:
@@ -219,7 +238,7 @@ class Doors:
         going.add_done_callback(self._going.discard)
 
     def _who(self, connection: Any) -> str:
-        return address_of(connection, trusts_proxy=bool(self._addresses.names))
+        return address_of(connection, trusts_proxy=self._lines.trusts_proxy)
 
     def _widget(self, connection: Any, widget: str) -> Any:
         """The widget with this id on the page behind a websocket. Of the viewer only its private parts know it."""

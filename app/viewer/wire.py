@@ -9,6 +9,8 @@ import asyncio
 from collections.abc import AsyncGenerator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from time import monotonic
+from typing import Any
 
 import viser
 from viser.infra import Message, _infra
@@ -54,12 +56,18 @@ class Buffer(AsyncMessageBuffer):
 
     message_event: Bell = field(default_factory=Bell)
     _flushed: bool = False
+    _given: float | None = None  # since when messages are on their way to a browser that has not taken them all yet
     _sent: int = -1  # the number of the last message that has gone, of those that only this browser gets
 
     @property
     def all_sent(self) -> bool:
         """Whether all that has been put in has gone, or nobody is there any more."""
         return self.done or self._sent >= self.message_counter - 1
+
+    @property
+    def stands_still(self) -> float:
+        """Seconds for which the browser has taken nothing, though there was something to take."""
+        return 0.0 if (given := self._given) is None else monotonic() - given
 
     def atomic_end(self) -> None:
         with self.buffer_lock:
@@ -86,7 +94,9 @@ class Buffer(AsyncMessageBuffer):
                 if marker is not None and last >= backlog_last_id and not self.atomic_counter:
                     window, marker = [*window, marker], None
                 if window:
+                    self._given = monotonic()
                     yield window  # and it goes on when that has gone
+                    self._given = None
                 self._sent = last
                 if self.message_counter - 1 == last or self.atomic_counter:
                     await self._more(last)
@@ -121,6 +131,12 @@ class Buffer(AsyncMessageBuffer):
         while not (self.done or self._flushed) and (left := end - loop.time()) > 0:
             await self.message_event.heard(left)
         self._flushed = False
+
+
+def stands_still(client: Any) -> float:
+    """Seconds for which a visitor's browser has taken nothing of what is sent to it."""
+    buffer = client._websock_connection.get_message_buffer()
+    return buffer.stands_still if isinstance(buffer, Buffer) else 0.0
 
 
 def mend() -> None:

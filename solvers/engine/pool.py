@@ -7,6 +7,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
+from time import monotonic
 
 from solvers.engine import frames
 from solvers.engine.frames import FrameOptions
@@ -15,6 +16,7 @@ from solvers.engine.process import CANNOT_START, EngineProcess, Listener
 from solvers.scene.scene import Scene
 from solvers.workers.processes import adopt_orphans
 
+PATIENCE = 2.0  # seconds that engines may take to end
 DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between before its scene is given up
 
 
@@ -69,10 +71,19 @@ class EnginePool:
     def process_ids(self) -> list[int]:
         return [engine.process_id for engine in self._engines]
 
-    def close(self) -> None:
-        """End all engines. The pool cannot be used afterwards."""
+    def dismiss(self) -> None:
+        """Have all engines end, and do not wait for that."""
         for engine in self._engines:
-            engine.close()
+            engine.dismiss()
+
+    def close(self, patience: float = PATIENCE) -> None:
+        """End all lines and all engines, after so many seconds by force. The pool cannot be used afterwards."""
+        self.dismiss()
+        for link in [link for engine in self._engines for link in list(engine.links.values())]:
+            link.close()
+        end = monotonic() + patience
+        for engine in self._engines:
+            engine.close(max(0.0, end - monotonic()))
 
 
 class SessionLink:
@@ -89,6 +100,8 @@ class SessionLink:
         self._deaths = 0
         self._closed = False
         engine.links[session] = self
+        if engine.dismissed:  # whoever opens it now opens it for nobody
+            self.close()
 
     def ask(self, scene: Scene, pace: Pace = Pace(), frame: FrameOptions = FrameOptions()) -> int:
         """Say what is wanted from now on; never waits.

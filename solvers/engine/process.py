@@ -23,6 +23,7 @@ from solvers.scene.scene import Scene
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
 LONGEST_PAUSE = 10.0
 FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
+BURIED_WITHIN = 2.0  # seconds in which a process that is killed is gone
 CANNOT_START = "the simulation process cannot be started; see the terminal"
 
 
@@ -43,6 +44,7 @@ class Link(Protocol):
 
     def receive(self, report: FrameReport) -> None: ...
     def engine_lost(self, had_worked: bool) -> None: ...
+    def close(self) -> None: ...
 
 
 def become_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
@@ -93,17 +95,29 @@ class EngineProcess:
                 self._wishes.pop(message.session, None)
             self._news.notify_all()
 
-    def close(self) -> None:
+    @property
+    def dismissed(self) -> bool:
+        """Whether the process is to end, or has ended, for good."""
+        return self._closing
+
+    def dismiss(self) -> None:
+        """Have the process end; a second time does nothing."""
         with self._news:
+            if not self._closing:
+                self._leaving.append(self.process_id)
             self._closing = True
             self._news.notify_all()  # the writer sends None, at which the process ends
-        self._leaving.append(self.process_id)
-        end = monotonic() + 2
+
+    def close(self, patience: float) -> None:
+        """Have the process end, and end it if it has not after so many seconds."""
+        self.dismiss()
+        end = monotonic() + patience
         while self._unburied() and monotonic() < end:
             sleep(0.01)
         for process_id in self._leaving:
-            os.kill(process_id, signal.SIGKILL)
-        while self._unburied() and monotonic() < end + 2:
+            with suppress(ProcessLookupError):
+                os.kill(process_id, signal.SIGKILL)
+        while self._unburied() and monotonic() < end + BURIED_WITHIN:
             sleep(0.01)
 
     def _read(self) -> None:

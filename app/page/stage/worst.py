@@ -64,6 +64,10 @@ class WorstRegions:
 
     def look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
         """Find both in a frame, of the errors of a quantity by its key."""
+        with np.errstate(all="ignore"):  # a run gone bad holds anything
+            self._look(report, arrays, view, quantity)
+
+    def _look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
         if report.scene != self.scene:
             self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
             at_rest = np.nan_to_num(arrays.position - arrays.displacement)
@@ -102,6 +106,5 @@ def _alike(view: View) -> bool:
     if view.estimated is None or view.true is None:
         return False
     known = np.isfinite(view.estimated) & np.isfinite(view.true)
-    with np.errstate(all="ignore"):  # a run gone bad holds anything
-        index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
+    index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
     return ALIKE[0] <= index <= ALIKE[1]

@@ -1,20 +1,36 @@
-"""What one page asks of the engines."""
+"""Lines that one page asks of the engines."""
 
-from contextlib import ExitStack, closing
+import threading
+from weakref import WeakSet
 
 from app.page.visit.health import Tally
 from solvers.engine.pool import EnginePool, Listener, SessionLink
 
 
-class PageLinks(ExitStack):
+class PageLinks:
     """The pool as one page sees it; ``close`` closes all that was opened. ``frames`` counts those of all pages."""
 
     def __init__(self, pool: EnginePool, frames: Tally | None = None):
-        super().__init__()
         self._pool, self.frames = pool, frames or Tally()
+        self._opening, self._closed = threading.Lock(), False
+        self._links = WeakSet[SessionLink]()  # one that is closed is nobody's any more, and neither is what hears of it
 
     def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
-        return self.enter_context(closing(self._pool.open(listener, beside)))
+        """A line; where the page is closed already it is closed at once, and nothing comes of it."""
+        link = self._pool.open(listener, beside)
+        with self._opening:
+            self._links.add(link)
+            closed = self._closed
+        if closed:
+            link.close()
+        return link
+
+    def close(self) -> None:
+        """Once and for all."""
+        with self._opening:
+            self._closed, links = True, list(self._links)
+        for link in links:
+            link.close()
 
     @property
     def playing(self) -> int:

@@ -26,7 +26,7 @@ from app.page.features.own.run import OwnRun
 from app.page.features.own.words import taken
 from app.page.visit.limits import MOST_WATCHED
 from app.page.visit.notice import Notice
-from app.viewer import server, upload
+from app.viewer import hearing, server, upload
 from solvers.judging import writing
 from solvers.judging.handout import exact
 from solvers.judging.measure import sizes
@@ -334,7 +334,7 @@ def settle(one, visitor):
 
 @pytest.fixture
 def sender(here, arrived, monkeypatch):
-    monkeypatch.setattr(server, "MESSAGES", 1e9)  # whatever many a second
+    monkeypatch.setattr(hearing, "MESSAGES", 1e9)  # whatever many a second
     with Raw(here[1]) as one:
         one.find("Download CSV")  # the last of its controls
         yield Sender(one)

@@ -165,7 +165,8 @@ def test_messages_that_no_page_sends_are_refused(here, visitor):
     mad = [CAMERA | {field: value} for field, value in [
         ("position", [float("nan")] * 3), ("position", [1e9, 0, 0]), ("position", [0, 0]), ("wxyz", [0, 0, 0, 0]),
         ("wxyz", ["1", 0, 0, 0]), ("fov", 0), ("fov", 1e9), ("image_width", 0), ("image_height", 10**9), ("near", -1),
-        ("image_width", True), ("look_at", None), ("up_direction", "up"), ("excluded_self_client", 0)]]
+        ("image_width", True), ("look_at", None), ("look_at", CAMERA["position"]),
+        ("up_direction", "up"), ("excluded_self_client", 0)]]
     mad += [click | {field: value} for field, value in [
         ("ray_direction", [1.0, 0.0, 0.0]), ("ray_direction", None), ("ray_origin", None), ("screen_pos", []),
         ("screen_pos", [[float("inf"), 0]]), ("event_type", "drag"), ("event_type", []), ("modifier", 5)]]
@@ -198,7 +199,7 @@ def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     one, _ = here
     heard = []
     check = messages.refusal
-    monkeypatch.setattr(messages, "refusal", lambda message, find: heard.append(message) or check(message, find))
+    monkeypatch.setattr(messages, "refusal", lambda message, *how: heard.append(message) or check(message, *how))
     widget = visitor.find("Longest run, s")
     visitor.set(widget, "8")
     until(lambda: page_of(one)[widget].value == "8", "a value is set")

@@ -124,7 +124,9 @@ def test_all_is_sent_when_the_last_window_has_gone(loop):
     buffer.flush()
     until(lambda: buffer.generator_cursors.get(1) == 0, "the message taken")
     assert not buffer.all_sent
+    until(lambda: buffer.stands_still > 0.05, "it is seen that nothing is taken")
     loop.call_soon_threadsafe(go.set)
     until(lambda: buffer.all_sent, "the message gone")
+    assert buffer.stands_still == 0
     buffer.set_done()
     sending.result(PATIENCE)

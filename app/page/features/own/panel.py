@@ -118,13 +118,17 @@ class OwnCode:
         """The visitor has gone."""
         self._upload.close()  # first, and without the lock, for which a file that comes just now may wait
         with self._lock:
-            self._end()
+            self._let_go()
+        self._upload.clear()
 
     def _end(self) -> None:
         """No file any more, on the stage or on its way to it."""
+        self._let_go()
+        self._folder.visible = self._back.visible = False
+
+    def _let_go(self) -> None:
         self._forget()
-        self._run = None
-        self.playing = self._folder.visible = self._back.visible = False
+        self._run, self.playing = None, False
         self._turn.set()
 
     def _forget(self) -> None:

@@ -1,0 +1,221 @@
+"""What goes wrong for one visitor is one line of log. Nothing of one who has gone stays, or is done for one who takes
+nothing."""
+
+from __future__ import annotations
+
+import gc
+import json
+import logging
+import re
+import socket
+import threading
+import warnings
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from viser import _threadpool_exceptions
+from websockets.sync.client import connect
+
+from app.doors.faults import Brief, place_of
+from app.doors.room import Room
+from app.page import page
+from app.page.stage.worst import WorstRegions
+from app.page.visit.links import PageLinks
+from app.viewer import faults, upload
+from app.viewer.client import packed
+from app.viewer.wire import PROTOCOL
+from solvers.problems.bar.scene import BarScene
+from solvers.solver import soundness
+from tests import doors
+from tests.browser.conftest import serving
+from tests.doors import get
+from tests.processes import HANG, until
+from tests.raw import CAMERA, Raw
+
+SECRET = "what a stranger has written"
+
+
+def fail(*_):
+    raise ValueError(SECRET)
+
+
+def test_what_fails_in_a_callback_is_one_line(capfd, caplog, monkeypatch):
+    """Of the viewer's threads and of its loop: the kind of the error and its place, and nothing of what was said."""
+    for name in ("traceback", "print"):
+        monkeypatch.setattr(_threadpool_exceptions, name, None, raising=False)  # put back afterwards
+    faults.mend()
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(fail).add_done_callback(_threadpool_exceptions.print_threadpool_errors)
+    try:
+        fail()
+    except ValueError as error:
+        faults.of_loop(None, {"message": SECRET, "exception": error})
+    lines = [record.getMessage() for record in caplog.records]
+    assert len(lines) == 2 and all(line.endswith(place_of_fail()) for line in lines), lines
+    assert SECRET not in caplog.text and "Traceback" not in caplog.text and capfd.readouterr() == ("", "")
+
+
+def place_of_fail():
+    return f"ValueError in test_left_behind.py, line {fail.__code__.co_firstlineno + 1}"
+
+
+def test_an_error_without_a_trace_has_a_name():
+    assert place_of(KeyError(SECRET)) == "KeyError"
+
+
+def test_a_log_has_few_lines_a_minute_whoever_writes():
+    """And the first of the next one says how many there were more."""
+    brief = Brief(lines=3, seconds=0.3)
+    said = [logging.LogRecord("x", logging.ERROR, "", 0, f"line {k}", (), None) for k in range(50)]
+    assert sum(map(brief.filter, said)) == 3
+    threading.Event().wait(0.35)
+    more = logging.LogRecord("x", logging.ERROR, "", 0, "line %d", (50,), None)
+    assert brief.filter(more) and more.getMessage() == "(47 more lines were left out) line 50"
+
+
+class Pool:
+    """Opens lines that know whether they were closed."""
+
+    def open(self, listener, beside=None):
+        return Link()
+
+
+class Link:
+    closed = False
+
+    def close(self):
+        self.closed = True
+
+
+def test_a_page_that_has_gone_keeps_no_line():
+    """Neither those that it had nor one that it opens on its way; and it forgets those that are closed meanwhile."""
+    links = PageLinks(Pool())
+    first, second = links.open(None), links.open(None)
+    gone = weakref.ref(second)
+    second.close()
+    del second
+    gc.collect()
+    assert gone() is None and not first.closed
+    links.close()
+    assert first.closed and links.open(None).closed
+    links.close()
+
+
+def test_room_is_shared_out():
+    """A network has its part and no more, all together have no more than there is; what is given back is there."""
+    room = Room(of_one=10, of_all=25)
+    assert room.take("10.0.0.1", 6) and not room.take("10.0.0.2", 6) and room.take("10.0.0.2", 4)
+    assert room.take("10.0.1.1", 10) and not room.take("10.0.2.1", 6) and room.take("10.0.2.1", 5) and room.taken == 25
+    room.give_back("10.0.0.9", 6)
+    assert room.taken == 19 and room.take("10.0.0.1", 6) and not room.take("10.0.0.1", 1)
+
+
+class Gui:
+    """Hears what an upload tells the browser."""
+
+    def __init__(self):
+        self._websock_interface = SimpleNamespace(queue_message=lambda _: None)
+
+
+def an_upload(arrived, refused):
+    button = SimpleNamespace(_impl=SimpleNamespace(uuid="box"))
+    return upload.Upload(Gui(), button, lambda name, path: arrived.append(path), refused.append)
+
+
+def start(one, size, transfer="t", who="10.0.0.1"):
+    return one.take(upload.START, {"transfer_uuid": transfer, "filename": "mine.csv", "size_bytes": size,
+                                   "part_count": -(-size // upload.PART_BYTES)}, who)
+
+
+def part(one, content, index=0, transfer="t"):
+    return one.take(upload.PART, {"transfer_uuid": transfer, "part_index": index, "content": content})
+
+
+def test_files_take_room_until_their_visitor_goes(monkeypatch):
+    """Those that came, that which comes, and that which got stuck; the folder goes though somebody still writes."""
+    room, arrived, refused = Room(3_000_000, 5_000_000), [], []
+    monkeypatch.setattr(upload, "ROOM", room)
+    one, other = an_upload(arrived, refused), an_upload(arrived, refused)
+    assert start(one, 3) is None and part(one, b"abc") is None and arrived and room.taken == 3
+    assert start(one, 2_000_000, "t2") is None and room.taken == 2_000_003
+    assert "no room" in start(other, 2_000_000) and refused == [upload.NO_ROOM]
+    assert start(other, 2_000_000, who="10.9.9.9") is None  # of another network
+    assert "on its way" in start(one, 5, "t3")
+    monkeypatch.setattr(upload, "STUCK", 0.0)
+    assert start(one, 5, "t3") is None and room.taken == 2_000_008 and part(one, b"abcde", 0, "t3") is None
+    assert room.taken == 2_000_005  # the newer file is there in place of the older one
+    folders, over = [one.folder, other.folder], threading.Event()
+
+    def write():
+        k = 0
+        while not over.is_set() and folders[0].exists():
+            k += 1
+            try:
+                (folders[0] / f"table-{k}").write_text("x")
+            except OSError:
+                return
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    for each in (one, other):
+        each.close()
+        assert start(each, 3) == "a file for nobody"
+    threading.Timer(0.3, over.set).start()  # as a process that is killed
+    one.clear()
+    other.clear()
+    writer.join()
+    one.clear()
+    assert not any(folder.exists() for folder in folders) and room.taken == 0
+
+
+def test_a_run_gone_bad_is_no_warning():
+    """Positions, and errors, that are no numbers any more."""
+    scene = BarScene(cells=4)
+    bad = np.full((scene.particles, 1), np.inf)
+    view = SimpleNamespace(estimated=bad[:, 0], true=np.full(scene.particles, np.nan), left=SimpleNamespace(sizes=None))
+    arrays = SimpleNamespace(position=bad, displacement=bad)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        WorstRegions().look(SimpleNamespace(scene=scene, status=soundness.UNSTABLE), arrays, view, "x")
+
+
+def test_nothing_is_asked_for_while_the_browser_takes_nothing(here, monkeypatch):
+    """And again from then on when it does; what the browser says of who looks at it holds all the same."""
+    asked, still = [], [0.0]
+    monkeypatch.setattr(doors.Link, "ask", lambda link, scene, pace, frame: asked.append(pace.playing) or len(asked))
+    monkeypatch.setattr(page, "stands_still", lambda client: still[0])
+    with Raw(here[1]) as visitor:
+        visitor.find("Download CSV")
+        token = next(found[1] for text in visitor.html.values() if (found := re.search("data-visitor='([^']*)'", text)))
+        until(lambda: asked[-1], "a run that moves")
+        still[0] = 3.0
+        until(lambda: not asked[-1], "it rests")
+        get(here[1], f"/away/{token}")
+        still[0] = 0.0
+        get(here[1], f"/here/{token}")
+        until(lambda: asked[-1], "it goes on")
+
+
+@pytest.mark.slow
+def test_who_takes_nothing_costs_nothing():
+    """After two seconds nothing is computed for a browser that does not read, which says so itself only much later."""
+    def playing():
+        return json.loads(get(address, "/health")[1])["playing"]
+
+    with serving(frames=30) as (address, _), socket.socket() as line:
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # of what is on its way little is held
+        line.connect(("127.0.0.1", int(address.rpartition(":")[2])))
+        reader = connect(address.replace("http", "ws", 1), sock=line, subprotocols=[PROTOCOL], compression=None,
+                         max_size=None, max_queue=1, ping_interval=None, open_timeout=HANG)
+        reader.send(packed(CAMERA))
+        until(lambda: playing() > 0, "a run")
+        until(lambda: playing() == 0, "it rests")
+        for _ in range(300):  # and takes what there is
+            reader.recv()
+            if playing():
+                break
+        until(lambda: playing() > 0, "it goes on")
+        reader.close()
