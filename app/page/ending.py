@@ -1,11 +1,11 @@
 """The end of the server: orderly if that is done soon, and in any case."""
 
-import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+from solvers.workers.processes import end_after
 
 TIDY = 0.2  # seconds in which Python tidies up when all is done
 INTERRUPTED = 130  # what a shell expects of a process that was ended by Ctrl-C
@@ -17,9 +17,9 @@ def ending(seconds: float) -> Iterator[None]:
     long, the process ends nevertheless. Another Ctrl-C changes nothing."""
     for kind in (signal.SIGINT, signal.SIGTERM):
         signal.signal(kind, signal.SIG_IGN)
-    in_background(_end_after, seconds)
+    in_background(end_after, seconds, INTERRUPTED)
     yield
-    in_background(_end_after, TIDY)
+    in_background(end_after, TIDY, INTERRUPTED)
 
 
 def in_background(work: Callable, *what: object) -> threading.Thread:
@@ -27,9 +27,3 @@ def in_background(work: Callable, *what: object) -> threading.Thread:
     thread = threading.Thread(target=work, args=what, daemon=True)
     thread.start()
     return thread
-
-
-def _end_after(seconds: float) -> None:
-    threading.Event().wait(seconds)
-    sys.stderr.flush()
-    os._exit(INTERRUPTED)

@@ -1,6 +1,6 @@
 """The browser's end of the page's websocket, for who speaks it without a browser."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -30,10 +30,10 @@ class Connection:
 
 
 @asynccontextmanager
-async def connected(address: str) -> AsyncIterator[Connection]:
-    """A connection to the page at ``address`` (host:port), closed in the end."""
+async def connected(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[Connection]:
+    """A connection to the page at ``address`` (host:port), asked for with these headers too, closed in the end."""
     async with client.connect(f"ws://{address}", max_size=LARGEST, compression=None, open_timeout=PATIENCE,
-                              subprotocols=[client.Subprotocol(PROTOCOL)]) as socket:
+                              additional_headers=headers, subprotocols=[client.Subprotocol(PROTOCOL)]) as socket:
         yield Connection(socket)
 
 

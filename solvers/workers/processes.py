@@ -207,6 +207,13 @@ def adopt_orphans() -> None:
     _process_control(SUBREAPER, 1)
 
 
+def end_after(seconds: float, status: int) -> None:
+    """End this process after so many seconds, whatever it does then."""
+    time.sleep(seconds)
+    sys.stderr.flush()
+    os._exit(status)
+
+
 def die_with_parent(wanted: bool) -> None:
     """Have this process killed when its parent ends, or no longer, where that can be."""
     _process_control(PARENT_DEATH_SIGNAL, signal.SIGKILL if wanted else 0)

@@ -1,0 +1,148 @@
+"""A class beside a mob (``tests/mob.py``): its pictures come as before, newcomers come in, and nothing is left behind.
+
+The machine is shared. Calm and riot take turns, with the mob held still meanwhile, and the median of the turns counts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+from app.commands.bench.class_load import CAMERA, SCENE, STORE, Visitor
+from app.viewer.client import connected
+from solvers.workers.processes import LINUX, descendants, free_port
+from tests.app.serving.test_attacks import memory
+from tests.app.serving.test_class_code import enter
+from tests.paths import ROOT
+from tests.processes import HANG, Watch, ended, held, starving, until
+from tests.raw import Raw
+
+pytestmark = pytest.mark.skipif(not LINUX, reason="finds processes in /proc")
+CODE = "wave-4711"
+ENOUGH = 0.9  # of the frames a second without the mob
+WITHIN, ENDS = 3.0, 2.0  # seconds in which a newcomer has the page, and in which the server ends
+MOST_MEMORY = 150  # MB: pages of those of the mob who came in, and frames to look back at
+LOG = 12_000  # bytes of log, however long: some minutes with ten lines and a sum each
+
+
+class Pupil(Visitor):
+    """One of a class, who has the code."""
+
+    cookie = ""
+
+    async def stay(self) -> None:
+        self.asked = monotonic()
+        async with connected(self.address, {"Cookie": self.cookie}) as connection:
+            self._connection = connection
+            await connection.send(CAMERA)
+            async for messages in connection:
+                self._take(messages)
+
+
+class Class:
+    """So many pupils, on a thread of their own, who look at a run that goes on."""
+
+    def __init__(self, address, cookie, count):
+        self.pupils = [Pupil(address) for _ in range(count)]
+        for pupil in self.pupils:
+            pupil.cookie = cookie
+        self.lost, self._loop = [], asyncio.new_event_loop()
+        threading.Thread(target=self._loop.run_forever, daemon=True).start()
+        for pupil in self.pupils:
+            asyncio.run_coroutine_threadsafe(self._visit(pupil), self._loop)
+        until(lambda: all(len(pupil.frames) > 5 for pupil in self.pupils), "frames for all", 120)
+
+    async def _visit(self, pupil):
+        stay = asyncio.create_task(pupil.stay())
+        while not (store := pupil.find(STORE)) and not stay.done():
+            await asyncio.sleep(0.05)
+        with suppress(Exception):
+            await pupil.move(store, json.dumps({"link": SCENE}))
+            await stay
+        self.lost.append(pupil)
+
+    def rate(self, seconds):
+        """The median of the pupils' frames a second."""
+        begun = monotonic()
+        threading.Event().wait(seconds)
+        end = monotonic()
+        return statistics.median(sum(begun <= at < end for at in pupil.frames) / (end - begun) for pupil in self.pupils)
+
+    def go(self):
+        self._loop.call_soon_threadsafe(self._loop.stop)
+
+
+def left():
+    """What processes leave behind on this machine: shared memory, and folders of files."""
+    return {*Path("/dev/shm").glob("psm_*"), *Path(tempfile.gettempdir()).glob("mpm-lab-[!tb]*")}
+
+
+def newcomer(address, cookie, k):
+    """Seconds until somebody who has just come has all of the page, in which the machine let all of it run."""
+    with starving() as waited:
+        begun = monotonic()
+        with Raw(f"http://{address}", {"Cookie": cookie}, source_address=(f"127.0.9.{k + 1}", 0)) as one:
+            one.find("Download CSV")
+            return monotonic() - begun - waited()
+
+
+@pytest.mark.parametrize(("pupils", "seconds", "turns"), [
+    (2, 1.0, 2), pytest.param(30, 5.0, 8, marks=pytest.mark.slow)])
+def test_a_class_beside_a_mob(pupils, seconds, turns):
+    before, port = left(), free_port()
+    address, log = f"127.0.0.1:{port}", []
+    command = [sys.executable, "-m", "app", "serve", "--port", str(port), "--code", CODE, "--no-warm-up",
+               "--max-sessions", "120", "--frames", "20"]
+    with ExitStack() as stack:
+        server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+        stack.callback(server.kill)
+        assert "mpm-lab is at" in server.stderr.readline()
+        threading.Thread(target=lambda: log.extend(server.stderr), daemon=True).start()
+        cookie = enter(f"http://{address}", CODE)[2][1]
+        class_ = Class(address, cookie, pupils)
+        mob = subprocess.Popen([sys.executable, "-m", "tests.mob", address, CODE], cwd=ROOT, stdout=subprocess.PIPE)
+        stack.callback(mob.kill)
+        assert mob.stdout.readline() == b"here\n"
+        class_.rate(2 * seconds)
+        shares, comes, grown = [], [], [memory(server.pid)]
+        for turn in range(turns):
+            with held([mob.pid]):
+                threading.Event().wait(0.5)
+                calm = class_.rate(seconds)
+            riot = class_.rate(seconds)
+            shares.append(riot / max(calm, 1e-9))
+            assert enter(f"http://{address}", CODE)[0] == 200
+            comes.append(newcomer(address, cookie, turn))
+            grown.append(memory(server.pid))
+        assert mob.poll() is None and not class_.lost
+        family = descendants(server.pid)
+        watch = Watch(server.pid)
+        server.send_signal(signal.SIGTERM)
+        until(lambda: ended(server.pid), "the end", pause=0.005)
+        end = watch.seconds
+        mob.kill()
+        class_.go()
+        assert server.wait(HANG) in (0, 130)
+    until(lambda: all(map(ended, family)), "its processes ended")
+    written = sum(map(len, log))
+    print(f"{pupils} pupils: {calm:.1f} frames/s at last without, times {', '.join(f'{s:.2f}' for s in shares)} with; "
+          f"newcomers in after {', '.join(f'{s:.2f}' for s in comes)} s; {', '.join(f'{m:.0f}' for m in grown)} MB; "
+          f"{written} bytes of log; ended in {end:.2f} s")
+    assert max(comes) < WITHIN and end < ENDS
+    assert grown[-1] - grown[1] < MOST_MEMORY
+    assert written < LOG and not re.search("Traceback|Warning|leaked", "".join(log)), "".join(log)
+    assert left() <= before
+    if turns > 2:
+        assert statistics.median(shares) >= ENOUGH
