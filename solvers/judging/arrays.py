@@ -42,7 +42,7 @@ def from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limits = LI
 def with_scene(raw: Raw, line: object) -> Raw:
     """The file with what it says of its scene."""
     said = read_line(raw.file, line, raw.cells)
-    return raw if said is None else replace(raw, said=said, cells=said.inputs.get("cells", raw.cells))
+    return raw if said is None else replace(raw, said=said, cells=said.inputs.get("cells", raw.cells), step=said.step)
 
 
 def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
@@ -63,7 +63,7 @@ def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits
             rows[name] = np.repeat(array, P)
         elif array.shape[:2] == (T, P):
             rows[name] = array.reshape(T * P, *array.shape[2:])
-        elif len(array) == P and _key(name) in ("id", "X"):
+        elif len(array) == P and _key(name) in ("id", "X", "mass", "volume"):
             rows[name] = np.tile(array, (T,) + (1,) * (array.ndim - 1))
         else:
             raise FileError(path, f"has {quoted(name)} of the shape {array.shape} beside {T} times of {P} particles; "

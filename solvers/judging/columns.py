@@ -1,7 +1,7 @@
 """What the columns of a file of particles may be called, what they mean, and how they are put together.
 
-A quantity has one key here: ``t``, ``id``, ``X`` (material position), ``x`` (position), ``v``, ``F`` and ``sigma``. A
-file has it as an array or as one column for each component.
+A quantity has one key here: ``t``, ``id``, ``X`` (material position), ``x`` (position), ``v``, ``F``, ``sigma``,
+``mass`` and ``volume``. A file has it as an array or as one column for each component.
 """
 
 import itertools
@@ -22,9 +22,10 @@ NAMES = {"t": ("t", "time", "timevalue"),
          "x": ("x", "position", "positions", "points", "coordinates", "coords"),
          "v": ("v", "velocity", "velocities"),
          "F": ("f", "deformation_gradient", "defgrad"),
-         "sigma": ("sigma", "stress", "cauchy_stress", "s")}
+         "sigma": ("sigma", "stress", "cauchy_stress", "s"),
+         "mass": ("mass", "masses", "particle_mass"), "volume": ("volume", "volumes", "particle_volume")}
 LETTERS = "xyz"
-VECTORS, TENSORS = ("X", "x", "v"), ("F", "sigma")
+SCALARS, VECTORS, TENSORS = ("t", "id", "mass", "volume"), ("X", "x", "v"), ("F", "sigma")
 SEPARATORS = ("", "_", ":", ".", "-")
 
 
@@ -103,7 +104,7 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{key} has {n}" for key, n in lengths.items())
         raise FileError(path, f"has columns of several lengths ({told}); give a row for each particle in all of them")
-    if not columns or not next(iter(lengths.values())):
+    if not columns.keys() - {"mass", "volume"} or not next(iter(lengths.values())):
         some = ", ".join(quoted(name, 30) for name in list(named)[:8]) or "nothing"
         raise FileError(path, f"holds no particles that are known by name, but {some}; give columns such as id, x, vx")
     if "t" in columns:
@@ -113,7 +114,7 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
 
 def _shaped(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
     """An array (n, ...) as (n,), (n, d) or (n, d, d)."""
-    if key in ("t", "id"):
+    if key in SCALARS:
         if values.ndim != 1:
             raise FileError(path, f"has {quoted(name)} of the shape {values.shape}; give one number for each particle")
         return values

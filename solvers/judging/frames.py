@@ -33,6 +33,7 @@ class Said:
 
     problem: str
     inputs: Mapping[str, Any]
+    step: float | None = None  # of its run, s
 
 
 @dataclass(frozen=True)
@@ -47,12 +48,14 @@ class Raw:
     time: float | None = None
     cells: int | None = None
     said: Said | None = None
+    step: float | None = None  # of its run in s, where it says that
 
 
 @dataclass(frozen=True)
 class Frame:
     """P particles at a ``time``: material position and position (P, D), what there is of velocity (P, D), F and Cauchy
-    stress (P, D, D), and the ``number`` (P,) of each in the file, its id where it has one."""
+    stress (P, D, D), mass in kg and volume in m^D (P,), and the ``number`` (P,) of each in the file, its id where it
+    has one."""
 
     file: str
     time: float
@@ -62,15 +65,19 @@ class Frame:
     velocity: np.ndarray | None = None
     deformation_gradient: np.ndarray | None = None
     stress: np.ndarray | None = None
+    mass: np.ndarray | None = None
+    volume: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
 class Grid:
-    """The frames of one run, by their times; ``notes`` are sentences about what was found in the files."""
+    """The frames of one run, by their times; ``notes`` are sentences about what was found in the files, ``step`` is
+    that of the run in s where they say it."""
 
     cells: int
     frames: tuple[Frame, ...]
     notes: tuple[str, ...] = ()
+    step: float | None = None
 
     @property
     def times(self) -> np.ndarray:

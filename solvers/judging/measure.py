@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
-from solvers.judging.frames import Frame, Grid
+from solvers.judging.frames import Frame
 from solvers.judging.handout import carried, solution
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -22,9 +22,6 @@ from solvers.solver.rounding import rounding
 
 QUANTITIES = ("x", "v", "sigma")
 Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
-APART = 20.0  # times the usual distance from its neighbours' error, from where on a particle is by itself
-LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave up to .01 on evenly laid particles
-NEIGHBOURS = 8  # particles of a group that share their error, at least about
 
 
 def truth(scene: Scene, frame: Frame) -> Errors:
@@ -129,66 +126,6 @@ def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> W
     return WorstParticle(size, int(frames[k].number[p]), place, frames[k].time, frames[k].file)
 
 
-@dataclass(frozen=True)
-class Apart:
-    """Particles that are not where their neighbours are: ``which`` (n,) of a frame, and how far (n,) in m."""
-
-    frame: Frame
-    which: np.ndarray
-    far: np.ndarray
-
-    def to_dict(self, scene: Scene) -> dict:
-        worst = int(np.argmax(self.far))
-        X = self.frame.material_position[self.which]
-        return {"t": self.frame.time, "file": self.frame.file, "count": len(self.which),
-                "share": len(self.which) / len(self.frame.number), "farthest": float(self.far[worst]),
-                "farthest_over_h": float(self.far[worst]) / scene.spacing,
-                "particle": int(self.frame.number[self.which[worst]]), "X": X[worst].tolist(),
-                "from": X.min(axis=0).tolist(), "to": X.max(axis=0).tolist()}
-
-
-def apart(scene: Scene, frames: Sequence[Frame], errors: Sequence[Errors]) -> Apart | None:
-    """The frame in which most particles are by themselves; None where none is in any."""
-    found = [_by_themselves(scene, frame, e["x"]) for frame, e in zip(frames, errors, strict=True)]
-    most = max(found, key=lambda one: len(one.which))
-    return most if len(most.which) else None
-
-
-def _by_themselves(scene: Scene, frame: Frame, error: np.ndarray) -> Apart:
-    """An error of x is a smooth field but for noise of the method: particles whose error is far from the middle one of
-    their neighbours', by the measure of all others, have been moved by something else."""
-    X = frame.material_position
-    # Blocks of two cells, for one has few particles; a block at the rim has fewer, and shares with none.
-    width = scene.spacing * max(2.0, NEIGHBOURS / scene.ppc if X.shape[1] == 1 else 2.0)
-    block = np.unique((X // width).astype(int), axis=0, return_inverse=True)[1].ravel()
-    order = np.argsort(block, kind="stable")
-    off = np.zeros_like(error)
-    for group in np.split(order, np.flatnonzero(np.diff(block[order])) + 1):
-        if len(group) >= 3:
-            off[group] = _levelled(X[group], error[group])
-    far = sizes(off)
-    which = np.flatnonzero(far > max(APART * float(np.median(far)), LEAST_APART * scene.spacing))
-    return Apart(frame, which, far[which])
-
-
-def _levelled(X: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Errors (n, D) of a group less a plane through most of them, which a few that are far off do not tilt; of few
-    particles less the middle one."""
-    if len(X) < 6:
-        return error - np.median(error, axis=0)
-    A = np.hstack([np.ones((len(X), 1)), X - X.mean(axis=0)])
-    kept = np.ones(len(X), bool)
-    rest = error
-    for _ in range(4):  # fits without the farthest, as long as there are enough
-        plane = np.linalg.lstsq(A[kept], error[kept], rcond=None)[0]
-        rest = error - A @ plane
-        far = sizes(rest)
-        before, kept = kept, far <= max(3 * float(np.median(far)), 1e-300)
-        if kept.sum() <= A.shape[1] or np.array_equal(kept, before):
-            break  # a plane through the same ones would be the same
-    return rest
-
-
 def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
     """Which particles (P,) of each frame are in another cell than at the time before, or than where they began."""
     before, corner = None, PROBLEMS[scene.problem].reference.grid_corner(scene)
@@ -225,16 +162,3 @@ def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[E
 def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
     """How far estimates are from the truth particle by particle, over the size of the truth."""
     return index(series(differences(estimates, errors)), series(errors))
-
-
-def law_kept(scene: Scene, grid: Grid) -> float | None:
-    """Where a file has F and the stress: how far the stress is from what F gives by the law of the material, over its
-    size, at most; None where no file has both."""
-    worst = None
-    for frame in grid.frames:
-        if frame.stress is None or frame.deformation_gradient is None:
-            continue
-        own = PROBLEMS[scene.problem].reference.stress(scene, frame.deformation_gradient)
-        size = rms(own)
-        worst = max(worst or 0.0, rms(frame.stress - own) / size if size > 0 else 0.0)
-    return worst

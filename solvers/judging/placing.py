@@ -37,13 +37,15 @@ def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
     reference = PROBLEMS[scene.problem].reference
     frames: dict[int, list[Frame]] = {}
     notes: dict[int, list[str]] = {}
+    steps: dict[int, float | None] = {}
     for k, raw in enumerate(files):
         count = raw.cells if raw.cells is not None else (cells or [scene.cells])[k if len(cells) > 1 else 0]
         own = _scene_of(raw.file, scene, count)
         found, said = _frames(raw, own, reference, times[k] if times else None)
         frames.setdefault(count, []).extend(found)
         notes.setdefault(count, []).extend(said)
-    return [Grid(count, _in_order(frames[count], scene), tuple(dict.fromkeys(notes[count])))
+        steps[count] = raw.step if raw.step is not None else steps.get(count)
+    return [Grid(count, _in_order(frames[count], scene), tuple(dict.fromkeys(notes[count])), steps[count])
             for count in sorted(frames)]
 
 
@@ -65,7 +67,9 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
                                   f"or the material position ({spelled('X', D)})")
     times = _times(raw, given)
     check_length(raw.file, scene, float(times.max()))
-    whole = {key: _in_plane(raw, key, scene, D) for key in ("x", "X", "v", "F", "sigma") if key in columns}
+    whole: dict[str, np.ndarray] = {key: _in_plane(raw, key, scene, D)
+                                    for key in ("x", "X", "v", "F", "sigma") if key in columns}
+    whole.update({key: columns[key] for key in ("mass", "volume") if key in columns})
     for key, values in whole.items():
         _check_finite(raw, key, values, times)
     _check_directions(raw, scene, D)
@@ -79,14 +83,11 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         part = {key: values[at] for key, values in whole.items()}
         who = number[at] if "id" in columns else np.arange(len(times[at]))
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
-                      part.get("sigma"))
+                      part.get("sigma"), part.get("mass"), part.get("volume"))
         _check_once(frame)
         if "X" not in columns:
             _check_beginning(frame, scene)
         found.append(frame)
-    count = len(reference.start(scene).volume)
-    if "id" in columns and (short := count - min(len(frame.number) for frame in found)) > 0:
-        notes.append(f"{short:,} of {count:,} particles are not in {quoted(raw.file)}")
     return found, notes
 
 

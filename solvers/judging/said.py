@@ -47,11 +47,19 @@ def read_line(file: str, text: object, cells: int | None) -> Said | None:
     if not isinstance(problem, str) or problem not in PROBLEMS:
         raise FileError(file, f"says that it is of a problem that is none here; {HINT}")
     said = Said(problem, {key_field(key): value for key, value in inputs.items()
-                          if key_field(key) not in NOT_OF_THE_PROBLEM})
+                          if key_field(key) not in NOT_OF_THE_PROBLEM}, _step(problem, inputs))
     own = scene(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
         raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
     return said
+
+
+def _step(problem: str, inputs: Mapping[str, Any]) -> float | None:
+    """The time step in s of the run that is said; None where that is none."""
+    try:
+        return PROBLEMS[problem].scene(**{key_field(key): value for key, value in inputs.items()}).time_step
+    except (SceneError, TypeError, ValueError, OverflowError):
+        return None
 
 
 def scene(file: str, said: Said) -> Scene:

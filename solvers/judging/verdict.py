@@ -12,10 +12,13 @@ import numpy as np
 
 from solvers.judging import measure
 from solvers.judging.arrays import from_arrays
+from solvers.judging.checks.alone import Apart
+from solvers.judging.checks.evidence import Evidence
+from solvers.judging.checks.listed import Checks
 from solvers.judging.fitting import placed
 from solvers.judging.frames import FileError, Grid, Raw
 from solvers.judging.limits import LIMITS, Limits
-from solvers.judging.measure import QUANTITIES, Apart, Companions, Errors, WorstParticle
+from solvers.judging.measure import QUANTITIES, Companions, Errors, WorstParticle
 from solvers.judging.placing import SAME, check_origin
 from solvers.judging.reading import read
 from solvers.scene.rules import SceneError
@@ -27,7 +30,6 @@ if TYPE_CHECKING:
     from solvers.judging.ours import Ours
 
 SCHEMA = "mpm-lab/judge/1"
-OTHER_LAW = 1e-3  # of the stress: a file whose stress is farther from what its F gives has another material
 Progress = Callable[[float, str], None]
 Particles = str | os.PathLike | Mapping[str, Any] | Raw
 
@@ -54,7 +56,14 @@ class GridJudgement:
     @functools.cached_property
     def apart(self) -> Apart | None:
         """The frame in which most particles are not where their neighbours are."""
-        return measure.apart(self.scene, self.grid.frames, self.best)
+        return self.checks.alone.most if self.checks.alone else None
+
+    @functools.cached_property
+    def checks(self) -> Checks:
+        """What was compared beside the errors, with what tolerance."""
+        again = functools.partial(measure.truth, self.scene) if self.true else self.companions.errors
+        return Checks(Evidence(self.scene, self.grid.frames, self.best, again,
+                               self.grid.step or self.scene.time_step))
 
     @property
     def best(self) -> list[Errors]:
@@ -80,7 +89,8 @@ class GridJudgement:
         doubts = [self.companions.doubt(frame) for frame in frames]
         return {
             "cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
-            "particles": len(frames[-1].number), "times": times.tolist(), "notes": list(self.notes()),
+            "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
+            "checks": [check.to_dict() for check in self.checks.listed],
             "error": None if true is None else measure.summarised(times, true),
             "norms": None if true is None else measure.listed(true),
             "estimate": {"companion": measure.summarised(times, estimates), "norms": measure.listed(estimates),
@@ -95,13 +105,8 @@ class GridJudgement:
     def notes(self) -> list[str]:
         """Sentences about what was found in the files."""
         missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
-        notes = [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
-                                     for q in missing)]
-        broken = measure.law_kept(self.scene, self.grid)
-        if broken is not None and broken > OTHER_LAW:
-            notes.append(f"the stress in the files is up to {broken:.2g} of itself off what their F gives by the "
-                         "problem's law: another material, or another measure of stress")
-        return notes
+        return [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
+                                    for q in missing), *self.checks.notes()]
 
 
 NAMES = {"x": "position", "v": "velocity", "sigma": "stress (nor F)"}

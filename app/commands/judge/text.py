@@ -10,6 +10,8 @@ from app.lessons.markup import html
 from app.problems.views import VIEWS
 from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, title, with_unit
+from solvers.judging.checks.alone import NAMES
+from solvers.judging.checks.check import OFF
 from solvers.judging.measure import QUANTITIES as JUDGED
 from solvers.judging.verdict import Judgement
 from solvers.outside.quoting import code, file_name, markdown
@@ -20,6 +22,7 @@ CAPTIONS = {"norms.png": "Error norms over time: against the truth where there i
             "order.png": "Largest errors over the cell size, beside our own methods"}
 #: Inputs that some problems have: their keys, names and units.
 OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
+BY_PLACE = NAMES["x"]  # told in its own words
 HERE = Path(__file__).parent
 
 
@@ -81,6 +84,8 @@ def _verdict(g: dict, values: dict) -> str:
                          f"{_size(best['error']['x']['max'], 'x')} (these particles: "
                          f"{ratio(x / best['error']['x']['max'])} "
                          f"times), and {_method(worst)} the most, {_size(worst['error']['x']['max'], 'x')}.")
+    sentences += [f"**{_sentence(check['says'])}**" for check in g["checks"] if check["verdict"] == OFF
+                  and check["check"] != BY_PLACE]
     if found := g["neighbour_gap"]:
         sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
                          f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
@@ -90,13 +95,19 @@ def _verdict(g: dict, values: dict) -> str:
     return " ".join(sentences)
 
 
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
+
+
 def _grid(g: dict, values: dict, several: bool) -> str:
     parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g), _worst(g, values["problem"])]
     parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
+    parts += [_checks(g)]
     if g["ours"]:
         parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
-    if g["notes"]:
-        parts.append("\n".join(f"* {markdown(note)}" for note in g["notes"]))
+    told = {check["says"] for check in g["checks"]}  # in the table, and above
+    if notes := [note for note in g["notes"] if note not in told]:
+        parts.append("\n".join(f"* {markdown(note)}" for note in notes))
     parts.append("Files: " + ", ".join(code(file_name(file)) for file in g["files"][:20])
                  + (f" and {len(g['files']) - 20} more" if len(g["files"]) > 20 else "") + ".")
     return "\n\n".join(parts)
@@ -119,6 +130,15 @@ def _worst(g: dict, problem: str) -> str:
             for q, found in g["worst"].items() if found]
     return "Worst of all particles and times:\n\n" + grid(
         ["error of", "size", "particle", "X", "where", "t", "file"], rows, words=("error of", "where", "file"))
+
+
+def _checks(g: dict) -> str:
+    """Everything that was compared, whatever came of it."""
+    rows = [[check["check"], _number(check["measured"]), _number(check["tolerance"]), check["unit"], check["verdict"],
+             check["says"]] for check in g["checks"]]
+    return "What was compared, with what tolerance:\n\n" + grid(
+        ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
+        words=("compared", "in", "verdict", "remark"))
 
 
 def _ours(g: dict) -> str:
@@ -161,6 +181,10 @@ def _region(problem: str, X: list[float]) -> str:
 
 def _size(value: Any, quantity: str) -> str:
     return NOTHING if value is None else f"{value:.3e} {QUANTITIES[quantity].unit}"
+
+
+def _number(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.3g}"
 
 
 def _ratio(value: float | None) -> str:

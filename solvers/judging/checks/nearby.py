@@ -1,0 +1,76 @@
+"""Who is near whom: points sorted into bins, so that the nearest are looked for in a few of them."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+IN_A_BIN = 3.0  # points, about: nine bins of the plane then hold some thirty
+MOST_IN_A_BIN = 64  # of one bin that are looked at; more of them on one spot tell nothing new
+MOST_ASKED = 50_000  # points of many: what they say all would
+AT_ONCE = 2_000_000  # candidates that are looked at in one go
+
+
+class Nearby:
+    """Points (P, D), of which the nearest to others can be asked for, as far as ``width`` at least."""
+
+    def __init__(self, points: np.ndarray, width: float | None = None):
+        self._points, D = points, points.shape[1]
+        self._corner = points.min(axis=0)
+        self.width = width or self._usual_width()
+        own = self._bin(points)
+        self._shape = own.max(axis=0) + 3  # an empty bin on every side
+        number = self._number(own)
+        self._order = np.argsort(number, kind="stable")
+        self._number_of = number[self._order]
+        self._offsets = np.array(list(itertools.product((-1, 0, 1), repeat=D)))
+
+    def nearest(self, asked: np.ndarray, count: int, skip_itself: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """Distances (n, count) of the nearest points to ``asked`` (n, D) in growing order, and which they are; infinite
+        where there are fewer in the bins around. ``skip_itself`` where the points themselves are asked for."""
+        most = min(MOST_IN_A_BIN, int(np.unique(self._number_of, return_counts=True)[1].max()))
+        step = max(1, AT_ONCE // (most * len(self._offsets)))
+        parts = [self._some(asked[k:k + step], count, k if skip_itself else None, most)
+                 for k in range(0, len(asked), step)]
+        return np.concatenate([far for far, _ in parts]), np.concatenate([who for _, who in parts])
+
+    def among(self, asked: np.ndarray) -> np.ndarray:
+        """Distances (n,) to the nearest point, of at most ``MOST_ASKED`` spread over those that are asked for."""
+        return self.nearest(asked[::-(-len(asked) // MOST_ASKED)], 1)[0][:, 0]
+
+    def _some(self, asked: np.ndarray, count: int, first: int | None, most: int) -> tuple[np.ndarray, np.ndarray]:
+        around = self._bin(asked)[:, None, :] + self._offsets
+        inside = ((around >= -1) & (around < self._shape - 1)).all(axis=2)
+        number = np.where(inside, self._number(np.where(inside[..., None], around, 0)), -1)
+        slot = np.searchsorted(self._number_of, number)[:, :, None] + np.arange(most)
+        there = np.minimum(slot, len(self._order) - 1)
+        there_is = (slot < len(self._order)) & (self._number_of[there] == number[:, :, None])
+        who = self._order[there].reshape(len(asked), -1)
+        far = np.linalg.norm(self._points[who] - asked[:, None, :], axis=2)
+        far[~there_is.reshape(len(asked), -1)] = np.inf
+        if first is not None:
+            far[who == np.arange(first, first + len(asked))[:, None]] = np.inf
+        if far.shape[1] < count:
+            far = np.pad(far, ((0, 0), (0, count - far.shape[1])), constant_values=np.inf)
+            who = np.pad(who, ((0, 0), (0, count - who.shape[1])))
+        chosen = np.argsort(far, axis=1, kind="stable")[:, :count]
+        return np.take_along_axis(far, chosen, 1), np.take_along_axis(who, chosen, 1)
+
+    def _usual_width(self) -> float:
+        """A bin that holds ``IN_A_BIN`` points where there are any at all: a ring is empty in the middle."""
+        P, D = self._points.shape
+        reach = float(np.ptp(self._points, axis=0).max()) or 1.0
+        width = reach / max(1.0, P ** (1 / D))
+        used = len(np.unique(((self._points - self._corner) / width).astype(int), axis=0))
+        return width * (IN_A_BIN * used / P) ** (1 / D)
+
+    def _bin(self, points: np.ndarray) -> np.ndarray:
+        place = np.floor((points - self._corner) / self.width)
+        return np.clip(place, -10, 2**31 // 4).astype(int)
+
+    def _number(self, bins: np.ndarray) -> np.ndarray:
+        number = np.zeros(bins.shape[:-1], int)
+        for k in range(bins.shape[-1]):
+            number = number * int(self._shape[k]) + bins[..., k] + 1
+        return number
