@@ -159,8 +159,7 @@ def test_moved_particles_are_found_with_their_place(problem, tmp_path):
     judged = judge(scene, file)
     [grid] = judged.to_dict()["grids"]
     found = set(judged.grids[0].apart.which)
-    # Of the vortex one stands in a block of the rim with but one other, which tells nothing of it.
-    assert found <= set(moved) and len(found) == len(moved) - (problem == "vortex")
+    assert found == set(moved)
     assert grid["neighbour_gap"]["farthest_over_h"] == pytest.approx(0.1, rel=0.2)
     assert grid["neighbour_gap"]["particle"] in moved and grid["worst"]["x"]["particle"] in moved
     assert grid["worst"]["x"]["X"] in X[moved].tolist()
