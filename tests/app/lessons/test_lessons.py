@@ -77,7 +77,7 @@ CHOSEN: dict[str, dict[str, str]] = {
         "what-did-the-filter-alone-do": "It breaks too", "a-ring-that-does-not-stay-round": "Neither"},
     "09-four-judges": {
         "who-falls-silent": "two-grid and recovered", "better-than-saying-zero": "No, it is farther from the truth",
-        "a-free-rim": "It grows with the number of cells", "a-bar-that-is-left-alone": "ok",
+        "a-free-rim": "It grows with the number of cells", "a-bar-that-is-left-alone": "lost",
         "who-saw-it": "recovered and companion"}}
 LONG = ("07", "09")  # lessons that run what tests of the Cost tab and of each estimator run, for half a minute each
 
