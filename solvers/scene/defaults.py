@@ -59,6 +59,12 @@ class SceneDefaults:
         samples of its run are held against."""
 
     @property
+    def lattice_gap(self) -> float:
+        """By how much, as RMS in amplitudes, the exact motion at its largest moves neighbours otherwise than the mean
+        of their deformation says, because they are few."""
+        return 0.0
+
+    @property
     def drift_speed(self) -> float:
         """The speed in m/s at which the body as a whole moves on."""
         return 0.0

@@ -36,7 +36,7 @@ class Contradiction:
 
 
 CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
-    # D <= 2 rms(e_x) and what F adds: derived, not fitted.
+    # D <= 2 rms(e_x) and what F adds, beside what few particles do (``scene.lattice_gap``): derived, not fitted.
     Contradiction("neighbour_gap", 0.2,
                   "neighbouring particles no longer stand where their deformation says (off by {size} of the "
                   "amplitude); do not trust positions or stress"),
@@ -77,7 +77,8 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
     """
     series = {**series, "balance_gap": balance_gap(scene, series)}
     A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if registry.ESTIMATORS[n].judges]
-    rules = {name: (series[name], rule.most, A, rule.sentence) for name, rule in CONTRADICTIONS.items()}
+    rules = {name: (series[name], rule.most + (scene.lattice_gap if name == "neighbour_gap" else 0.0), A, rule.sentence)
+             for name, rule in CONTRADICTIONS.items()}
     rules["error_x"] = (series["error_x"], MOST_ERROR, A, "the particles have lost the solution (the true error of x "
                                                           "is {size} of the amplitude)")
     for name in judges:

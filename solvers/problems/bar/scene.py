@@ -83,6 +83,13 @@ class BarScene(Scene):
         return not self.is_patch
 
     @property
+    def lattice_gap(self) -> float:
+        """The sine moves neighbours dX from each other by 2 A sin(pi dX) cos(2 pi X_m), X_m in their middle, and the
+        mean of the two F says 2 pi dX A cos(pi dX) cos(2 pi X_m): 0.21 with four particles, 0.03 with eight."""
+        half = math.pi / self.particles
+        return math.sqrt(0.5) * abs(2 * math.sin(half) - 2 * half * math.cos(half)) if self.swings else 0.0
+
+    @property
     def drift_speed(self) -> float:
         return abs(self.initial_velocity) if self.is_patch else 0.0
 

@@ -94,6 +94,19 @@ def test_the_rings_contradictions_are_what_they_say(layout, simulate):
     assert shape == pytest.approx(np.sqrt((np.sum(hoop**2) + scatter) / len(X)), rel=1e-8)
 
 
+@pytest.mark.parametrize("cells", [4, 7, 8, 40])
+def test_few_particles_of_the_exact_bar_are_no_contradiction(cells):
+    """What neighbours of the exact motion at its largest miss by is what the scene allows them beside the rule's share;
+    four of them would be condemned."""
+    scene = BarScene(cells=cells, ppc=1, estimators=(), effects=("soundness",))
+    X = (np.arange(cells) + 0.5) / cells
+    u, F = np.sin(2 * np.pi * X), 2 * np.pi * np.cos(2 * np.pi * X)
+    miss = np.roll(u, -1) - u - (F + np.roll(F, -1)) / (2 * cells)
+    assert scene.lattice_gap == pytest.approx(np.sqrt(np.mean(miss**2)), rel=1e-9)
+    result = run(replace(scene, method="bspline", amplitude=0.01, cfl=0.05, periods=0.1, velocity="particle"))
+    assert result.status == "ok"
+
+
 def test_adrift_and_out_of_shape_are_lower_bounds_of_the_error(simulate):
     """Strict: the exact motion neither drifts nor differs around a circle. Of broken runs and sound ones alike."""
     bar = simulate(replace(ONE_EACH, linearity_preserving=True, ppc=4, amplitude=0.1, cfl=0.3, periods=45))
