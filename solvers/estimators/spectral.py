@@ -5,6 +5,7 @@ integrals ("collocation") the mass matrix is diagonal and the error of smooth fi
 (Patera 1984; Komatitsch & Vilotte 1998). Set-up only: everything here is numpy, once a run.
 """
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,12 +69,15 @@ class Elements:
         return element, values, values @ self.derivative
 
 
+@functools.cache  # asked for wherever something is read off
 def lobatto(order: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Lobatto-Legendre points in [-1, 1] and weights: +-1 and the roots of P_p', w = 2/(p (p+1) P_p^2)."""
     highest = np.append(np.zeros(order), 1.0)
     inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
     points = np.concatenate([[-1.0], inner, [1.0]])
-    return points, 2 / (order * (order + 1) * legendre.legval(points, highest) ** 2)
+    weights = 2 / (order * (order + 1) * legendre.legval(points, highest) ** 2)
+    points.flags.writeable = weights.flags.writeable = False
+    return points, weights
 
 
 def differentiation(points: np.ndarray) -> np.ndarray:

@@ -127,8 +127,8 @@ class Judgement:
 
     def largest(self, judged: GridJudgement, quantity: str) -> float:
         """The largest norm over the times that all grids have, without the start; NaN without any."""
-        common = [t for t in self.common_times() if t > 0]
-        at = [k for k, t in enumerate(judged.grid.times) if any(abs(t - c) <= SAME * self.scene.period for c in common)]
+        common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
+        at = [k for k, t in enumerate(judged.grid.times) if (np.abs(common - t) <= near).any()]
         values = judged.norms[quantity][at]
         return float(values.max()) if len(values) and np.isfinite(values).all() else float("nan")
 
