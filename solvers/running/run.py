@@ -10,6 +10,7 @@ import numpy as np
 from solvers.problems import PROBLEMS
 from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
+from solvers.scene.step_bound import margin_unit
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.checked import as_large_as_itself
@@ -89,7 +90,8 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     else:
         rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may not have been one with a look
     final = solver.snapshot()
-    series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step)
+    series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step,
+                          margin_unit(scene))
     not_valid = solver.not_valid()
     status, reason, broken_at = _status(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})

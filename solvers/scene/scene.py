@@ -23,7 +23,7 @@ from solvers.scene.effects import ALL, EFFECTS
 from solvers.scene.remedies import FROZEN
 from solvers.scene.remembered import Remembered
 from solvers.scene.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
-from solvers.scene.step_bound import SAFE, of_scene
+from solvers.scene.step_bound import SAFE, StepBound, of_scene, of_step
 
 MOST_PARTICLES = 1_000_000  # on a processor
 MOST_ON_GPU = 50_000_000
@@ -145,9 +145,8 @@ class Scene(SceneDefaults, ABC, Remembered):
         """Number of particles."""
 
     @abstractmethod
-    def critical_time_step(self) -> float:
-        """The longest step in seconds that the motion ahead bears by linear theory, worked out anew: see
-        :attr:`step_bound`."""
+    def critical_time_step(self) -> StepBound:
+        """The longest step that the motion ahead bears by linear theory, worked out anew: see :attr:`step_bound`."""
 
     @abstractmethod
     def _check_amplitude(self) -> None:
@@ -155,11 +154,7 @@ class Scene(SceneDefaults, ABC, Remembered):
 
     def warnings(self) -> list[str]:
         """Sentences about what is allowed but will surprise."""
-        sentences = []
-        if self.time_step > self.step_bound:
-            sentences.append(f"time step {self.time_step:.3g} s (cfl {self.courant_number:.2g}): above the "
-                             f"{self.step_bound:.3g} s that this motion bears by linear theory; expect the run to go "
-                             f"unstable (--dt auto takes {SAFE * self.step_bound:.3g} s)")
+        sentences = of_step(self)
         if "truth" in self.effects and not self.solution_known:
             sentences.append(f"body force {self.body_force}: no exact solution is built in, so the true error is "
                              "unknown")
@@ -180,7 +175,7 @@ class Scene(SceneDefaults, ABC, Remembered):
     @property
     def step_bound(self) -> float:
         """The longest step in seconds that the motion ahead bears by linear theory (``solvers.scene.step_bound``)."""
-        return of_scene(self)
+        return of_scene(self).longest
 
     @property
     def frozen(self) -> bool:

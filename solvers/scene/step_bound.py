@@ -1,29 +1,78 @@
-"""A bound on the time step that needs no eigenvalues: Gershgorin's circles about the stiffness of the grid.
+"""The longest time step that a scene's motion ahead bears, found before anything has run, and what of it is taken.
 
-Symplectic Euler is stable up to dt = 2/w with w^2 the largest eigenvalue of M^-1 K, K_ij = sum_p k_p V_p grad S_i .
-grad S_j, k_p the tangent modulus in the present configuration. The rows of the similar matrix M^-1/2 K M^-1/2 bound it:
+Along the exact motion, from one extreme to the other, the step is linearised at ``moments`` evenly spaced in time
+(``solvers.scene.linear_stability``). A run's own motion is not quite the exact one; how much less it bears is measured.
+Particles that hat functions or boxes of one width carry through the grid are not where the weights add up (``SHARE``).
+Where material is drawn out to more than twice its length, stretches of a run exceed the exact ones, by the more the
+worse a method's domains follow (``EXCESS``).
+
+With hat functions forces jump where particles cross cells, and in the plane a node beyond a rim that a particle has
+just reached is nearly empty. For that moment it bears hardly any step, and what that does to the run is luck, with
+short steps as with long ones: such a bound is not ``certain``.
+
+A run's own margin comes from its kernels, which need something cheaper than eigenvalues: Gershgorin's circles about
+the stiffness of the grid (:func:`circles`), K_ij = sum_p k_p V_p grad S_i . grad S_j, k_p the tangent modulus in the
+present configuration. The rows of the similar matrix M^-1/2 K M^-1/2 bound its eigenvalues:
 
     dt <= 2/sqrt(max_i sum_p k_p V_p |grad S_ip|/sqrt(m_i) sum_j |grad S_jp|/sqrt(m_j)).
 
 Divided like this a node that a particle's domain only just touches asks for no shorter step: its mass vanishes with the
-square of its gradient. Here the bound is evaluated in numpy along the motion that a scene has ahead, before anything
-has run; a run's own margin comes from its kernels. Source: Gershgorin (1931); for MPM see
-Berzins, "Nonlinear stability and time step selection for the MPM method", Comp. Part. Mech. 5 (2018).
+square of its gradient. Margins are counted in units in which that of the hardest moment ahead is the step over what
+linear theory gives for the motion. Source: Gershgorin (1931).
 """
 
 import functools
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-SAFE = 0.7  # of the bound: what a nonlinear run stands; measured limits are about 0.75 of linear theory
+from solvers.scene.linear_stability import TOUCHED, longest
+from solvers.scene.remedies import PIECES
+
+SAFE = 0.9  # of the bound
 AT_ONCE = 1e-30  # seconds: an end that every scene may have; a default one takes too many steps where material is stiff
-INSTANTS = 17  # of the motion ahead, from one extreme to the other
-TOUCHED = 1e-12  # share of a particle's mass below which a node carries nothing
+SHARE = {"mpm": 0.88, "ugimp": 0.88}  # of the bound along the exact motion, with weights that move with the particles
+#: By how much less a run bears for each unit of stretch beyond 2: boxes that follow the stretch alone tear in shear.
+EXCESS = {"cpdi": 0.06, "mpm": 0.06, "ugimp": 0.08, "bspline": 0.08, "cpgimp": 0.25, "cpgimp-v": 0.25}
+MOMENTS, MOMENTS_OF_HATS = 9, 33  # with hats a node at a rim that was just reached is nearly empty, for a moment
 
 
-def bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
+class StepBound(NamedTuple):
+    """The longest step for a motion, in seconds: what a run bears, and the exact motion by linear theory; what the
+    circles say at its hardest moment; and whether every moment is like those that were looked at."""
+
+    longest: float
+    linear: float
+    circles: float
+    certain: bool = True
+
+    def on_cells(self, size: float) -> "StepBound":
+        """The same on cells so many times as large."""
+        return StepBound(size * self.longest, size * self.linear, size * self.circles, self.certain)
+
+
+def moments(scene: Any) -> np.ndarray:
+    """Moments of the motion from one extreme, 0, to the other, 1, at which it is looked at."""
+    momentary = scene.method == "mpm" and scene.DIMENSIONS > 1 and not scene.frozen
+    return np.linspace(0, 1, MOMENTS_OF_HATS if momentary else MOMENTS)
+
+
+def bounded(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
+            crossed: bool = False) -> StepBound:
+    """The bound of a motion from one extreme to the other in so many ``seconds``, whose ``limits`` are known at the
+    ``moments``, whose largest ``stretch`` this is, and at whose hardest moment the ``circles`` say this; ``crossed``
+    says whether a particle is in another cell at one moment than at another, in the plane."""
+    if scene.frozen or PIECES in scene.remedies:  # nothing crosses a cell
+        found = longest(limits, seconds)
+        return StepBound(found, found, circles)
+    # Of hats the least: how empty nodes are between two moments is not known.
+    found = float(limits.min()) if scene.method == "mpm" else longest(limits, seconds)
+    less = SHARE.get(scene.method, 1.0) / (1 + EXCESS[scene.method] * max(0.0, stretch - 2))
+    return StepBound(less * found, found, circles, scene.method != "mpm" or not crossed)
+
+
+def circles(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
     """The bound in seconds: ``nodes`` and |grad S| at them (P, K), k V of each particle (P,), the nodes' mass (N,)."""
     carries = mass > TOUCHED * mass.max()
     scaled = np.where(carries[nodes], gradients / np.sqrt(np.where(carries, mass, 1.0))[nodes], 0.0)
@@ -60,12 +109,35 @@ def _hat_integral(s: np.ndarray) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
-def of_scene(scene: Any) -> float:
-    """The bound in seconds for the motion that a scene has ahead, whatever its own step, end and watchers are."""
+def of_scene(scene: Any) -> StepBound:
+    """The bound for the motion that a scene has ahead, whatever its own step, end and watchers are."""
     return _of_motion(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
                               estimators=(), effects=()))
 
 
 @functools.lru_cache(maxsize=64)
-def _of_motion(scene: Any) -> float:
+def _of_motion(scene: Any) -> StepBound:
     return scene.critical_time_step()
+
+
+def of_step(scene: Any) -> list[str]:
+    """Sentences about what a scene's own step will surprise with."""
+    bound, dt = of_scene(scene), scene.time_step
+    if dt > bound.longest:
+        return [f"time step {dt:.3g} s (cfl {scene.courant_number:.2g}): above the {bound.longest:.3g} s that this "
+                "motion bears by linear theory; expect the run to go unstable (--dt auto takes "
+                f"{SAFE * bound.longest:.3g} s)"]
+    if isinstance(scene.dt, str) and not bound.certain:
+        return ["dt auto: with hat functions forces jump where particles cross cells, and nodes that are nearly empty "
+                "for a moment bear hardly any step, so none is safe here for certain; choose another method, or "
+                "--remedies frozen-weights"]
+    return []
+
+
+def margin_unit(scene: Any) -> float:
+    """What a step over the circles is to be multiplied with to be, at the hardest moment of the motion ahead, the step
+    over what linear theory gives for it; 1 where no margin is asked for."""
+    if not scene.has("margin"):
+        return 1.0
+    bound = of_scene(scene)
+    return bound.circles / bound.linear

@@ -48,7 +48,8 @@ def budget_column(estimators: tuple[str, ...], field: int) -> int:
     return column_count(estimators) + len(BUDGET) // len(FIELDS) * field
 
 
-def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: float) -> dict[str, np.ndarray]:
+def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: float,
+         margin_unit: float = 1.0) -> dict[str, np.ndarray]:
     """Rows of samples as named series.
 
     Parameters
@@ -60,6 +61,9 @@ def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: floa
     particles
         Over how many the rows are sums.
     dt : float, s
+    margin_unit
+        What margins are multiplied with, which the kernels count in Gershgorin's circles: see
+        ``solvers.scene.step_bound``.
 
     Returns
     -------
@@ -74,6 +78,7 @@ def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: floa
         names += BUDGET
     series = dict(zip(names, rows.T.copy(), strict=True))
     series["time"] = series.pop("step") * dt
+    series["margin"] *= margin_unit
     for name, values in series.items():
         if name.rpartition("/")[2].startswith(("error_", "estimate_", "difference_", "size_")):
             np.sqrt(values / particles, out=values)

@@ -10,6 +10,7 @@ import numpy as np
 from app.frame.crossings import WINDOW
 from app.page.visit.downsampled import RunSeries
 from solvers.scene.scene import Scene
+from solvers.scene.step_bound import margin_unit
 from solvers.solver import samples
 from solvers.solver.norms import RATIOS, RunningIndex
 from solvers.solver.rounding import rounding
@@ -57,7 +58,7 @@ class History(RunSeries):
 
     def _extend(self, rows: np.ndarray) -> None:
         scene = self.scene
-        new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step)
+        new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step, margin_unit(scene))
         for estimator, q, (ratio, norm) in product(scene.active_estimators, QUANTITIES, RATIOS.items()):
             name = f"{estimator}/{ratio}_{q}"
             new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding(

@@ -17,6 +17,7 @@ from solvers.scene.described import described
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene, option
+from solvers.scene.step_bound import StepBound
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
@@ -160,7 +161,7 @@ class BarScene(Scene):
                              f"another velocity moves them off, such as {0.9717 * self.initial_velocity:.4g} m/s")
         return sentences
 
-    def critical_time_step(self) -> float:
+    def critical_time_step(self) -> StepBound:
         return step_bound.critical_time_step(self, self.initial_stretch, self.initial_velocity)
 
     def _normalized(self) -> dict[str, Any]:

@@ -1,58 +1,98 @@
 """The bound on the bar's time step along the motion ahead (see ``solvers.scene.step_bound``): tangent modulus E F^2
 V0."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from solvers.problems.bar import patch
+from solvers.scene.linear_stability import Configurations, Links, limits
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import INSTANTS, bound, stencil
+from solvers.scene.step_bound import StepBound, bounded, circles, moments, stencil
 
-MOST_PARTICLES = 20_000  # of the bar that is looked at; a finer one has the same cells, only more of them
+MOST_PARTICLES = 600  # of the bar that are looked at; a finer one has the same cells, only more of them
+PLACES = 17  # of a patch test in its cell
 
 
-def critical_time_step(scene: Scene, stretch: float, velocity: float) -> float:
-    """The smallest bound, in seconds, over the bar's motion from one extreme to the other. A patch test, which does not
-    swing, begins with this ``stretch``, no unit, and this ``velocity`` in m/s."""
+@dataclass(frozen=True)
+class Moment:
+    """The bar on some ``cells``: its particles' weights (P, 3) at their nodes, what each pulls with at the nodes in
+    ``pulling`` (P, K), in 1/m, and its stiffness E F^2 V0 (P,)."""
+
+    cells: int
+    nodes: np.ndarray
+    weights: np.ndarray
+    pulling: np.ndarray
+    gradients: np.ndarray
+    stiffness: np.ndarray
+    mass: float
+
+    def circles(self) -> float:
+        """The bound by Gershgorin's circles, in s."""
+        mass = np.bincount(self.nodes.ravel(), (self.mass * self.weights).ravel(), self.cells)
+        return circles(self.pulling, np.abs(self.gradients), self.stiffness, mass)
+
+
+def critical_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
+    """The longest step along the bar's motion from one extreme to the other. A patch test, which does not swing, begins
+    with this ``stretch``, no unit, and this ``velocity`` in m/s."""
     if not scene.swings:
         return _of_patch(scene, stretch, velocity)
     ppc = int(scene.ppc)
     cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
     X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
-    sizes = scene.motion_amplitude * np.linspace(-1, 1, INSTANTS)
-    return min(_at(scene, cells, X, size) for size in sizes) * cells / scene.cells
+    sizes = scene.motion_amplitude * np.sin(np.pi * (moments(scene) - 0.5))
+    found = [_at(scene, cells, X, size) for size in sizes]
+    each = limits(side_by_side(found))
+    seconds = 0.5 * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
+    bound = bounded(scene, each, seconds, 1 + 2 * np.pi * scene.motion_amplitude, found[int(np.argmin(each))].circles())
+    return bound.on_cells(cells / scene.cells)
 
 
-def _of_patch(scene: Scene, stretch: float, velocity: float) -> float:
-    """The smallest bound of a patch test while its particles pass through a cell; all spacings stay as they are."""
+def _of_patch(scene: Scene, stretch: float, velocity: float) -> StepBound:
+    """That of a patch test while its particles pass through a cell; all spacings stay as they are."""
     cells, particles = patch.group(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
     X = (np.arange(particles) + 0.5) / particles
-    shifts = np.linspace(0, 1, INSTANTS) / cells if velocity and not scene.frozen else [0.0]
-    return min(_grid_bound(scene, cells, X + shift, np.ones_like(X), stretch) for shift in shifts) * cells / scene.cells
+    shifts = np.linspace(0, 1, PLACES) / cells if velocity and not scene.frozen else [0.0]
+    found = [moment(scene, cells, X + shift, np.ones_like(X), stretch) for shift in shifts]
+    each = limits(side_by_side(found))
+    least = float(each.min())
+    return StepBound(least, least, found[int(np.argmin(each))].circles()).on_cells(cells / scene.cells)
 
 
-def _at(scene: Scene, cells: int, X: np.ndarray, size: float) -> float:
-    """The bound where the displacement is ``size`` sin 2 pi X."""
+def _at(scene: Scene, cells: int, X: np.ndarray, size: float) -> Moment:
+    """The bar where the displacement is ``size`` sin 2 pi X."""
     x = X if scene.frozen else X + size * np.sin(2 * np.pi * X)
-    return _grid_bound(scene, cells, x, 1 + 2 * np.pi * size * np.cos(2 * np.pi * X))
+    return moment(scene, cells, x, 1 + 2 * np.pi * size * np.cos(2 * np.pi * X))
 
 
-def _grid_bound(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> float:
-    """The bound with particles at x (P,) in metres, which have deformed by F (P,) since the start."""
+def moment(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> Moment:
+    """The bar with particles at x (P,) in metres, which have deformed by F (P,) since the start."""
     volume = 1 / len(x)
     half_width = np.full_like(x, 0.5 / scene.ppc)
     if scene.method == "cpgimp" and not scene.frozen:
         half_width = np.minimum(half_width * F, 0.5)
     first, S, dS = stencil(scene.method, x * cells, half_width)
-    nodes = (first[:, None] + np.arange(3)) % cells
-    mass = np.bincount(nodes.ravel(), (scene.density / stretch * volume * S).ravel(), cells)
+    nodes, mass = (first[:, None] + np.arange(3)) % cells, scene.density / stretch * volume
     if PIECES in scene.remedies:
-        nodes, parting = _pieces(scene.method, cells, x)
-        return bound(nodes, np.abs(parting), np.full_like(x, scene.modulus * stretch / volume), mass)
+        pulling, parting = _pieces(scene.method, cells, x)
+        return Moment(cells, nodes, S, pulling, parting, np.full_like(x, scene.modulus * stretch / volume), mass)
     tangent = np.ones_like(F) if scene.frozen else F * F
-    return bound(nodes, np.abs(dS) * cells, scene.modulus * stretch * tangent * volume, mass)
+    return Moment(cells, nodes, S, nodes, dS * cells, scene.modulus * stretch * tangent * volume, mass)
+
+
+def side_by_side(found: Sequence[Moment]) -> Configurations:
+    """Moments of one bar."""
+    nodes, S, pulling, gradients, stiffness = (
+        np.stack([getattr(one, name) for one in found])
+        for name in ("nodes", "weights", "pulling", "gradients", "stiffness"))
+    return Configurations(found[0].cells, Links([nodes], [np.ones_like(S)]), S,
+                          Links([pulling], [np.ones_like(gradients)]), [gradients],
+                          np.full(S.shape[1], found[0].mass), lambda rates: [stiffness * rates[0]])
 
 
 def _pieces(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,43 +1,138 @@
-"""Weights of the particles of a plane body at their nodes, in numpy, for the bound on its step before it has run."""
+"""The longest step of a plane body along the motion ahead, from its weights and its tangent stiffness, in numpy.
 
-from collections.abc import Callable
-from dataclasses import replace
+For P = mu F + (lambda ln J - mu) F^-T the rates L of the deformation change the force of a particle at a node whose
+weight has the gradient g by V0 (mu L b + lambda tr L I + (mu - lambda ln J) L^T) g, b = F F^T. Where weights stay those
+at rest it is the same with F^-T times the gradient at rest for g.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch
 from solvers.problems.planar.scene import PlanarScene
+from solvers.scene.linear_stability import Configurations, Fields, Links, limits
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import bound, stencil
+from solvers.scene.step_bound import StepBound, bounded, circles, moments, stencil
 
-Links = tuple[np.ndarray, np.ndarray, np.ndarray]  # nodes, weights and sizes of gradients (P, M)
-#: From nodes' places in x and y, in cells, to their numbers, 0 or more; images of each other may have the same.
-Number = Callable[[np.ndarray, np.ndarray], np.ndarray]
-MOST_PARTICLES = 10_000  # that are looked at
+MOST_PARTICLES = 500  # of a quarter of the body that are looked at
+REST = np.eye(2)
+
+
+class Weights(NamedTuple):
+    """Of P particles at M nodes each: the nodes' places in x and y, in cells, the weights, and their gradients in 1/m,
+    all (P, M)."""
+
+    i: np.ndarray
+    j: np.ndarray
+    S: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+
+
+class Images(NamedTuple):
+    """Which node stands for another, by symmetry, and the signs that the components of its velocity have there;
+    ``turned`` says where x and y are exchanged. All have the shape of the places that were asked for."""
+
+    number: np.ndarray
+    sign_x: np.ndarray
+    sign_y: np.ndarray
+    turned: np.ndarray
+
+
+@dataclass(frozen=True)
+class Body:
+    """What of a problem the bound is made of, for P particles of its ``layout``.
+
+    ``deformed(part)`` gives positions (P, 2) in m and F (P, 2, 2) at a part of the way from one extreme to the other,
+    which takes so many ``seconds``; ``lame`` are lambda and mu in Pa, ``stretch`` the largest of the motion, ``images``
+    what the symmetry makes of nodes' places; ``held`` says of numbers of nodes (N,) which hold still in x and in y.
+    ``stiff`` gives k V (P,) and its metric (P, 3), or none, for the circles, from F.
+    """
+
+    volume: np.ndarray
+    edges: np.ndarray
+    deformed: Callable[[float], tuple[np.ndarray, np.ndarray]]
+    lame: tuple[float, float]
+    seconds: float
+    stretch: float
+    images: Callable[[np.ndarray, np.ndarray], Images]
+    held: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+    stiff: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray | None]]
 
 
 def coarsened(scene: PlanarScene) -> PlanarScene:
     """The scene on so few cells that its particles are quickly looked at: a finer one meets the grid in the same ways,
     and its bound is as much shorter as its cells are."""
-    while scene.particles > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
+    while scene.particles * 0.5 * np.pi / scene.ANGLE > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
 
 
-def body_bound(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, volume: np.ndarray, stiffness: np.ndarray,
-               number: Number, metric: np.ndarray | None = None) -> float:
-    """The bound in seconds with particles at ``x`` (P, 2), whose deformation gradients are ``F`` (P, 2, 2) and whose
-    domains have ``edges`` (P, 4) and a ``volume`` (P,) at rest, and k V = ``stiffness`` (P,)."""
-    nodes, S, gradients = corners(scene, x, F.reshape(-1, 4), edges, number, metric) if scene.method == "cpdi" \
-        else boxes(scene, x, box_stretch(scene.method, F), number, metric)
-    mass = np.bincount(nodes.ravel(), (scene.density * volume[:, None] * S).ravel())
-    return bound(nodes, gradients, stiffness, mass)
+def body_bound(fine: PlanarScene, scene: PlanarScene, body: Body) -> StepBound:
+    """The bound of a scene, from the ``body`` of one that is coarser."""
+    finer = scene.spacing / fine.spacing
+    found = [weights(scene, *body.deformed(part), body.edges) for part in moments(scene)]
+    F = np.stack([body.deformed(part)[1] for part in moments(scene)])
+    each = limits(_side_by_side(scene, body, found, F))
+    hardest = int(np.argmin(each))
+    stiffness, metric = body.stiff(F[hardest])
+    one = found[hardest]
+    number = body.images(one.i, one.j).number
+    mass = np.bincount(number.ravel(), (scene.density * body.volume[:, None] * one.S).ravel())
+    by_circles = circles(number, _sizes(one.x, one.y, metric), stiffness, mass)
+    crossed = any(np.any(one.i[:, 0] != found[0].i[:, 0]) or np.any(one.j[:, 0] != found[0].j[:, 0]) for one in found)
+    return bounded(scene, each, body.seconds * finer, body.stretch, by_circles, crossed).on_cells(1 / finer)
 
 
-def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,
-          metric: np.ndarray | None = None) -> Links:
-    """Nodes, weights and sizes of gradients (P, 9) of hat and GIMP functions of particles at ``x`` (P, 2), whose boxes
-    are ``stretch`` (P, 2) times as wide as at rest, or not where the method is uGIMP. Sizes are those of ``metric``."""
+def _side_by_side(scene: PlanarScene, body: Body, found: Sequence[Weights], F: np.ndarray) -> Configurations:
+    """Moments of a body: the components x and y of all nodes that are touched are the unknowns."""
+    wide = max(one.S.shape[1] for one in found)
+    i, j, S, x, y = (np.stack([_padded(part, wide) for part in parts]) for parts in zip(*found, strict=True))
+    images = body.images(i, j)
+    numbers, node = np.unique(images.number, return_inverse=True)
+    node, N = node.reshape(i.shape), len(numbers)
+    links = Links([node + N * images.turned, node + N * ~images.turned], [images.sign_x, images.sign_y])
+    held = np.concatenate(body.held(numbers))
+    if scene.frozen:
+        back = np.linalg.inv(F)
+        x, y = (x * back[..., 0, k, None] + y * back[..., 1, k, None] for k in (0, 1))
+    b, J, (lam, mu), V = F @ F.swapaxes(-1, -2), np.linalg.det(F), body.lame, body.volume
+    volumetric = mu - lam * np.log(J)
+
+    def stress(L: Fields) -> Fields:
+        xx, xy, yx, yy = L
+        trace = lam * (xx + yy)
+        return [V * part for part in (
+            mu * (xx * b[..., 0, 0] + xy * b[..., 1, 0]) + trace + volumetric * xx,
+            mu * (xx * b[..., 0, 1] + xy * b[..., 1, 1]) + volumetric * yx,
+            mu * (yx * b[..., 0, 0] + yy * b[..., 1, 0]) + volumetric * xy,
+            mu * (yx * b[..., 0, 1] + yy * b[..., 1, 1]) + trace + volumetric * yy)]
+
+    return Configurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
+
+
+def _padded(part: np.ndarray, wide: int) -> np.ndarray:
+    """With as many nodes for every moment; those that are too many repeat the last place, with nothing there."""
+    more = wide - part.shape[1]
+    last = part[:, -1:] if part.dtype.kind == "i" else np.zeros((len(part), 1))
+    return np.hstack([part, np.repeat(last, more, axis=1)]) if more else part
+
+
+def weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
+    """The weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), whose domains have ``edges`` (P, 4) at
+    rest."""
+    if scene.frozen:
+        F = np.tile(REST, (len(x), 1, 1))
+    return corners(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \
+        else boxes(scene, x, box_stretch(scene.method, F))
+
+
+def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
+    """Hat and GIMP functions, M = 9, of particles at ``x`` (P, 2), whose boxes are ``stretch`` (P, 2) times as wide as
+    at rest, or not where the method is uGIMP."""
     axes = []
     for axis in range(2):
         half_width = np.full(len(x), 0.5 / scene.ppc)
@@ -47,15 +142,13 @@ def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray, number: Number,
         axes.append((first[:, None] + np.arange(3), S, dS / scene.spacing))
     (i, S, dS), (j, R, dR) = axes
     pairs = [a[:, :, None] * b[:, None, :] for a, b in ((S, R), (dS, R), (S, dR))]
-    P = len(x)
-    nodes = number(i[:, :, None], j[:, None, :])
-    return nodes.reshape(P, 9), pairs[0].reshape(P, 9), _sizes(pairs[1], pairs[2], metric).reshape(P, 9)
+    P, square = len(x), np.zeros((1, 3, 3), int)
+    return Weights(*(part.reshape(P, 9) for part in (i[:, :, None] + square, j[:, None, :] + square, *pairs)))
 
 
-def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, number: Number,
-            metric: np.ndarray | None = None) -> Links:
-    """Nodes, weights and sizes of gradients (P, M) of CPDI: corners of a domain may share nodes, where gradients add
-    up. ``F`` (P, 4) are the deformation gradients, ``edges`` (P, 4) those of the domains at rest."""
+def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
+    """CPDI: corners of a domain may share nodes, where gradients add up. ``F`` (P, 4) are the deformation gradients,
+    ``edges`` (P, 4) those of the domains at rest."""
     first = np.stack([F[:, 0] * edges[:, 0] + F[:, 1] * edges[:, 1], F[:, 2] * edges[:, 0] + F[:, 3] * edges[:, 1]], 1)
     second = np.stack([F[:, 0] * edges[:, 2] + F[:, 1] * edges[:, 3], F[:, 2] * edges[:, 2] + F[:, 3] * edges[:, 3]], 1)
     area = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])[:, None]
@@ -73,14 +166,14 @@ def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray, numbe
                 at = (np.arange(P), offset[:, 0] + i, offset[:, 1] + j)
                 S[at] += 0.25 * N
                 gradients[at] += N[:, None] * normal
-    lines = start[:, :, None] + np.arange(W)
-    nodes = number(lines[:, 0, :, None], lines[:, 1, None, :])
-    return nodes.reshape(P, -1), S.reshape(P, -1), _sizes(gradients[..., 0], gradients[..., 1], metric).reshape(P, -1)
+    lines, square = start[:, :, None] + np.arange(W), np.zeros((1, W, W), int)
+    return Weights(*(part.reshape(P, -1) for part in (lines[:, 0, :, None] + square, lines[:, 1, None, :] + square, S,
+                                                      gradients[..., 0], gradients[..., 1])))
 
 
 def _sizes(x: np.ndarray, y: np.ndarray, metric: np.ndarray | None) -> np.ndarray:
-    """Lengths of gradients (P, M, M), or with a ``metric`` (P, 3), as xx, xy, yy, the root of g . metric g."""
+    """Lengths of gradients (P, M), or with a ``metric`` (P, 3), as xx, xy, yy, the root of g . metric g."""
     if metric is None:
         return np.hypot(x, y)
-    xx, xy, yy = metric.T[:, :, None, None]
+    xx, xy, yy = metric.T[:, :, None]
     return np.sqrt(np.maximum(xx * x * x + 2 * xy * x * y + yy * y * y, 0.0))

@@ -17,6 +17,7 @@ from solvers.scene.described import described
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import option
+from solvers.scene.step_bound import StepBound
 
 INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A min w' reaches 0
 RESONANCE = 0.115  # amplitude from which on the ring's own motion is unstable: a disturbance grows with every period
@@ -95,7 +96,7 @@ class RingScene(PlanarScene):
     def balanced_motion(self, times: np.ndarray) -> Moments:
         return circles.of_scene(self).moments(times)
 
-    def critical_time_step(self) -> float:
+    def critical_time_step(self) -> StepBound:
         return step_bound.critical_time_step(self)
 
     def warnings(self) -> list[str]:

@@ -19,6 +19,7 @@ from solvers.scene.effects import EFFECTS
 from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.rules import require_number
 from solvers.scene.scene import DEFAULT_CFL, option
+from solvers.scene.step_bound import StepBound
 
 SIDE = 3.0  # of the grid, in metres, the ring in its middle
 LARGEST_SHEAR = 7.07  # R |h'| over the ring: the shear is that times A
@@ -102,7 +103,7 @@ class VortexScene(PlanarScene):
     def balanced_motion(self, times: np.ndarray) -> Moments:
         return circles.of_scene(self).moments(times)
 
-    def critical_time_step(self) -> float:
+    def critical_time_step(self) -> StepBound:
         return step_bound.critical_time_step(self)
 
     @property

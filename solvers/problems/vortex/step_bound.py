@@ -1,11 +1,13 @@
 """The bound on the vortex's time step along the motion ahead (see ``solvers.scene.step_bound``).
 
-For P = mu (F - F^-T) + lambda ln J F^-T, J = 1, the stiffness between two nodes with gradients g and h of their weights
-is V0 [mu (g . b h) I + lambda g h^T + mu h g^T], b = F F^T. Its norm is at most that of |g| |h| in the metric
-mu b + (lambda + mu) I. A sheared material is stiff along one direction alone: taken as large along all, as bar and ring
-do with their stretches, the bound would be up to four times too strict here. In material form, for frozen weights, the
-metric is mu I + (lambda + mu) C^-1. Lattice, grid and motion look the same after a quarter of a turn: a quarter of the
-particles is enough, if a node has one number with the three where it then comes to lie. A scene is a ``VortexScene``,
+For the circles: the stiffness between two nodes with gradients g and h of their weights is V0 [mu (g . b h) I + lambda
+g h^T + mu h g^T], b = F F^T, J = 1. Its norm is at most that of |g| |h| in the metric mu b + (lambda + mu) I. A sheared
+material is stiff along one direction alone: taken as large along all, as the ring does with its stretches, the bound
+would be up to four times too strict here. In material form, for frozen weights, the metric is mu I + (lambda + mu)
+C^-1.
+
+Lattice, grid and motion look the same after a quarter of a turn: a quarter of the particles is enough, if a node has
+one number with the three where it then comes to lie, and velocities are turned with it. A scene is a ``VortexScene``,
 whose file imports this one.
 """
 
@@ -14,36 +16,37 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.step_bound import body_bound, coarsened
+from solvers.problems.planar.step_bound import Body, Images, body_bound, coarsened
 from solvers.problems.vortex import exact
-from solvers.scene.step_bound import INSTANTS
+from solvers.scene.step_bound import StepBound
+
+#: What becomes of v_x and v_y by quarters of a turn: a sign.
+SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
-def critical_time_step(scene: Any) -> float:
-    """The smallest bound, in seconds, over the motion from rest to the largest turn; the other way is its mirror."""
-    fine, scene = scene, coarsened(scene)
-    layout, instants = particle_layout(scene), np.linspace(0, 0.25 * scene.period, INSTANTS)
+def critical_time_step(fine: Any) -> StepBound:
+    """The longest step along the motion from rest to the largest turn; the other way is its mirror."""
+    scene = coarsened(fine)
+    layout, (lam, mu) = particle_layout(scene), exact.lame(scene)
     kept = a_quarter(layout.position)
-    X, volume, edges = layout.position[kept], layout.volume[kept], layout.edges[kept]
-    return min(_at(scene, X, volume, edges, t) for t in instants) * fine.spacing / scene.spacing
+    X, volume = layout.position[kept], layout.volume[kept]
+    middle = 0.5 * (scene.cells % 2) * scene.spacing  # nodes are numbered from there, or from half a cell beside it
 
+    def deformed(part: float) -> tuple[np.ndarray, np.ndarray]:
+        t = 0.25 * scene.period * part
+        x = X if scene.frozen else exact.position(scene, X, t)
+        return x + middle, exact.deformation_gradient(scene, X, t)
 
-def _at(scene: Any, X: np.ndarray, volume: np.ndarray, edges: np.ndarray, t: float) -> float:
-    """The bound at the time t of the exact motion, from the particles of a quarter."""
-    lam, mu = exact.lame(scene)
-    F = exact.deformation_gradient(scene, X, t)
-    if scene.frozen:
-        x, metric = X, mu * np.eye(2) + (lam + mu) * np.linalg.inv(F.transpose(0, 2, 1) @ F)
-        F = np.tile(np.eye(2), (len(X), 1, 1))
-    else:
-        x, metric = exact.position(scene, X, t), mu * F @ F.transpose(0, 2, 1) + (lam + mu) * np.eye(2)
-    metric = metric.reshape(-1, 4)[:, [0, 1, 3]]
-    x = x + 0.5 * (scene.cells % 2) * scene.spacing  # nodes are numbered from the middle, or from half a cell beside it
+    def stiff(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        metric = mu * np.eye(2) + (lam + mu) * np.linalg.inv(F.transpose(0, 2, 1) @ F) if scene.frozen \
+            else mu * F @ F.transpose(0, 2, 1) + (lam + mu) * np.eye(2)
+        return volume, metric.reshape(-1, 4)[:, [0, 1, 3]]
 
-    def number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
-        return image_in_a_quarter(i, j, scene.cells)
-
-    return body_bound(scene, x, F, edges, volume, volume, number, metric)
+    F = deformed(1.0)[1]
+    stretch = float(np.sqrt(np.linalg.eigvalsh(F @ F.transpose(0, 2, 1)).max()))
+    return body_bound(fine, scene, Body(
+        volume, layout.edges[kept], deformed, (lam, mu), 0.25 * scene.period, stretch,
+        lambda i, j: images_in_a_quarter(i, j, scene.cells), lambda number: (np.zeros(len(number), bool),) * 2, stiff))
 
 
 def a_quarter(X: np.ndarray) -> np.ndarray:
@@ -51,9 +54,11 @@ def a_quarter(X: np.ndarray) -> np.ndarray:
     return (X[:, 0] > 0) & (X[:, 1] > 0)
 
 
-def image_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> np.ndarray:
-    """The number of the node that (i, j) falls on by quarters of a turn: the one with i > 0 and j >= 0, both counted in
-    halves of a cell from the middle of the grid, which is the middle of a cell where the number of cells is odd."""
+def images_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
+    """The node that (i, j) falls on by quarters of a turn: the one with i > 0 and j >= 0, both counted in halves of a
+    cell from the middle of the grid, which is the middle of a cell where the number of cells is odd."""
     a, b = 2 * i - cells % 2, 2 * j - cells % 2
-    crossed = (a * b < 0) | (a == 0)
-    return np.abs(np.where(crossed, b, a)) + 4 * cells * np.abs(np.where(crossed, a, b))
+    turns = np.select([(a > 0) & (b >= 0), (a <= 0) & (b > 0), (a < 0) & (b <= 0)], [0, 1, 2], 3)
+    crossed = turns % 2 == 1
+    number = np.abs(np.where(crossed, b, a)) + 4 * cells * np.abs(np.where(crossed, a, b))
+    return Images(number, SIGNS[0][turns], SIGNS[1][turns], crossed)

@@ -84,7 +84,7 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
     values = np.array([[1e300, 2.0, np.nan, np.inf], [3e-45, 2e-45, 0.0, 1e-300], [1e39, 1e31, 1.0, 1e-39]])
     track = Track("it", kind, values)
     with np.errstate(all="raise"):
-        found = tracks([track.header], packed([track]))["it"]
+        found = tracks([track.header], packed([track]))["it"].astype(float)
     assert (np.isnan(found) == (np.isnan(values) | (np.isinf(values) & (kind != NUMBER)))).all()
     assert found[0, 0] > 1e29 and found[2, 0] > 1e29 and (found[1, [0, 1]] >= 0).all()
     assert np.nanmax(found[1]) < 1e-43 and found[2, 2] < 2e28

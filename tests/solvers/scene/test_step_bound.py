@@ -1,4 +1,5 @@
-"""The bound on the time step: against eigenvalues, against the kernels, and against runs."""
+"""The bound on the time step: against eigenvalues, against the kernels, and against runs. Against the steps from which
+on random settings break: test_automatic_step.py."""
 
 from __future__ import annotations
 
@@ -7,18 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solvers.problems.bar import step_bound
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import run
+from solvers.scene.linear_stability import limits, longest
 from solvers.scene.rules import SceneError
-from solvers.scene.step_bound import SAFE, bound, stencil
+from solvers.scene.step_bound import SAFE, circles, of_scene, stencil
 
 METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_it_is_below_the_exact_linear_limit_and_not_far(method):
+def test_the_circles_are_below_the_exact_limit_of_the_grid_and_not_far(method):
     """40 random layouts of a periodic bar: dt <= 2/w_max with w_max from the whole matrix, and at least 0.6 of it."""
     random, cells = np.random.default_rng(5), 12
     for _ in range(40):
@@ -34,8 +37,56 @@ def test_it_is_below_the_exact_linear_limit_and_not_far(method):
             K[np.ix_(nodes[p], nodes[p])] += F[p] ** 2 * np.outer(dS[p], dS[p])
         scaled = K / np.sqrt(np.outer(mass, mass))
         exact = 2 / np.sqrt(np.linalg.eigvalsh(scaled).max())
-        found = bound(nodes, np.abs(dS), F**2, mass)
+        found = circles(nodes, np.abs(dS), F**2, mass)
         assert 0.6 * exact <= found <= exact * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("remedies", [(), ("frozen-weights",), ("pieces",)], ids=lambda some: "".join(some) or "plain")
+@pytest.mark.parametrize("method", METHODS)
+def test_the_limit_of_a_step_is_that_of_its_matrices(method, remedies):
+    """Of the bar at five moments of a large motion: 2/sqrt of the largest eigenvalue of (2 - B) M^-1 K, found from the
+    whole matrices. Three per cent: a mode that the search begins with little of shows late (measured up to .023)."""
+    scene = BarScene(method=method, cells=12, ppc=3, amplitude=0.1, remedies=remedies)
+    X = (np.arange(scene.particles) + 0.5) / scene.particles
+    found = [step_bound.moment(scene, scene.cells, X if scene.frozen else X + size * np.sin(2 * np.pi * X),
+                               1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in (-0.1, -0.06, 0.0, 0.03, 0.1)]
+    expected = []
+    for one in found:
+        S, G = np.zeros((2, len(X), scene.cells))
+        for p in range(len(X)):
+            np.add.at(S[p], one.nodes[p], one.weights[p])
+            np.add.at(G[p], one.pulling[p], one.gradients[p])
+        mass = one.mass * S.sum(axis=0)
+        there = mass > 1e-12 * mass.max()
+        S, G = (part[:, there] / np.sqrt(mass[there]) for part in (S, G))
+        given = 2 * np.eye(there.sum()) - one.mass * S.T @ S
+        eigenvalues = np.linalg.eigvals(given @ (G.T * one.stiffness) @ G)
+        assert np.abs(eigenvalues.imag).max() < 1e-6 * eigenvalues.real.max()
+        expected.append(2 / np.sqrt(eigenvalues.real.max()))
+    np.testing.assert_allclose(limits(step_bound.side_by_side(found)), expected, rtol=0.03)
+
+
+@pytest.mark.parametrize("scene", [
+    *(BarScene(method=method, cells=16, amplitude=1e-6) for method in METHODS),
+    BarScene(method="bspline", ppc=1, cells=16, amplitude=1e-6),
+    BarScene(remedies=("pieces",), cells=16, amplitude=1e-6),
+    BarScene(remedies=("frozen-weights",), cells=16, amplitude=0.1), RingScene(method="cpdi", cells=12, amplitude=1e-6),
+    RingScene(method="ugimp", cells=12, amplitude=1e-6)], ids=str)
+def test_a_step_beyond_the_limit_breaks_and_one_below_it_does_not(scene, simulate):
+    """Where nothing moves far the limit is that of the whole run: 1.06 of it breaks within 12 periods, .97 does not."""
+    found = of_scene(scene).linear
+    for part, status in ((0.97, "ok"), (1.06, "unstable")):
+        result = simulate(replace(scene, dt=part * found, periods=12, estimators=(), effects=()))
+        assert result.status == status
+
+
+def test_a_motion_bears_a_step_that_is_too_long_for_a_moment():
+    """With even limits it is theirs, but for what e^2 leaves room for; a moment of half the limit shortens it by less
+    than a half, and the less the shorter it is."""
+    even = longest(np.full(9, 0.01), 10.0)
+    assert 0.01 < even < 0.0101
+    dips = [longest(np.where(np.arange(n) == n // 2, 0.005, 0.01), 1.0) for n in (9, 33, 129)]
+    assert 0.005 < dips[0] < dips[1] < dips[2] < 0.0104
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -71,25 +122,29 @@ def bar_limit(scene: BarScene, size: float) -> float:
     BarScene(remedies=("frozen-weights",), amplitude=1e-9, estimators=()),
     RingScene(remedies=("frozen-weights",), cells=12, amplitude=1e-9, estimators=())], ids=str)
 def test_the_live_margin_is_that_of_the_bound(scene, simulate):
-    """At rest the kernels' margin and numpy's bound are the same number, found in two ways. To 2e-5: corners of CPDI's
+    """At rest the kernels' circles and numpy's are the same number, found in two ways. To 2e-5: corners of CPDI's
     domains lie on cell boundaries of a cartesian layout, and rounding decides on which side."""
     result = simulate(replace(scene, periods=0.02, sample_every=1, effects=("margin",)))
     margin = result.to_dict()["step"]["margin"]
-    assert margin == pytest.approx(scene.time_step / scene.step_bound, rel=2e-5)
+    assert margin == pytest.approx(scene.time_step / of_scene(scene).linear, rel=2e-5)
 
 
 @pytest.mark.parametrize("scene", [
     *(BarScene(method=m, amplitude=A, linearity_preserving=lp, periods=5) for m, lp, A in (
         ("ugimp", False, 0.025), ("ugimp", True, 0.1), ("cpgimp", False, 0.1), ("bspline", False, 0.1),
         ("mpm", False, 1e-6))),
-    *(RingScene(method=m, cells=24, amplitude=0.1, periods=2) for m in ("ugimp", "cpgimp", "cpdi"))], ids=str)
+    *(BarScene(method=m, amplitude=0.14, periods=1) for m in ("cpgimp", "bspline", "ugimp")),
+    *(RingScene(method=m, cells=24, amplitude=0.1, periods=2) for m in ("ugimp", "cpgimp", "cpdi")),
+    VortexScene(method="cpgimp-v", cells=36)], ids=str)
 def test_the_automatic_step_holds(scene, simulate):
-    """Every method that has a stable step runs with the one chosen, and it is at least a third of the bound at rest."""
+    """Every method that has a stable step runs with the one chosen, however large the motion: a bar squeezed to .12 of
+    its length in places, a vortex sheared by 7. The largest margin that was seen is a half at least, but where boxes
+    are kept far from what tears them."""
     scene = replace(scene, dt="auto", estimators=(), effects=("truth", "soundness", "margin"))
     result = simulate(scene)
     assert result.status == "ok" and scene.warnings() == []
     assert scene.time_step == pytest.approx(SAFE * scene.step_bound)
-    assert 0.5 < result.to_dict()["step"]["margin"] < 1
+    assert (0.4 if scene.problem == "vortex" else 0.5) < result.to_dict()["step"]["margin"] < 1
 
 
 def test_a_step_beyond_the_bound_is_warned_of():
@@ -118,7 +173,8 @@ def test_a_short_run_of_stiff_material_has_a_bound(step):
     stiff = {"cells": 12, "modulus": 9e11, "density": 2e-6}
     with pytest.raises(SceneError, match=r"needs .* steps"):
         VortexScene(**stiff)
-    scene, usual = VortexScene(**stiff, **step, t_end=1e-12), VortexScene(cells=12)
-    speeds = scene.wave_speed / usual.wave_speed
-    assert scene.step_bound * speeds == pytest.approx(usual.step_bound, rel=1e-12)  # some hundred roundings
+    scene, slow = VortexScene(**stiff, **step, t_end=1e-12), VortexScene(cells=12, frequency=2e-6)
+    speeds = scene.wave_speed / slow.wave_speed
+    # To a millionth: a swing of 1e6 steps and more leaves no room beyond the hardest moment's limit.
+    assert scene.step_bound * speeds == pytest.approx(slow.step_bound, rel=1e-6)
     assert scene.warnings() == []
