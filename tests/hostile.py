@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 EVIL = "\x1b[31m\u202eevil\x07\n![](http://evil.example)<script>|`=1+1"
 SEVEN_TB = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,), }"
@@ -172,5 +173,8 @@ TAKES_LONG = {"long-head.npz", "bytes.npz", "tiled.npz", "zeros.npz", "honest.vt
 def written(name: str, folder: Path, files: dict[str, bytes | Callable[[Path], bytes]] = FILES) -> Path:
     content = files[name]
     path = folder / name
-    path.write_bytes(content(folder) if callable(content) else content)
+    try:
+        path.write_bytes(content(folder) if callable(content) else content)
+    except OSError:
+        pytest.skip("no file can be called so here")
     return path
