@@ -37,16 +37,18 @@ SWITCHES: dict[str, tuple[dict[str, Any], ...]] = {
             {"method": "mpm", "remedies": (FROZEN,)}, {"method": "cpgimp", "body_force": "none"},
             {"method": "ugimp", "velocity": "particle"}),
     "ring": ({"method": "mpm"}, {"method": "ugimp"}, {"method": "cpgimp"}, {"method": "cpdi"},
-             {"method": "ugimp", "remedies": (FILTER, COUPLED)}, {"method": "mpm", "velocity": "particle"}),
+             {"method": "ugimp", "remedies": (FILTER, COUPLED)}, {"method": "mpm", "velocity": "particle"},
+             {"method": "cpdi", "layout": "cartesian"}),
     "vortex": ({"method": "mpm"}, {"method": "ugimp"}, {"method": "cpgimp-v"}, {"method": "cpdi"},
-               {"method": "cpgimp", "remedies": (FILTER,)}, {"method": "mpm", "remedies": (FROZEN,)}),
+               {"method": "cpgimp", "remedies": (FILTER,)}, {"method": "mpm", "remedies": (FROZEN,)},
+               {"method": "cpdi", "layout": "cartesian"}, {"method": "cpdi", "poisson_ratio": 0.47}),
 }
 #: Of each number the range it is drawn from, by its logarithm.
 RANGES: dict[str, dict[str, tuple[float, float]]] = {
     "bar": {"cells": (4, 250), "ppc": (1, 8), "amplitude": (1e-4, 0.158), "cfl": (0.03, 0.6), "periods": (0.05, 40)},
     "ring": {"cells": (8, 40), "ppc": (1, 4), "amplitude": (1e-3, 0.384), "cfl": (0.03, 0.5), "periods": (0.05, 3)},
     "vortex": {"cells": (12, 40), "ppc": (1, 4), "amplitude": (1e-3, 1.57), "cfl": (0.03, 0.5), "periods": (0.05, 2),
-               "frequency": (0.1, 4.0)},
+               "frequency": (0.03, 6.0)},
 }
 Numbers = dict[str, float]
 
