@@ -38,8 +38,8 @@ from app.page.visit.opening import OPENING
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
+from app.viewer.pulse import stands_still
 from app.viewer.widgets import number
-from app.viewer.wire import stands_still
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 

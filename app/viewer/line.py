@@ -52,6 +52,7 @@ class Line(ServerConnection):
     def __init__(self, lines: Lines, *args: Any, **options: Any):
         super().__init__(*args, **options)
         self._lines, self.head = lines, b""
+        self.asked_at: float | None = None  # when it was asked for an answer that has not come yet
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)

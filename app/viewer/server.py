@@ -30,6 +30,7 @@ from app.viewer.answers import dressed, said
 from app.viewer.hearing import PARTS, PARTS_A_SECOND, Hearing
 from app.viewer.index import Index
 from app.viewer.line import HEADS_WITHIN, Line, Lines, address_of, send_away
+from app.viewer.pulse import feel
 from app.viewer.wire import PROTOCOL, Buffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
@@ -164,7 +165,11 @@ class Doors:
         finally:
             silent.cancel()
             self._lines.silent.leave(connection)
-        await handler(connection)
+        pulse = asyncio.create_task(feel(connection))
+        try:
+            await handler(connection)
+        finally:
+            pulse.cancel()
 
     def _answer(self, connection: Line, request: Request, index: Index) -> Response | None:
         """What a request gets; None for one that gets a websocket."""

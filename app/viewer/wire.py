@@ -10,7 +10,6 @@ from collections.abc import AsyncGenerator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from time import monotonic
-from typing import Any
 
 import viser
 from viser.infra import Message, _infra
@@ -131,12 +130,6 @@ class Buffer(AsyncMessageBuffer):
         while not (self.done or self._flushed) and (left := end - loop.time()) > 0:
             await self.message_event.heard(left)
         self._flushed = False
-
-
-def stands_still(client: Any) -> float:
-    """Seconds for which a visitor's browser has taken nothing of what is sent to it."""
-    buffer = client._websock_connection.get_message_buffer()
-    return buffer.stands_still if isinstance(buffer, Buffer) else 0.0
 
 
 def mend() -> None:
