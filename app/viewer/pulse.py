@@ -1,7 +1,7 @@
 """Whether a browser takes what is sent to it.
 
-What it does not read can wait on its way for minutes, in the buffers of both systems, and nobody is told. But it answers
-a ping when it has read all that was sent before.
+What it does not read can wait on its way for minutes, in the buffers of both systems, and nobody is told. But it
+answers a ping when it has read all that was sent before.
 """
 
 import asyncio

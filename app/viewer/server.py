@@ -22,6 +22,7 @@ from websockets.http11 import Request, Response
 from app.doors.address import FOREIGN_PAGE, Addresses, untidy
 from app.doors.bucket import Bucket
 from app.doors.code import ClassCode
+from app.doors.faults import noted
 from app.doors.network import Buckets, network_of
 from app.doors.page import has_page
 from app.doors.refusals import Refusals
@@ -137,10 +138,13 @@ class Doors:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _no_traces(self, record: logging.LogRecord) -> bool:
-        """Who speaks no HTTP is refused; that is no error of ours. Who leaves before all is said has only left."""
-        if ours := record.getMessage() != "opening handshake failed":
-            return ours
+        """Who speaks no HTTP is refused; that is no error of ours. Who leaves before all is said has only left. Whatever
+        else fails is one line."""
         error = record.exc_info[1] if record.exc_info else None
+        if record.getMessage() != "opening handshake failed":
+            if isinstance(error, Exception):
+                noted(faults.MESSAGE, error)
+            return not isinstance(error, Exception)
         if not isinstance(error, InvalidMessage) or isinstance(error.__cause__, (EOFError, OSError)):
             return False
         self._refusals.note("a connection that does not speak HTTP")

@@ -66,7 +66,7 @@ class Upload:
         self._folder: Path | None = None  # made for the first one
         self._coming_file: _ComingFile | None = None
         self._taken: list[tuple[str, int]] = []  # of the room: of the file that is there, and of the one that comes
-        self._closed, self._lock = False, threading.Lock()
+        self._open, self._lock = False, threading.Lock()
         object.__setattr__(button, _OWN, self)  # the viewer's own way takes its properties only
 
     @property
@@ -84,10 +84,14 @@ class Upload:
         return "" if file is None else f"The file is coming: {file.received / 1e6:.1f} of " \
                                          f"{file.size / 1e6:.1f} MB are here"
 
+    def open(self) -> None:
+        """From now on files are taken in: all is there that they are for."""
+        self._open = True
+
     def close(self) -> None:
         """The visitor has gone: nothing more of a file comes."""
         with self._lock:
-            self._closed = True
+            self._open = False
             self._drop()
 
     def clear(self) -> None:
@@ -102,7 +106,7 @@ class Upload:
     def take(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
         """Take in a message with good fields from an IP address; why it is refused, if it is."""
         with self._lock:
-            if self._closed:
+            if not self._open:
                 return "a file for nobody"
             try:
                 return self._start(said, who) if kind == START else self._add(said)

@@ -122,7 +122,10 @@ class Gui:
 
 def an_upload(arrived, refused):
     button = SimpleNamespace(_impl=SimpleNamespace(uuid="box"))
-    return upload.Upload(Gui(), button, lambda name, path: arrived.append(path), refused.append)
+    one = upload.Upload(Gui(), button, lambda name, path: arrived.append(path), refused.append)
+    assert start(one, 3) == "a file for nobody"  # before all is there that it is for
+    one.open()
+    return one
 
 
 def start(one, size, transfer="t", who="10.0.0.1"):

@@ -39,7 +39,9 @@ class Judging:
         if slots.take():
             question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
                                    chosen)
-            self._pool.submit(asdict(question), self._say, PATIENCE).add_done_callback(self._end)
+            judged = self._pool.submit(asdict(question), self._say, PATIENCE)
+            self._pool.give_way()  # to the stages, which are everybody's
+            judged.add_done_callback(self._end)
         else:
             threading.Thread(target=self._say, args=({"refused": BUSY},), name="judge", daemon=True).start()
 

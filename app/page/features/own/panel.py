@@ -78,6 +78,7 @@ class OwnCode:
             buttons = gui.add_button_group("File", tuple(acts), hint=f"play the times in the file, or {BACK_HINT}")
         self._slider.on_update(lambda event: self._go_to(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
+        self._upload.open()
 
     @property
     def shown(self) -> tuple[OwnRun, int] | None:
