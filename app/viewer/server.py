@@ -138,7 +138,7 @@ class Doors:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _no_traces(self, record: logging.LogRecord) -> bool:
-        """Who speaks no HTTP is refused; that is no error of ours. Who leaves before all is said has only left. Whatever
+        """Who speaks no HTTP is refused; that is no error of ours. Who leaves before all is said has only left. What
         else fails is one line."""
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
