@@ -140,7 +140,9 @@ def _draw_index(axes: Axes, result: Result) -> None:
     _time_axis(axes, result)
     if not axes.get_legend_handles_labels()[0]:
         axes.set_yticks([])
-        say(axes, "nothing to show: the index needs an estimate and a true error")
+        rounded = set(result.rounding()) >= set(INDEX_STYLES) and bool(result.scene.active_estimators)
+        say(axes, "no index: the true errors are nothing but rounding" if rounded else
+            "nothing to show: the index needs an estimate and a true error")
         return
     axes.set_ylim(0, 1.35 * min(highest, HIGHEST_INDEX))
     in_sizes(axes.yaxis, "")

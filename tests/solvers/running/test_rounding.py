@@ -10,6 +10,7 @@ import pytest
 
 from app.commands.run.text import run_table
 from app.page.visit.history import History
+from app.pictures.run import run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build
@@ -68,3 +69,9 @@ def test_rounding_grows_like_a_random_walk():
     exact = np.array([float(np.sum(np.sort(row).astype(np.longdouble))) for row in numbers])
     limit = rounding(PATCH, "x", steps) / (1 + PATCH.drift_speed * PATCH.end_time)
     assert limit / ROUNDINGS / 100 < np.sqrt(np.mean((sums - exact) ** 2)) < limit
+
+
+def test_the_picture_says_so(simulate):
+    figure = run_figure(simulate(PATCH))
+    said = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert "no index: the true errors are nothing but rounding" in said
