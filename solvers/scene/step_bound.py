@@ -35,7 +35,7 @@ AT_ONCE = 1e-30  # seconds: an end that every scene may have; a default one take
 SHARE = {"mpm": 0.88, "ugimp": 0.88}  # of the bound along the exact motion, with weights that move with the particles
 #: By how much less a run bears for each unit of stretch beyond 2: boxes that follow the stretch alone tear in shear.
 EXCESS = {"cpdi": 0.06, "mpm": 0.06, "ugimp": 0.08, "bspline": 0.08, "cpgimp": 0.25, "cpgimp-v": 0.25}
-MOMENTS, MOMENTS_OF_HATS = 9, 33  # with hats a node at a rim that was just reached is nearly empty, for a moment
+MOMENTS, MOMENTS_OF_HATS = 9, 17  # with hats a node at a rim that was just reached is nearly empty, for a moment
 
 
 class StepBound(NamedTuple):
