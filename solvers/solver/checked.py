@@ -19,7 +19,8 @@ from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import NOUNS, balance_gap
 
 AS_LARGE = 1.0  # an error, as RMS over particles, over the quantity's own RMS over particles and a period
-SOLUTION = "positions hold, but "
+POSITIONS_HOLD = "positions hold, but "
+SELDOM = 0.2  # periods from one sample to the next, beyond which errors come and go unseen
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def sentence(found: Mapping[str, AsLarge]) -> str | None:
     """What a verdict that is ok for the positions says of the others; None where there is nothing to say."""
     parts = [f"the {NOUNS[quantity]} is off by up to {one.size:.2g} times its own size, from t = {one.since:.4g} s on"
              + f" ({one.by} says so)" * (one.by != "truth") for quantity, one in found.items()]
-    return f"{SOLUTION}{'; '.join(parts)}" if parts else None
+    return f"{POSITIONS_HOLD}{'; '.join(parts)}" if parts else None
 
 
 def checked(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
@@ -90,6 +91,10 @@ def not_checked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
     if alone:
         parts.append(f"{' and '.join(', '.join(alone).rsplit(', ', 1))} were held against nothing: the effect truth or "
                      "the estimator companion would")
+    apart = scene.sample_interval * scene.time_step / scene.period
+    if apart > SELDOM and scene.sample_interval > 1:
+        parts.append(f"what happened between two samples, {apart:.2g} periods apart, was not looked at: give a smaller "
+                     "--sample-every")
     return "; ".join(parts) or None
 
 

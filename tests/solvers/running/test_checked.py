@@ -60,6 +60,7 @@ def test_a_run_that_goes_on_is_told_the_same(simulate):
     ({"effects": ()}, "nothing was checked but that numbers stay finite"),
     ({"effects": ("soundness",)}, "velocity and stress were held against nothing"),
     ({"effects": ("truth",)}, None),
+    ({"effects": ("truth",), "sample_every": 200}, "between two samples, 0.42 periods apart, was not looked at"),
     ({"effects": ("estimate", "acceleration", "soundness"), "estimators": ("transport",)},
      "velocity, stress and acceleration were held against nothing"),
     ({"effects": ("estimate", "soundness"), "estimators": ("companion",), "body_force": "two-tone"}, None)])
