@@ -10,6 +10,7 @@ import pytest
 
 from solvers.problems.bar import step_bound
 from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.solver import BarSolver
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import run
@@ -87,6 +88,22 @@ def test_a_motion_bears_a_step_that_is_too_long_for_a_moment():
     assert 0.01 < even < 0.0101
     dips = [longest(np.where(np.arange(n) == n // 2, 0.005, 0.01), 1.0) for n in (9, 33, 129)]
     assert 0.005 < dips[0] < dips[1] < dips[2] < 0.0104
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_live_margin_of_a_stretched_bar_is_that_of_its_circles(method):
+    """The kernels' sums are numpy's, to rounding, of particles that have moved, where F is from .4 to 1.6."""
+    scene = BarScene(method=method, cells=20, amplitude=0.1, cfl=0.1, estimators=(), effects=("margin",))
+    solver = BarSolver(scene)
+    solver.advance(scene.steps // 4)
+    before = solver.snapshot()
+    solver.advance(1)
+    solver._find_margin()
+    F = solver.snapshot().deformation_gradient
+    present = replace(step_bound.moment(scene, scene.cells, before.position, before.deformation_gradient),
+                      stiffness=scene.modulus * F**2 / scene.particles)  # weights are those of the step, F is now
+    assert np.ptp(F) > 1
+    assert solver._arrays.step_margin[0] == pytest.approx(scene.time_step / present.circles(), rel=1e-9)
 
 
 @pytest.mark.parametrize("method", METHODS)
