@@ -19,7 +19,7 @@ from solvers.judging.checks.neighbours import outliers, surroundings
 from solvers.judging.checks.over_time import rate, shifted
 from solvers.judging.verdict import judge
 from solvers.problems import PROBLEMS
-from tests.altered import ALL, ALTERATIONS, KEYS, Steps, scene_of, stepped
+from tests.altered import ALL, ALTERATIONS, KEYS, Steps, files, scene_of, stepped
 from tests.judged import FORMS, drawn, honest, judgement, said
 
 #: What is said of each alteration, in words that no other cause has; None where nothing can be told, which is right.
@@ -243,3 +243,23 @@ def test_whatever_numbers_a_file_has_every_check_ends_in_one(problem, wild):
     for arrays in (*some, *times, *spoilt):
         checks = [check.to_dict() for check in judgement(scene, arrays).checks.listed]
         assert len(checks) == count and "nan" not in json.dumps(checks, allow_nan=False)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_small_motion_in_few_figures_is_no_other_material(form):
+    """Where F is 1 to a thousandth, rounding it is much of the stress while that passes through 0."""
+    scene = PROBLEMS["bar"].scene(amplitude=2.5e-4, periods=0.6, estimators=(), effects=())
+    arrays = honest(scene)
+    assert arrays is not None
+    found = said(scene, FORMS[form](arrays))
+    assert not found.notes and not found.by_themselves
+
+
+@pytest.mark.parametrize("particle", [63, 72, 135, 198])
+def test_one_that_is_stuck_on_the_ring_is_blamed_alone(particle):
+    run = run_of("ring")
+    arrays = files(run)
+    arrays["x"] = arrays["x"].copy()
+    arrays["x"][:, particle] = arrays["X"][particle]
+    found = judgement(run.scene, arrays)
+    assert found.apart is not None and found.apart.which.tolist() == [particle] and not found.notes()
