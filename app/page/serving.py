@@ -32,7 +32,7 @@ from solvers.engine.pool import EnginePool
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
 HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it hears of its end, and has told all others at most
-CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.6  # seconds in which pages close, and after which it ends as it is
+CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after which it ends as it is
 MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 

@@ -15,7 +15,6 @@ import signal
 import statistics
 import subprocess
 import sys
-import tempfile
 import threading
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -89,9 +88,9 @@ class Class:
         self._loop.call_soon_threadsafe(self._loop.stop)
 
 
-def left():
-    """What processes leave behind on this machine: shared memory, and folders of files."""
-    return {*Path("/dev/shm").glob("psm_*"), *Path(tempfile.gettempdir()).glob("mpm-lab-[!tb]*")}
+def shared(process):
+    """The blocks of shared memory that a process has: others on this machine have theirs."""
+    return {Path(block) for block in re.findall(r"/dev/shm/psm_\w+", Path(f"/proc/{process}/maps").read_text())}
 
 
 def busy(process):
@@ -125,12 +124,14 @@ def riot(class_, mob, server, seconds):
 
 
 @contextmanager
-def locked(log):
-    """Address and process of a lab with a code, which says in ``log`` whatever it says."""
+def locked(log, folder):
+    """Address and process of a lab with a code, which says in ``log`` whatever it says, and has this ``folder`` for
+    files."""
     port = free_port()
     command = [sys.executable, "-m", "app", "serve", "--port", str(port), "--code", CODE, "--no-warm-up",
                "--max-sessions", "120", "--frames", str(FRAMES)]
-    server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+    server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=ROOT,
+                              env={**os.environ, "TMPDIR": str(folder)})
     try:
         assert "mpm-lab is at" in server.stderr.readline()
         threading.Thread(target=lambda: log.extend(server.stderr), daemon=True).start()
@@ -152,9 +153,9 @@ def seconds_to_end(server):
 
 @pytest.mark.parametrize(("pupils", "seconds", "turns"), [
     (2, 1.0, 2), pytest.param(30, 5.0, 8, marks=pytest.mark.slow)])
-def test_a_class_beside_a_mob(pupils, seconds, turns):
-    before, log, shares, costs, comes, grown = left(), [], [], [], [], []
-    with locked(log) as (address, server), ExitStack() as stack:
+def test_a_class_beside_a_mob(pupils, seconds, turns, tmp_path):
+    log, shares, costs, comes, grown = [], [], [], [], []
+    with locked(log, tmp_path) as (address, server), ExitStack() as stack:
         cookie = enter(f"http://{address}", CODE)[2][1]
         class_ = Class(address, cookie, pupils)
         mob = subprocess.Popen([sys.executable, "-m", "tests.mob", address, CODE], cwd=ROOT, stdout=subprocess.PIPE)
@@ -170,6 +171,7 @@ def test_a_class_beside_a_mob(pupils, seconds, turns):
             comes.append(newcomer(address, cookie, turn))
         grown.append(memory(server.pid))
         assert mob.poll() is None and not class_.lost
+        blocks = shared(server.pid)
         end = seconds_to_end(server)
         class_.go()
     written = sum(map(len, log))
@@ -179,6 +181,6 @@ def test_a_class_beside_a_mob(pupils, seconds, turns):
     print(f"{pupils} pupils, {calm:.1f} frames/s at last without; {written} bytes of log; ended in {end:.2f} s")
     assert max(comes) < WITHIN and end < ENDS and grown[-1] - grown[1] < MOST_MEMORY
     assert written < LOG and not re.search("Traceback|Warning|leaked", "".join(log)), "".join(log)
-    assert left() <= before
+    assert blocks and not any(block.exists() for block in blocks) and list(tmp_path.iterdir()) == []
     if turns > 2:
         assert statistics.median(shares) >= ENOUGH
