@@ -23,7 +23,7 @@ FROZEN_REASON = ("transport follows the errors of weights that are computed anew
                  "reads 2 to 20,000 times the error; leave that remedy out, or take recovered or companion")
 PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
                     "the processor solves beside them, or --arch cpu")
-REMEDIES_REASON = "the second run takes no remedies, so that it is a run of another method; leave them out"
+REMEDIES_REASON = "the second run takes no remedies, so that it is a run of another method; leave {names} out"
 
 
 class ExtensionError(Exception):

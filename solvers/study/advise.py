@@ -1,9 +1,10 @@
 """The cheapest run for a tolerance: a best-first search over families of runs, on estimates alone.
 
-Every family (method, particles per cell, length of step) is measured on three coarse grids. Then, again and again, the
-member expected to be the cheapest that meets the tolerance is looked at: if it lies far beyond what is measured of its
-family, a coarser one is run first; if near, it is run itself. What a run shows moves the expectation, for better or
-worse, until the cheapest candidate is one that has been run and whose own estimate meets the tolerance.
+Every family (method, particles per cell, length of step) is measured on one coarse grid, and hoped to converge as fast
+as any. Then, again and again, the member expected to be the cheapest that meets the tolerance is looked at: if it lies
+far beyond what is measured of its family, a coarser one is run first; if near, it is run itself. What a run shows moves
+the expectation, mostly for worse, until the cheapest candidate is one that has been run and whose own estimate meets
+the tolerance. So a family costs more than one coarse run only while it may still win.
 """
 
 import math
@@ -15,7 +16,7 @@ from itertools import product
 
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.study.family import Family, Point
+from solvers.study.family import HIGHEST_ORDER, Family, Point
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
@@ -23,7 +24,8 @@ CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is e
 PATIENCE = 3.0  # seconds of search, in the processor's time as runs are, that no run is too short for
 SMALL_PART = 10  # of the budget, up to which runs are made to learn what cannot be met
 MOST_LOOKS = 200  # beside those on coarse grids
-COARSE = {1: (10, 20, 40), 2: (12, 24, 36)}  # cells, by dimension, on which every family is measured
+COARSE = {1: 10, 2: 12}  # cells, by dimension, on which every family is measured
+RUNNER_UP_LOOKS = 10  # that are made beside, for a second member of the family that lost
 
 
 @dataclass(frozen=True)
@@ -108,13 +110,18 @@ def advise(choices: list[Family], goal: Goal,
         on_point(family, family.measure(cells))
 
     for family in choices:
-        for cells in COARSE[family.scene.DIMENSIONS]:
-            look(family, cells)
+        look(family, COARSE[family.scene.DIMENSIONS])
+    for family in choices:
+        if not math.isfinite(family.points[0].error):  # the grid may have been too coarse for anything
+            look(family, 2 * family.points[0].cells)
     coarse, begun = looks, time.process_time()
     predicted: dict[tuple[int, int], float] = {}
     while True:
         ranking, met = _ranking(choices, goal)
-        best = _settled(ranking, met, time.process_time() - begun)
+        spent = time.process_time() - begun
+        best = _settled(ranking, met, spent)
+        if best.measured and met and spent <= PATIENCE + best.seconds:
+            best = _hopeful(choices, best, goal) or best
         if best.measured or looks >= coarse + MOST_LOOKS:
             break
         if not met and best.family.seconds(_next_cells(best)) > goal.budget / SMALL_PART:
@@ -122,7 +129,14 @@ def advise(choices: list[Family], goal: Goal,
         predicted[(id(best.family), best.cells)] = best.error
         look(best.family, _next_cells(best))
     met = best.measured and best.error <= goal.tolerance
-    runner_up, why = _runner_up(choices, best, goal, met)
+    others = [family for family in choices if _name(family.scene) != _name(best.scene)]
+    for _ in range(RUNNER_UP_LOOKS if others else 0):
+        (other, *_), others_meet = _ranking(others, goal)
+        dear = other.family.seconds(_next_cells(other)) > goal.budget / SMALL_PART
+        if len(other.family.points) > 1 or not others_meet or dear:
+            break
+        look(other.family, _next_cells(other))
+    runner_up, why = _runner_up(others, best, goal, met)
     return Advice(goal, met, best, predicted.get((id(best.family), best.cells), best.error), runner_up, why, looks)
 
 
@@ -135,6 +149,14 @@ def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     price = "seconds" if met else "error"
     near = getattr(measured, price) <= CLOSE_ENOUGH * getattr(ranking[0], price)
     return measured if near or (met and spent > PATIENCE + measured.seconds) else ranking[0]
+
+
+def _hopeful(choices: list[Family], best: Candidate, goal: Goal) -> Candidate | None:
+    """The cheapest member that has not been run and would be clearly cheaper than the best that has, if its family
+    converged at full order from now on: coarse grids often show less."""
+    hopes = (_cheapest(family, goal, HIGHEST_ORDER) for family in choices)
+    return min((c for c in hopes if c and not c.measured and CLOSE_ENOUGH * c.seconds < best.seconds),
+               key=lambda c: c.seconds, default=None)
 
 
 def _next_cells(candidate: Candidate) -> int:
@@ -158,10 +180,10 @@ def _ranking(choices: list[Family], goal: Goal) -> tuple[list[Candidate], bool]:
     return sorted(within, key=lambda c: (c.error, c.seconds)), False
 
 
-def _cheapest(family: Family, goal: Goal) -> Candidate | None:
-    """The family's cheapest member that should meet the goal within its budget."""
+def _cheapest(family: Family, goal: Goal, hoped: float = 0.0) -> Candidate | None:
+    """The family's cheapest member that should meet the goal within its budget, at the order ``hoped`` for."""
     met = [point.cells for point in family.points if point.error <= goal.tolerance]
-    cells = family.cells_for(MARGIN * goal.tolerance)
+    cells = family.cells_for(MARGIN * goal.tolerance, hoped)
     if met and (cells is None or met[0] <= cells * 1.05):
         cells = met[0]
     if cells is None:
@@ -170,9 +192,8 @@ def _cheapest(family: Family, goal: Goal) -> Candidate | None:
     return Candidate(family, cells, family.error(cells), seconds) if seconds <= goal.budget else None
 
 
-def _runner_up(choices: list[Family], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
-    """The best candidate of another method, and why it lost, in words."""
-    others = [family for family in choices if _name(family.scene) != _name(best.scene)]
+def _runner_up(others: list[Family], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
+    """The best candidate of other methods, and why it lost, in words."""
     if not others:
         return None, "no other method was asked for"
     (other, *_), others_meet = _ranking(others, goal)

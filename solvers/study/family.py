@@ -20,6 +20,7 @@ from solvers.solver.soundness import OK
 #: whatever they are: "transport" misses that of the step, "two-grid" needs second order, "recovered" a polar lattice.
 ESTIMATOR = "companion"
 HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
+HOPED_ORDER = 2.5  # of a family of which one member is known: coarse grids may gain more than the order
 LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
 GENTLE_CFL = 0.1
 TIMED_SECONDS = 0.005
@@ -77,15 +78,19 @@ class Family:
         return coarse.error * (fine.error / coarse.error) ** part if fine.error > 0 else coarse.error
 
     def order(self) -> float:
-        """The order that the two finest members show, as far as it may be trusted."""
-        if len(self.points) < 2 or not all(0 < point.error < math.inf for point in self.points[-2:]):
+        """The order that the two finest members show, as far as it may be trusted; the best to hope for where there is
+        one, so that nothing is given up that has not been looked at twice."""
+        if not all(0 < point.error < math.inf for point in self.points[-2:]):
             return 0.0
+        if len(self.points) < 2:
+            return HOPED_ORDER
         coarse, fine = self.points[-2:]
         order = math.log(coarse.error / fine.error) / math.log(fine.cells / coarse.cells)
         return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
 
-    def cells_for(self, tolerance: float) -> int | None:
-        """The fewest cells expected to meet a tolerance, or None if none are."""
+    def cells_for(self, tolerance: float, hoped: float = 0.0) -> int | None:
+        """The fewest cells expected to meet a tolerance, or None if none are; at the order ``hoped`` for, if the error
+        falls at all and more slowly."""
         met = [point.cells for point in self.points if point.error <= tolerance]
         if met:
             start = max((point.cells for point in self.points if point.cells < met[0]), default=met[0])
@@ -94,6 +99,7 @@ class Family:
         last, order = self.points[-1], self.order()
         if order == 0 or not math.isfinite(last.error):
             return None
+        order = max(order, hoped)
         cells = last.cells * (last.error / tolerance) ** (1 / order)
         return None if cells > 1e6 else max(self._up(cells), last.cells + self.multiple)
 

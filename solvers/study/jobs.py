@@ -13,6 +13,9 @@ from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
 from solvers.study.grid import Task, task_of
 
+#: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
+#: near the longest that are stable.
+PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
 NO_CHOICE = "no method makes a valid scene with these settings"
 
 
@@ -39,7 +42,7 @@ def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
 
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
     """What the process of a search does: the job of these fields."""
-    from solvers.study.advise import COARSE, Goal, advise, families
+    from solvers.study.advise import Goal, advise, families
     from solvers.study.found import point_row, to_watch
 
     job = SearchJob(**fields)
@@ -48,7 +51,7 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
     if not choices:
         tell({"trouble": NO_CHOICE})
         return
-    coarse = len(choices) * len(COARSE[base.DIMENSIONS])
+    coarse = len(choices)
 
     def look(looks: int, scene: Scene) -> None:
         tell({"look": looks, "coarse": coarse, "task": task_of(scene).to_dict()})

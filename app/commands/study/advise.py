@@ -15,6 +15,7 @@ from solvers.scene.rules import require_choice, require_number
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
 from solvers.solver.samples import QUANTITIES
+from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
 
 if TYPE_CHECKING:
     from solvers.study.advise import Advice
@@ -91,8 +92,8 @@ class Advise:
         for method in self.method:
             require_choice("method", method, base.choices("method"))
         methods = [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
-        choices = families(base, methods, self._numbers("ppc", self.ppc, (2, 3, 4)),
-                           self._numbers("cfl", self.cfl, (0.1, 0.3, 0.5)), quantity)
+        choices = families(base, methods, self._numbers("ppc", self.ppc, PARTICLES_PER_CELL),
+                           self._numbers("cfl", self.cfl, COURANT_NUMBERS), quantity)
         return advise(choices, Goal(quantity, tolerance, self.budget), told)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -107,8 +108,13 @@ def search_flags(scene: type[Scene]) -> dict[str, Any]:
     """Flags that hold several values to choose from, where a run has one."""
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
     return {"method": choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
-            "ppc": choices_of(("N",), "2 3 4", f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
-            "cfl": choices_of(("X",), "0.1 0.3 0.5", "Lengths of the time step, dt c/h, to choose from.")}
+            "ppc": choices_of(("N",), _listed(PARTICLES_PER_CELL),
+                              f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
+            "cfl": choices_of(("X",), _listed(COURANT_NUMBERS), "Lengths of the time step, dt c/h, to choose from.")}
+
+
+def _listed(numbers: tuple[float, ...]) -> str:
+    return " ".join(f"{number:g}" for number in numbers)
 
 
 def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:

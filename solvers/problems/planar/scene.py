@@ -71,6 +71,21 @@ class PlanarScene(Scene):
         """
         return self.ppc == 1 or self.velocity == "particle"
 
+    @property
+    def coarse(self) -> bool:
+        """Whether cells are so wide that recovered's fits lose the short waves of the acceleration."""
+        return False
+
+    def warnings(self) -> list[str]:
+        sentences = super().warnings()
+        if "recovered" in self.active_estimators and self.uneven:
+            sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
+                             "particles that are one per cell or move with their own velocity")
+        elif "recovered" in self.active_estimators and self.coarse:
+            sentences.append("recovered says nothing of a here: on so few cells its fits are as wide as the ring, and "
+                             "lose a third of it or more")
+        return sentences
+
     def _check_combinations(self) -> None:
         require_whole("ppc", self.ppc, 1, 6)
         if self.cells > MOST_CELLS:

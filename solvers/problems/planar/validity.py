@@ -3,7 +3,7 @@
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.registry import FROZEN_REASON
 
-FEWEST_ACROSS = 4  # particles, for a cubic
+FEWEST_ACROSS = 3  # particles, for a parabola; with two, x is 2 to 15 times the error
 
 
 def transport(scene: PlanarScene) -> str | None:
@@ -19,5 +19,5 @@ def off_lattice(scene: PlanarScene) -> str | None:
 
 def too_few_across(scene: PlanarScene) -> str | None:
     """Why recovered cannot fit them across the ring."""
-    return ("recovered fits a cubic across the ring, which needs four particles there; take more cells or more "
-            "particles per cell") if round(scene.cells * scene.ppc / 6) < FEWEST_ACROSS else None
+    return (f"recovered fits a cubic across the ring, or a parabola, which needs {FEWEST_ACROSS} particles there; take "
+            "more cells or more particles per cell") if round(scene.cells * scene.ppc / 6) < FEWEST_ACROSS else None

@@ -103,9 +103,6 @@ class RingScene(PlanarScene):
         sentences = super().warnings()
         if self.amplitude >= RESONANCE and self.solution_known:
             sentences.append(self._resonance())
-        if "recovered" in self.active_estimators and self.uneven:
-            sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
-                             "particles that are one per cell or move with their own velocity")
         if "two-grid" in self.active_estimators:
             sentences.append("two-grid says nothing of a on the ring: its error is noise of a cell's length, which "
                              "each of the two grids has in other places")

@@ -4,6 +4,7 @@ What only a run can show is the business of the estimator's own ``verdict``. A s
 imports this one.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -12,8 +13,16 @@ import numpy as np
 from solvers.problems.planar.validity import off_lattice, too_few_across, transport
 from solvers.problems.vortex.exact import INNER, OUTER, shape
 
-FEWEST_CELLS = 24  # on which a fit over four cells is as wide as the ring; with 12 the index of x is .7, that of a .5
-LONGEST_STEP = 0.75  # of recovered, as the way of a wave over an element: from 0.8 on its method may be unstable
+#: Cells along a side on which the ring is four cells wide, as a fit is. On fewer, errors are resolved only where waves
+#: have spread them: measured, x and v .9 to 1.1 in 25 of 27 vortices in which a wave goes 3 m or more in a period, in 4
+#: of 28 others, where they are .6 to .9; with uneven particles, over which fits go farther, in 1 of 20 of all.
+FEWEST_CELLS = 24
+FAR_ENOUGH = 3.0  # metres in a period
+#: Radians from one cell to the next by which circles may turn against each other. Measured on 60 vortices of 16 to 80
+#: cells: sigma .9 to 1.1 below, 1.2 to 3 beyond, and x up to 1.5.
+MOST_TURN = 0.39
+#: Of recovered, as the way of a wave over an element. From 0.8 on its method may be unstable, which the run shows.
+LONGEST_STEP = 0.9
 LOOKED_AT = 101  # circles, for the fastest wave
 
 
@@ -29,13 +38,29 @@ def crossing_rate(scene: Any) -> float:
     return float(np.sqrt(square.max()))
 
 
+def turn_per_cell(scene: Any) -> float:
+    """By how many radians circles one cell apart turn against each other at most."""
+    R = np.linspace(INNER, OUTER, LOOKED_AT)
+    return float(scene.amplitude * scene.spacing * np.abs(shape(R)[1]).max())
+
+
 def recovered(scene: Any) -> str | None:
     """The fits need a polar lattice with enough particles, and its steps cannot be shorter than the run's."""
     if reason := off_lattice(scene) or too_few_across(scene):
         return reason
     if scene.cells < FEWEST_CELLS:
-        return (f"recovered fits the particles over four cells, which is more than the whole width of the ring; give "
-                f"{FEWEST_CELLS} cells or more")
+        if scene.uneven:
+            return ("particles that are one per cell or move with their own velocity stand unevenly, and recovered's "
+                    f"fits over six cells are wider than the ring; give {FEWEST_CELLS} cells or more")
+        if (reach := scene.wave_speed * scene.period) < FAR_ENOUGH:
+            return (f"recovered's fits over four cells are wider than the ring, and waves, which go {reach:.2g} m in a "
+                    f"period, do not spread the error until they see it; give {FEWEST_CELLS} cells or more, or a "
+                    f"frequency of {scene.wave_speed * scene.period * scene.frequency / FAR_ENOUGH:.2g}/s or less")
+    turn = turn_per_cell(scene)
+    if turn > MOST_TURN:
+        return (f"circles one cell apart turn by {turn:.2g} radians against each other, and recovered's fits over four "
+                f"cells can follow {MOST_TURN:g}; give {math.ceil(scene.cells * turn / MOST_TURN)} cells or a smaller "
+                "amplitude")
     bearable = LONGEST_STEP / (INNER * crossing_rate(scene))  # elements are a cell wide at the inner rim
     if scene.courant_number > bearable:
         return (f"recovered has an equation of motion of its own, which such steps would make unstable in a material "

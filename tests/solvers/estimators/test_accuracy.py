@@ -165,7 +165,7 @@ OTHERS = [
              "periods": 1.0, "cfl": 0.1}, KEPT),
     ("bar", {"ppc": 7, "cells": 37, "amplitude": 2e-3, **FREE_STEP, "periods": 2.0, "cfl": 0.4}, KEPT),
     *(("ring", {"method": method, "cells": cells}, RING_ROW, ring_transport(method, cells),
-       *RING_RECOVERED * (cells < 96), *RING_TWO_GRID * (method == "cpdi" and cells < 96))
+       *RING_RECOVERED, *RING_TWO_GRID * (method == "cpdi" and cells < 96))
       for method in RING_METHODS for cells in RING_TABLE["cells"]),
     ("ring", {"layout": "cartesian"}, OTHER_RING),
     ("ring", {"ppc": 1}, OTHER_RING),

@@ -66,7 +66,7 @@ def test_inactive_it_holds_nothing(scene):
     ({"periods": 6.0}, "radians behind"), ({"body_force": "two-tone", "periods": 0.8}, "radians behind"),
     ({"cells": 80, "amplitude": 0.025, "periods": 7.0}, "leave noise"),
     ({"ppc": 2, "amplitude": 0.01}, "with 2 per cell"), ({"ppc": 1, "amplitude": 0.004}, "with 1 per cell"),
-    ({"remedies": ("null-space-filter",)}, "remedies")])
+    ({"remedies": ("pieces",), "linearity_preserving": False}, "leave pieces out")])
 def test_where_the_bar_is_refused(changes, word):
     reason = replace(BAR, **changes).not_valid[NAME]
     assert reason.startswith("not valid here: ") and word in reason

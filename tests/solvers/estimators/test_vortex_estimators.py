@@ -43,8 +43,8 @@ def test_recovered_meets_companion_where_no_solution_is_built_in():
 
 
 @pytest.mark.parametrize(("change", "word"), [
-    ({"layout": "cartesian"}, "polar"), ({"cells": 16, "ppc": 1}, "cubic"), ({"cells": 20}, "24 cells"),
-    ({"amplitude": 1.0, "cfl": 0.3}, "cfl of")])
+    ({"layout": "cartesian"}, "polar"), ({"cells": 12, "ppc": 1}, "cubic"), ({"cells": 20, "ppc": 1}, "24 cells"),
+    ({"amplitude": 1.0}, "give 48 cells"), ({"amplitude": 1.0, "cells": 48, "cfl": 0.3}, "cfl of")])
 def test_where_recovered_is_refused(change, word):
     scene = replace(VORTEX, **{"estimators": ("recovered",), **change})
     assert word in scene.not_valid["recovered"] and not scene.active_estimators

@@ -10,14 +10,17 @@ import pytest
 from app.cli import main
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import run
 from solvers.study.advise import Goal, advise, families
 from solvers.study.family import Family, Point
+from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
 
 #: Nanoseconds of a particle-step, as measured once.
-STEP = {"ugimp": 15.0, "cpgimp": 10.0, "bspline": 8.5, "cpdi": 32.0}
+STEP = {"ugimp": 15.0, "cpgimp": 10.0, "bspline": 8.5, "cpdi": 32.0, "mpm": 8.0, "cpgimp-v": 20.0}
 BAR = BarScene(amplitude=2.5e-4, periods=1, estimators=(), effects=())
 RING = RingScene(estimators=(), effects=())
+VORTEX = VortexScene(amplitude=0.3, periods=0.2, estimators=(), effects=())
 
 
 def family(*points: tuple[int, float]) -> Family:
@@ -95,6 +98,61 @@ def test_the_answer_holds_and_is_cheap(base, methods, numbers, steps, grid, tole
         assert truth.errors()["x"]["max"] <= 1.01 * goal.tolerance
         assert advice.chosen.seconds <= 1.5 * exhaustive(choices, goal, grid)
         assert advice.why
+
+
+def brute_force(choices: list[Family], goal: Goal, most: int) -> float:
+    """Seconds of the cheapest member of up to ``most`` cells whose estimate meets the goal: in each family the fewest
+    cells, found by ever finer grids until one meets it or is dearer than the best, and then by bisection."""
+    best = math.inf
+    for choice in choices:
+        tried, unit = Family(choice.scene, choice.quantity, choice.multiple), choice.multiple
+
+        def meets(cells: int, tried: Family = tried) -> bool:
+            return tried.measure(cells).error <= goal.tolerance
+
+        few, cells = unit, 2 * unit * round(6 / unit)
+        while cells <= most and tried_seconds(choice.scene, cells) < best and not meets(cells):
+            few, cells = cells, unit * round(1.4 * cells / unit)
+        if cells > most or tried_seconds(choice.scene, cells) >= best:
+            continue
+        while cells - few > unit:
+            middle = unit * ((few + cells) // (2 * unit))
+            few, cells = (few, middle) if meets(middle) else (middle, cells)
+        best = min(best, tried_seconds(choice.scene, cells))
+    return best
+
+
+def tried_seconds(scene, cells: int) -> float:
+    scene = replace(scene, cells=cells)
+    return scene.steps * scene.particles * 1e-9 * STEP[scene.method]
+
+
+#: Chosen before the search was run on them: a quantity each, and the part of its size that is allowed.
+@pytest.mark.parametrize(("base", "methods", "quantity", "part", "most"), [
+    (replace(BAR, amplitude=5e-3), [("cpgimp", False), ("bspline", False)], "x", 2e-3, 160),
+    pytest.param(replace(BAR, amplitude=0.03, periods=2), None, "v", 1e-2, 160, marks=pytest.mark.slow),
+    pytest.param(replace(RING, amplitude=0.03, periods=0.5), None, "x", 5e-3, 60, marks=pytest.mark.slow),
+    pytest.param(VORTEX, None, "x", 2e-2, 60, marks=pytest.mark.slow)],
+    ids=["bar", "bar, all methods", "ring", "vortex"])
+def test_no_run_is_cheaper_by_a_quarter(base, methods, quantity, part, most, monkeypatch):
+    """Of all that a search chooses from unless it is told: one to four particles per cell, steps of cfl .1 to .6. It
+    took 1.1 to 4.9 times the time of the cheapest run when it tried two to four, and no more than cfl .5."""
+    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
+    choices = families(base, methods or base.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, quantity)
+    goal = Goal(quantity, part * base.size_of(quantity), budget=20.0)
+    advice = advise([Family(c.scene, c.quantity, c.multiple) for c in choices], goal)
+    assert advice.met and advice.chosen.measured and advice.chosen.error <= goal.tolerance
+    assert advice.chosen.seconds <= 1.25 * brute_force(choices, goal, most)
+    truth = run(replace(advice.chosen.scene, estimators=(), effects=("truth", "acceleration")), prices=False)
+    assert truth.errors()[quantity]["max"] <= 1.01 * goal.tolerance
+
+
+def test_what_cannot_win_is_run_once(monkeypatch):
+    """A search that chooses from a hundred families makes little more than one coarse run of each."""
+    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
+    choices = families(BAR, [("cpgimp", False), ("bspline", False)], PARTICLES_PER_CELL, COURANT_NUMBERS, "x")
+    advice = advise(choices, Goal("x", 1e-2 * BAR.amplitude, budget=20.0))
+    assert advice.looks < 1.5 * len(choices) < 75
 
 
 def test_beyond_reach_it_names_the_best():

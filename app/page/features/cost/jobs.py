@@ -13,13 +13,12 @@ from app.page.visit.session import Session
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.study.grid import Task, task_of
-from solvers.study.jobs import SearchJob
+from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL, SearchJob
 from solvers.workers.pool import Slots
 
 #: Cells of a small sweep, by dimension.
 SMALL = {1: (10, 20, 40, 80), 2: (12, 24, 36, 48)}
 REPEATS = 2
-PARTICLES_PER_CELL, COURANT_NUMBERS = (2, 3, 4), (0.1, 0.3, 0.5)  # that a search chooses from
 
 
 def small_sweep(scene: Scene) -> list[Task]:

@@ -34,20 +34,34 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import recovery
-from solvers.estimators.recovery import BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H, first_of, groups, put, row_of
+from solvers.estimators.recovery import (
+    ALONG,
+    BEGUN,
+    MOVED,
+    NEW,
+    ROUGH,
+    SIZE,
+    TAU,
+    TURNS,
+    H,
+    first_of,
+    groups,
+    put,
+    row_of,
+)
 from solvers.kernels.kinds import quads, reals
 from solvers.kernels.packing import part
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
+from solvers.problems.bar.estimators.recovered_verdict import verdict
 from solvers.problems.bar.method.forces import tones
 from solvers.problems.bar.method.nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
-MOST_ROUGH = 3.2  # with fits of four cells: x then comes out some 8 % too small, on bars of 16 to 20 cells
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
-#: M sin 2 pi X, M sin 4 pi X and D of the fitted slope of u.
+#: M sin 2 pi X, M sin 4 pi X, D of the fitted slope of u, and a two steps before.
 MOTION, GATHERED, ERRORS, FORCE = range(4)
 
 
@@ -123,23 +137,27 @@ def begin(bar: ti.template(), t, on: ti.template()):
             shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
             a = size[0] * shape[0] + size[1] * shape[1]
             bar.recovered_nodes[at] = recovery.with_start(bar.recovered_nodes[at], a, bar.recovered_numbers[H])
+            bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
         bar.recovered_numbers[TURNS] = BEGUN
 
 
 @ti.func
 def remember_sizes(bar: ti.template()):
     """Add this turn's fourth differences of U, and e, to the sums that the verdict looks at."""
-    rough, size = 0.0, 0.0
+    rough, size, along = 0.0, 0.0, 0.0
     for i in range(bar.cells):
         fourth = 0.0
         j = ti.select(i < 2, i + bar.cells - 2, i - 2)
         for k in range(5):
             fourth += recovery.fourth_factor(k) * bar.recovered_nodes[block(bar, MOTION, j)][0]
             j = ti.select(j + 1 < bar.cells, j + 1, 0)
+        error = bar.recovered_nodes[block(bar, GATHERED, i)][0]
         rough += fourth * fourth
-        size += bar.recovered_nodes[block(bar, GATHERED, i)][0] ** 2
+        size += error * error
+        along += fourth * error
     bar.recovered_numbers[ROUGH] += rough / bar.cells
     bar.recovered_numbers[SIZE] += size / bar.cells
+    bar.recovered_numbers[ALONG] += along / bar.cells
 
 
 @ti.func
@@ -158,7 +176,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
         motion[0] += bar.recovered_numbers[H] * motion[1]
         bar.recovered_nodes[block(bar, MOTION, i)] = motion
         shape = bar.recovered_nodes[block(bar, FORCE, i)]
-        bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], 0.0])
+        bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], shape[3]])
         bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
     if recovery.looks(step, bar.dt, bar.recovered_numbers[H]):
         remember_sizes(bar)
@@ -195,7 +213,10 @@ def move_reference(bar: ti.template(), t, on: ti.template()):
         shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
         slope = shape[2] - bar.recovered_nodes[block(bar, GATHERED, i)][0]
         a = size[0] * shape[0] + size[1] * shape[1] - bar.modulus / bar.density * slope
-        bar.recovered_nodes[at] = recovery.next_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H], first)
+        motion = bar.recovered_nodes[at]
+        shape[3] = recovery.second_before(motion, a, first)
+        bar.recovered_nodes[block(bar, FORCE, i)] = shape
+        bar.recovered_nodes[at] = recovery.next_reference(motion, a, bar.recovered_numbers[H], first)
 
 
 @ti.func
@@ -237,8 +258,11 @@ def find_errors(bar: ti.template(), length, since):
     """Nodal errors of the fields, unsmoothed."""
     to_nodes(bar, GATHER, GATHERED)
     for i in range(bar.cells):
-        U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], length, since, bar.dt)
+        before = bar.recovered_nodes[block(bar, FORCE, i)][3]
+        U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], before, length, since, bar.dt)
         mean = bar.recovered_nodes[block(bar, GATHERED, i)]
+        if bar.recovered_numbers[TURNS] == BEGUN:
+            A = mean[2]  # the start's own says nothing of how a changes since: it was up to 250 times the error
         bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
     close_nodes(bar, GATHERED)
     among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
@@ -266,14 +290,6 @@ def allocate(scene):
     return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
             "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles + beyond, 4))}
-
-
-def verdict(scene, memory):
-    """Why not to trust it; what a fit misses grows like the fourth power of the cells that it goes over."""
-    U = memory["recovered_nodes"].reshape(4, -1, 4)[MOTION, :, 0]
-    fit_cells = (recovery.fit_width(scene) - 1) / scene.ppc
-    return recovery.doubt(memory, MOST_ROUGH * (recovery.OTHER_FIT_CELLS / fit_cells) ** 4,
-                          np.abs(U).max() / scene.motion_amplitude)
 
 
 HOOKS = EstimatorHooks(

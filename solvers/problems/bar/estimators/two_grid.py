@@ -12,7 +12,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import two_grid
-from solvers.kernels.kinds import pairs, quads, real, reals
+from solvers.kernels.kinds import quads, real, reals
 from solvers.kernels.packing import part
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
@@ -27,7 +27,7 @@ MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
     **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in two_grid.MEMBERS.items()},
     "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
-    "two_grid_before": pairs,  # F and a of the second bar a step ago
+    "two_grid_before": quads,  # F and a of the second bar a step ago, a two steps ago, and nothing
     "two_grid_fields": quads,  # u, v, sigma, a of either run, with images
     "two_grid_common": quads,  # the extrapolated ones on the second bar's lattice, with images
     "two_grid_noisy": ti.i32,  # whether nothing is said of a
@@ -40,7 +40,8 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     """One step of the second bar, from ``coarse_dt`` ago until now; F and a before it are kept, for their rates."""
     coarse, bare = ti.static([part(bar, "coarse_"), two_grid.bare(on)])
     for q in range(coarse.particles):
-        bar.two_grid_before[q] = ti.Vector([coarse.deformation_gradient[q], coarse.acceleration[q]])
+        bar.two_grid_before[q] = ti.Vector([
+            coarse.deformation_gradient[q], coarse.acceleration[q], bar.two_grid_before[q][1], 0.0])
     update_grid(coarse, step * bar.dt - coarse.dt, bare)
     nodes_to_particles(coarse, 0, bare)
 
@@ -59,7 +60,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
     close(own.fields, bar.coarse_particles, own.across_taps)
     smooth(part(bar, "two_grid_across_"), own.fields, -own.gain, own.common, bar.coarse_particles)
     close(own.common, bar.coarse_particles, IMAGES)
-    subtract(bar, own, part(bar, "two_grid_up_"), base, on)
+    subtract(bar, own, part(bar, "two_grid_up_"), base, step < 2 * own.interval, on)
 
 
 @ti.func
@@ -77,7 +78,8 @@ def coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(),
     """The same of the second bar, carried on from its last step to the present one, ``late`` seconds.
 
     Its v belongs to half a step before, the run's to dt/2 before now, and the extrapolated one shall belong to now: the
-    v taken here is early by r^2 dt/2 on purpose, which cancels what (r^2 S v_h) lacks. Its a belongs to a step before.
+    v taken here is early by r^2 dt/2 on purpose, which cancels what (r^2 S v_h) lacks. Its a belongs to a step before,
+    and follows a parabola, as soon as there are three: along a line it was off by more than its error on a free bar.
     """
     dt, H = bar.dt, coarse.dt
     late = step % own.interval * dt
@@ -88,10 +90,13 @@ def coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(),
         a, F = coarse.acceleration[q], coarse.deformation_gradient[q]
         a_rate, F_rate = (a - before[1]) / H, (F - before[0]) / H
         now = a + (late + H) * a_rate
+        bend = ti.select(step >= 3 * own.interval, (a - 2 * before[1] + before[2]) / (H * H), 0.0)
+        ahead = late + H - dt
         v = coarse.velocity[q]
         u = coarse.position[q] - coarse.material_position[q] + late * (v + 0.5 * (late + H) * now)
         own.fields[ghosts + q] = ti.Vector([u, v + (late + 0.5 * H - early) * now,
-                                            coarse.modulus * (F + late * F_rate - 1), a + (late + H - dt) * a_rate])
+                                            coarse.modulus * (F + late * F_rate - 1),
+                                            a + ahead * (a_rate + 0.5 * (ahead + H) * bend)])
 
 
 @ti.func
@@ -116,8 +121,8 @@ def smooth(stencils: ti.template(), fields: ti.template(), part, common: ti.temp
 
 
 @ti.func
-def subtract(bar: ti.template(), own: ti.template(), stencils: ti.template(), base, on: ti.template()):
-    """e = q_h - I q*."""
+def subtract(bar: ti.template(), own: ti.template(), stencils: ti.template(), base, early, on: ti.template()):
+    """e = q_h - I q*; nothing yet of a, if it is so ``early`` that the second bar has had only that of the start."""
     square = 0.0
     for p in range(bar.particles):
         first, row = stencils.first[p] + IMAGES, stencils.row[p]
@@ -127,6 +132,8 @@ def subtract(bar: ti.template(), own: ti.template(), stencils: ti.template(), ba
         square += e[0] ** 2
         if own.noisy or ti.static(not on.acceleration):
             e[3] = ti.math.nan
+        elif early:
+            e[3] = 0.0
         bar.estimate[base + p] = e
     if not square <= bar.particles * own.largest[0]:  # what is no number replaces any
         own.largest[0] = square / bar.particles
@@ -151,7 +158,7 @@ def allocate(scene):
         **{"coarse_" + name: value for name, value in members.items()},
         **{f"two_grid_{name}_{member}": value for name, t in tables.items() for member, value in t.items()},
         "two_grid_gain": two_grid.gain(scene), "two_grid_interval": two_grid.interval(scene),
-        "two_grid_before": np.stack([np.ones(Q), np.zeros(Q)], axis=1),
+        "two_grid_before": np.tile([1.0, 0.0, 0.0, 0.0], (Q, 1)),
         "two_grid_fields": np.zeros((P + 2 * max(windows), 4)), "two_grid_common": np.zeros((Q + 2 * IMAGES, 4)),
         "two_grid_noisy": noisy(scene), "two_grid_largest": np.zeros(1)}
 

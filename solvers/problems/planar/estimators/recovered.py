@@ -26,10 +26,12 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import recovery
-from solvers.estimators.lattice_lines import Line, Rows
-from solvers.estimators.recovery import BEGUN, MOVED, NEW, TAU, TURNS, H
+from solvers.estimators.lattice_lines import Line
+from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
+from solvers.problems.planar.estimators.recovered_tables import across_planes, gathered_directions, of_four
+from solvers.problems.planar.estimators.recovered_verdict import verdict
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
@@ -40,7 +42,7 @@ MEMORY = {
     "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
     **recovery.table_types(op.TABLES),
     "recovered_count": ti.i32, "recovered_across": ti.i32,  # nodes of the error grid, and those on a radius
-    "recovered_uneven": ti.i32,  # a flag
+    "recovered_silent": ti.i32,  # of how many quantities nothing is said: 1 of a, 2 of sigma too
     "recovered_nodes": quads,  # nodal values, block by block
     "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
 }
@@ -69,6 +71,7 @@ def begin(body: ti.template(), nodes: ti.template(), t, problem: ti.template(), 
                 x = recovery.with_start(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
                 y = recovery.with_start(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
                 nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
+                nodes[op.node_at(body, op.BEFORE, a * B + b)] = ti.Vector([push_x, push_y, 0.0, 0.0])
         body.recovered_numbers[TURNS] = BEGUN
 
 
@@ -98,19 +101,24 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, problem: ti.t
         r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
         nodes[op.node_at(body, op.MOTION, i)] = r
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - r  # not -=: atomic
-    if recovery.looks(step, body.dt, body.recovered_numbers[H]):
+    looked_at = recovery.looks(step, body.dt, body.recovered_numbers[H])
+    if looked_at:
         op.remember_sizes(body, nodes, problem.closed)
     for turn in range(2):
         op.smoothing(body, problem.closed)
+        square = 0.0
         for i in range(body.recovered_count):
             e = nodes[op.node_at(body, op.GATHERED, i)]
             rough = e - nodes[op.node_at(body, op.SMOOTHED, i)]
+            square += rough[0] * rough[0] + rough[1] * rough[1]
             if turn == 0:
                 nodes[op.node_at(body, op.GATHERED, i)] = rough
                 nodes[op.node_at(body, op.ERRORS, i)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
             else:
                 damping = body.recovered_numbers[TAU] * ti.Vector([rough[2], rough[3], 0.0, 0.0])
                 nodes[op.node_at(body, op.ERRORS, i)] = nodes[op.node_at(body, op.ERRORS, i)] + damping
+        if looked_at:
+            body.recovered_numbers[SHORT + turn] += square / body.recovered_count
 
 
 @ti.func
@@ -149,8 +157,10 @@ def move_reference(body: ti.template(), nodes: ti.template(), first, problem: ti
             a_y = push_y - (parts[1] + parts[3]) / body.density
             at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
             r, rate = nodes[at_r], nodes[at_rate]
-            x = recovery.next_reference(ti.Vector([r[0], r[2], rate[0], rate[2]]), a_x, step, first)
-            y = recovery.next_reference(ti.Vector([r[1], r[3], rate[1], rate[3]]), a_y, step, first)
+            x, y = ti.Vector([r[0], r[2], rate[0], rate[2]]), ti.Vector([r[1], r[3], rate[1], rate[3]])
+            nodes[op.node_at(body, op.BEFORE, a * B + b)] = ti.Vector([
+                recovery.second_before(x, a_x, first), recovery.second_before(y, a_y, first), 0.0, 0.0])
+            x, y = recovery.next_reference(x, a_x, step, first), recovery.next_reference(y, a_y, step, first)
             nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
 
 
@@ -175,13 +185,14 @@ def report(body: ti.template(), base, step, problem: ti.template(), on: ti.templ
         find_errors(body, body.recovered_nodes, step, of_acceleration, problem)
         for p in range(body.particles):
             report_particle(body, base, p, of_acceleration, problem)
-    unknown = step > 0 and body.recovered_uneven  # of sigma and a
-    if step == 0 or unknown:
-        nothing = ti.math.nan if unknown else 0.0
+    silent = body.recovered_silent
+    if step == 0 or silent > 0:
+        nothing = 0.0 if step == 0 else ti.math.nan
         for p in range(body.particles):
             if step == 0:
                 body.estimate[base + p] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-            body.estimate_stress[base + p] = ti.Vector([nothing] * 4)
+            if step == 0 or silent > 1:
+                body.estimate_stress[base + p] = ti.Vector([nothing] * 4)
             body.estimate_acceleration[base + p] = ti.Vector([nothing] * 2)
 
 
@@ -214,11 +225,14 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
         r, rate = nodes[op.node_at(body, op.MOTION, i)], nodes[op.node_at(body, op.RATE, i)]
         x = ti.Vector([r[0], r[2], rate[0], rate[2]])
         y = ti.Vector([r[1], r[3], rate[1], rate[3]])
-        U_x, V_x, A_x = recovery.reference_at(x, length, since, body.dt)
-        U_y, V_y, A_y = recovery.reference_at(y, length, since, body.dt)
+        before = nodes[op.node_at(body, op.BEFORE, i)]
+        U_x, V_x, A_x = recovery.reference_at(x, before[0], length, since, body.dt)
+        U_y, V_y, A_y = recovery.reference_at(y, before[1], length, since, body.dt)
         true_mean = ti.Vector([U_x, U_y, V_x, V_y])
         if of_acceleration:
             true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
+            if body.recovered_numbers[TURNS] == BEGUN:  # as on the bar
+                true_mean = nodes[op.node_at(body, op.GATHERED, i)]
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - true_mean
     op.smoothing(body, problem.closed)
     for i in range(body.recovered_count):
@@ -237,7 +251,7 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
         op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, problem.closed)
 
 
-def hooks(problem: RecoveredTraits, side: Callable, velocity: Callable, most_rough: float) -> EstimatorHooks:
+def hooks(problem: RecoveredTraits, side: Callable, velocity: Callable) -> EstimatorHooks:
     """The estimator of a problem. ``side(scene, angle)`` is the shortest way of a wave along an element of a circle, in
     metres at rest; ``velocity(scene, R)`` the initial one along e_R and e_angle."""
     @ti.func
@@ -254,7 +268,7 @@ def hooks(problem: RecoveredTraits, side: Callable, velocity: Callable, most_rou
 
     return EstimatorHooks(
         memory=MEMORY, allocate=lambda scene: allocate(scene, velocity, interval(scene)), interval=interval,
-        after_step=its_step, report=its_report, verdict=lambda scene, memory: verdict(scene, memory, most_rough))
+        after_step=its_step, report=its_report, verdict=verdict)
 
 
 def lines(scene):
@@ -286,32 +300,5 @@ def allocate(scene, initial_velocity, steps):
     nodes[op.DIRECTION, :angle.nodes] = np.concatenate([direction, across], axis=1)
     return {"recovered_numbers": recovery.numbers(scene, steps), **recovery.table_values(tables),
             "recovered_count": angle.nodes * radius.nodes, "recovered_across": radius.nodes,
-            "recovered_uneven": int(scene.uneven), "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_silent": 2 if scene.uneven else int(scene.coarse), "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_particles": np.zeros((fields, 4))}
-
-
-def gathered_directions(angle, gather_table):
-    """M e_R and M e_angle at the nodes of the angle (A, 2). Between symmetry planes nothing is along e_angle."""
-    theta = angle.particles() / angle.per_point
-    c, s = np.cos(theta), np.sin(theta)
-    found = [gather_table(wave)[:, :, 0] for wave in (c, s)]
-    along = np.stack([wave[:, k % wave.shape[1]] for k, wave in enumerate(found)], axis=1)
-    return along, (np.zeros_like(along) if angle.ends == "mirror" else np.stack([-along[:, 1], along[:, 0]], axis=1))
-
-
-def across_planes(rows):
-    """Weights as (value x, value y, slope x, slope y)."""
-    weights = np.broadcast_to(rows.weights[..., :2], (*rows.weights.shape[:2], 2, 2))
-    return Rows(rows.first, np.swapaxes(weights, 2, 3).reshape(*weights.shape[:2], 4))
-
-
-def of_four(rows):
-    """Weights of the one component that a radius has, filled up to four."""
-    weights = rows.weights[:, :, 0]
-    return Rows(rows.first, np.concatenate([weights, np.zeros((*weights.shape[:2], 4 - weights.shape[2]))], axis=2))
-
-
-def verdict(scene, memory, most_rough):
-    """Why not to trust what was reported last; ``most_rough`` as ``recovery.doubt`` has it."""
-    U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
-    return recovery.doubt(memory, most_rough, np.abs(U).max() / scene.motion_amplitude)

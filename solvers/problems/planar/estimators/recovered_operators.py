@@ -19,9 +19,9 @@ RADIAL_FIT, RADIAL_SPREAD, RADIAL_GATHER, RADIAL_SMOOTHING = TABLES[4:]
 
 #: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
 #: along the radius, and both ways; unsmoothed; M b along the radius, with unit directions; M e_R and M e_Theta along
-#: the angle.
-MOTION, RATE, GATHERED, HALF_SMOOTHED, SMOOTHED, ERRORS, FORCE, DIRECTION = range(8)
-NODE_BLOCKS = 8
+#: the angle; a two steps before.
+MOTION, RATE, GATHERED, HALF_SMOOTHED, SMOOTHED, ERRORS, FORCE, DIRECTION, BEFORE = range(9)
+NODE_BLOCKS = 9
 #: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and then around; of the
 #: first the slope along the radius and the value, fitted there, and then its slopes along the radius and around.
 FIELD, HALF_FITTED, FITTED, HALF_SLOPES, FITTED_SLOPES = range(5)

@@ -13,8 +13,6 @@ from solvers.problems.planar.estimators import recovered
 from solvers.problems.vortex import exact, validity
 from solvers.problems.vortex.method.material import cauchy_stress, force_at
 
-MOST_ROUGH = 7.0  # as on the ring
-
 
 @ti.func
 def stress(vortex: ti.template(), a, b, c, d):
@@ -44,4 +42,4 @@ def velocity(scene, R):
 
 
 TRAITS = recovered.RecoveredTraits(force_at, stress, stress_error, closed=True)
-HOOKS = recovered.hooks(TRAITS, side, velocity, MOST_ROUGH)
+HOOKS = recovered.hooks(TRAITS, side, velocity)
