@@ -121,7 +121,7 @@ DOUBTED = HOLDOUT._replace(doubted=True)
 ANY = recovered(0.9, 1.1)
 #: The large bar to T = 10 s (158 periods), and CPDI for 20.
 LONG = recovered(0.5, 2)
-#: What two-grid's explanation states for x, of scenes beyond those that it comes from (.82-1.15, within .6), drawn by
+#: Of x, of scenes beyond those that two-grid's rules come from (most of them .8 to 1.2, within .6), drawn by
 #: hand before anything was run: corners of what the rules let pass.
 KEPT = Bound("two-grid", ("x",), 0.8, 1.2, 0.6)
 #: Fixed before anything was run and asked of all: .9 to 1.1 of x and v, .8 to 1.25 of sigma and a. Then measured:
