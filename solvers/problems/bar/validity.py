@@ -56,7 +56,7 @@ def two_grid(scene: Scene) -> str | None:
     needed = FEWEST_ON_A_WAVE * ((4 if far else 2) if scene.body_force == "two-tone" else 1)
     if scene.cells < needed:
         return f"the second run has half the cells, and half of {scene.cells} is too few; give {needed} or more"
-    if scene.ppc < ENOUGH and moved > FARTHEST_OF_FEW[scene.ppc]:
+    if scene.ppc < ENOUGH and moved > FARTHEST_OF_FEW[int(scene.ppc)]:
         return (f"with {scene.ppc} per cell, particles that move {moved:.2g} cells leave an error that is another one "
                 f"on each grid; give {ENOUGH} or more")
     if noisy(scene) and scene.end_time > LONGEST_NOISE * scene.period:
