@@ -24,8 +24,8 @@ MOST_MOTION_HATS = 0.5
 FEWEST_ON_A_WAVE = 16  # cells; the second run has 8. With 12 the index of x is 1.2 and its distance 1.4
 #: Two-grid: one or two particles are a coarse rule of quadrature, whose error depends on where in the cell they stand.
 #: Particles that move a good part of a cell make it another one on each grid, and no power of h; measured, with one a
-#: cell: .61-.70 of the error of sigma at .09 to .54 cells, .85 at .03. Farthest, in cells of the run:
-FARTHEST_OF_FEW = {1: 1 / 40, 2: 1 / 4}
+#: cell: .61-.70 of the error of sigma at .09 to .54 cells, .8 to .9 at .03 to .07. Farthest, in cells of the run:
+FARTHEST_OF_FEW = {1: 1 / 16, 2: 1 / 4}
 ENOUGH = 3  # particles in a cell
 #: Two-grid: how far particles may move, in cells, until crossing from one cell to the next fills the acceleration with
 #: noise. The force on a particle kinks there with hats (however wide a domain sees them) and is smooth with B-splines.
