@@ -98,11 +98,16 @@ def the_probe_reads_a_region(ring):
 
 
 def resonance_is_warned_of_and_inversion_refused(ring):
-    """From 0.115 on the page warns and runs on; from 0.386 it refuses; back below, both are gone."""
+    """From 0.115 on the page warns and runs on; from 0.386 it refuses, and goes back to what was when the hand has come
+    to rest; back below, both are gone."""
+    slider = row(ring, "Amplitude A").get_by_role("slider")
+    before = slider.get_attribute("aria-valuenow")
     press(ring, "Amplitude A", "End")
     ring.locator(".lab-refused").wait_for()
     assert "0.386" in ring.locator(".lab-refused").inner_text()
-    press(ring, "Amplitude A", "ArrowLeft", 25)
+    until(lambda: slider.get_attribute("aria-valuenow") == before, "the amplitude before")
+    press(ring, "Amplitude A", "ArrowRight", 25)
+    ring.locator(".lab-refused").wait_for()
     until(lambda: "parametric resonance" in ring.locator(".lab-refused").inner_text(), "the warning")
     press(ring, "Amplitude A", "ArrowLeft", 120)
     ring.locator(".lab-refused").wait_for(state="detached")

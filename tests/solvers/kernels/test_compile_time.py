@@ -6,8 +6,9 @@ import subprocess
 import sys
 
 #: Statements that the compiler merges with an equal one, each with two walks through the whole kernel: most of its
-#: time. Counted, with a tenth to spare; they were 6027 before numbers were read and written down once.
-MOST_MERGED = 2600
+#: time. Counted, with a tenth to spare: 2740 since the acceleration goes on by a parabola, of two steps before, and not
+#: by a line that was wrong by three times its error; they were 6027 before numbers were read and written down once.
+MOST_MERGED = 3000
 
 COMPILE = """
 import taichi as ti
