@@ -45,7 +45,7 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         until(lambda: "budget" in scene(page)["effects"], "the effect", LONG)
         chart = page.locator(".lab-made svg")
         until(chart.count, "the chart", LONG)
-        until(lambda: 0 < chart.bounding_box()["y"] < 720, "the chart in the window")
+        until(lambda: 0 < (chart.bounding_box() or {"y": 0})["y"] < 720, "the chart in the window")
         box = page.get_by_label("error budget", exact=True)
         assert box.is_checked(), "the box among the effects says so"
         whole = replace(state.read(HATS).scene, effects=(*state.read(HATS).scene.effects, "budget"))

@@ -21,9 +21,11 @@
   document.getElementById("root").addEventListener("click", event => {
     if (event.target.closest(".lab-who, .lab-act[data-act=budget]")) {
       dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
+      let opened = false;  // once: a busy page is slow to open it, and another press would close it again
       wait(left => {
         const fold = head();
-        if (fold?.getAttribute("aria-expanded") === "false") fold.click();
+        if (!opened && fold?.getAttribute("aria-expanded") === "false") fold.click();
+        opened ||= Boolean(fold);
         return left && !fold?.parentElement.querySelector(".lab-budget-chart figure") ? null : fold;
       }, fold => show(fold, "start"));
     }
