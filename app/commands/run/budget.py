@@ -24,6 +24,8 @@ class Budget(SceneFlags):
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 a run went unstable or is lost.
     """
 
+    take_away: Annotated[Any, one_of((NOTHING, *CAUSES))] = NOTHING
+    """Cause of error that is taken out of the run."""
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
     """File for the budget as a JSON object; - is standard output."""
     plot: Annotated[PathFlag, default_hint("no picture")] = None
@@ -43,7 +45,7 @@ class Budget(SceneFlags):
         with working(self.quiet) as show:
             from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
             traced = places and self._error_map(scene, show)
-            found = run_budget(scene, self._cause(scene), show)
+            found = run_budget(scene, self.take_away, show)
         put_result(found.to_dict() | ({"map": traced.to_dict()} if traced else {}), target, _tables)
         if picture:
             from app.pictures.budget import budget_figure
@@ -64,10 +66,6 @@ class Budget(SceneFlags):
     def _scene(self) -> Any:
         """The scene whose budget is found."""
         return self.scene()
-
-    def _cause(self, scene: Any) -> str:
-        """What is taken away."""
-        raise NotImplementedError
 
     def _map_target(self, *others: Target | None) -> Target | None:
         """Where a map goes, tried now; None without one."""
@@ -100,9 +98,6 @@ class BudgetOfEffect(Budget):
                            "or the effect estimate and --estimator companion")
         return scene
 
-    def _cause(self, scene: Any) -> str:
-        return scene.take_away
-
     def _map_target(self, *others: Target | None) -> Target | None:
         """Where the map goes, tried now."""
         if self.map is None:
@@ -127,12 +122,6 @@ class BudgetOnDemand(Budget):
     HELP: ClassVar[str] = Budget.HELP.replace("Exit status", """The run is taken a step at a time, against the exact
     solution; the body force acts at material points and makes no error.
     Exit status""")
-
-    take_away: Annotated[Any, one_of((NOTHING, *CAUSES))] = NOTHING
-    """Cause of error that is taken out of the run."""
-
-    def _cause(self, scene: Any) -> str:
-        return self.take_away
 
 
 def _tables(values: dict) -> str:

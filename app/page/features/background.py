@@ -2,6 +2,7 @@
 
 import os
 import threading
+from abc import ABC, abstractmethod
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeVar
@@ -26,7 +27,7 @@ class JobStatus:
 S = TypeVar("S", bound=JobStatus)
 
 
-class Background(Generic[S]):
+class Background(ABC, Generic[S]):
     """A visitor's jobs, in ``slots`` that all share, each one function of the module ``WORK``. Any thread may call."""
 
     WORK: ClassVar[str]
@@ -74,9 +75,9 @@ class Background(Generic[S]):
             self._closed = True
         self.cancel()
 
+    @abstractmethod
     def heard(self, before: S, message: dict[str, Any]) -> S:
         """The status after a message of the job that runs."""
-        raise NotImplementedError
 
     def _start(self, status: S, question: list | dict, patience: float | None = None) -> None:
         """Begin a job whose first ``status`` says its kind, which is also its function's name; it may take so long."""

@@ -4,8 +4,6 @@ import math
 from abc import abstractmethod
 from typing import ClassVar
 
-import numpy as np
-
 from solvers.scene.rules import SceneError, require_whole
 from solvers.scene.scene import Scene
 
@@ -32,20 +30,6 @@ class PlanarScene(Scene):
     @abstractmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
         """Particles around and across the ring: as many as make their domains about h/ppc wide."""
-
-    @property
-    @abstractmethod
-    def lame_moduli(self) -> tuple[float, float]:
-        """lambda and mu in Pa."""
-
-    @abstractmethod
-    def circle_velocity(self, R: np.ndarray) -> np.ndarray:
-        """The initial velocity (K,) at the radii R in m/s, complex: along e_R, and as imaginary part along e_Theta."""
-
-    @abstractmethod
-    def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """The body force per mass (T, K) at the radii R and the times t (T, 1), in m/s^2: along e_R of the particle at
-        rest, and as imaginary part, if any, along e_Theta."""
 
     @property
     def solution_known(self) -> bool:

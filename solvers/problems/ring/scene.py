@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass
+from types import ModuleType
+from typing import ClassVar
 
 import numpy as np
 
-from solvers.problems.planar import circles
-from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.sizes import own_sizes
+from solvers.problems.planar.circular import CircularScene
 from solvers.problems.ring import exact, step_bound, validity
-from solvers.scene.balance import Moments
 from solvers.scene.described import described
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
@@ -31,7 +29,7 @@ LARGE_ERROR = 0.1  # and the one that is called the end
 
 @described
 @dataclass(frozen=True)
-class RingScene(PlanarScene):
+class RingScene(CircularScene):
     """One run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
 
     ``plan`` says how the step is spread over threads: one serial kernel, slabs side by side, or whichever is faster.
@@ -52,6 +50,7 @@ class RingScene(PlanarScene):
     plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
                        "particles", choices=("auto", "serial", "parallel"))
 
+    EXACT: ClassVar[ModuleType] = exact
     TITLE = "expanding ring"
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
@@ -85,16 +84,6 @@ class RingScene(PlanarScene):
 
     def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
         return exact.body_force(self, R, t)
-
-    @functools.cached_property
-    def _own_sizes(self) -> dict[str, float]:
-        return own_sizes(self, exact)
-
-    def rms_of(self, quantity: str) -> float:
-        return self._own_sizes[quantity]
-
-    def balanced_motion(self, times: np.ndarray) -> Moments:
-        return circles.of_scene(self).moments(times)
 
     def critical_time_step(self) -> StepBound:
         return step_bound.critical_time_step(self)

@@ -5,15 +5,14 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from types import ModuleType
+from typing import ClassVar
 
 import numpy as np
 
-from solvers.problems.planar import circles
-from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.sizes import own_sizes
+from solvers.problems.planar.circular import CircularScene
 from solvers.problems.vortex import exact, step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
-from solvers.scene.balance import Moments
 from solvers.scene.described import described
 from solvers.scene.effects import EFFECTS
 from solvers.scene.remedies import FILTER, FROZEN
@@ -29,7 +28,7 @@ LOOKED_AT = 64  # circles, for the largest displacement
 
 @described
 @dataclass(frozen=True)
-class VortexScene(PlanarScene):
+class VortexScene(CircularScene):
     """One run of the vortex: h = 3 m/``cells``, ``ppc`` counts per direction.
 
     ``amplitude`` is an angle: by how much the middle circle turns against the rims, which rest. ``frequency`` is B,
@@ -59,6 +58,7 @@ class VortexScene(PlanarScene):
     plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
                        "particles", choices=("auto", "serial", "parallel"))
 
+    EXACT: ClassVar[ModuleType] = exact
     TITLE = "generalized vortex"
     SETTING = "A ring with radii 0.75 m and 1.25 m, whose circles turn against each other, on a square grid, 3 m wide."
     ESTIMATORS = ("transport", "recovered", "companion")
@@ -97,16 +97,6 @@ class VortexScene(PlanarScene):
 
     def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
         return circle_force(self, R, t)
-
-    @functools.cached_property
-    def _own_sizes(self) -> dict[str, float]:
-        return own_sizes(self, exact)
-
-    def rms_of(self, quantity: str) -> float:
-        return self._own_sizes[quantity]
-
-    def balanced_motion(self, times: np.ndarray) -> Moments:
-        return circles.of_scene(self).moments(times)
 
     def critical_time_step(self) -> StepBound:
         return step_bound.critical_time_step(self)

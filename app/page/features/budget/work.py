@@ -2,7 +2,7 @@
 
     {"part": .3}                        how far it is
     {"series": {...}, "again": {...}}   of a budget: the samples of the run, and of that without the cause, or None
-    {"picture": base64, "words": ...}   of a map: a PNG, and what it shows
+    {"picture": base64}                 of a map: a PNG
     {"trouble": a sentence}             why there is none
 """
 

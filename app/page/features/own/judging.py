@@ -1,6 +1,5 @@
 """A visitor's file while it is judged: in a process that nobody else needs, for a limited time."""
 
-import os
 import secrets
 import threading
 from collections.abc import Callable
@@ -8,6 +7,7 @@ from concurrent.futures import Future
 from dataclasses import asdict
 from pathlib import Path
 
+from app.page.features.background import MOST_JOBS
 from app.page.visit.limits import MOST_WATCHED
 from solvers.judging.reading import KINDS
 from solvers.judging.show import ShowRequest
@@ -18,7 +18,7 @@ from solvers.workers.pool import Slots, WorkerPool
 from solvers.workers.processes import ProcessDied, TookTooLong
 
 PATIENCE = 180.0  # seconds that a file may take
-SLOTS = Slots(max(1, (os.cpu_count() or 2) // 2))  # files that are judged at once on this server
+SLOTS = Slots(MOST_JOBS)  # files that are judged at once on this server
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
 BUSY = "Other visitors' files keep this server busy; give yours again in a while"
 TOO_LONG = f"takes more than {PATIENCE:g} s to judge; give fewer times, or judge it with `mpm-lab judge`"
