@@ -51,7 +51,7 @@ class Estimator:
     hooks: Mapping[str, EstimatorHooks] = field(default_factory=dict)
     refusals: Mapping[str, str] = field(default_factory=dict)
     beside_gpu: bool = False  # whether the processor can run it beside particles that are on a GPU
-    judges: bool = True  # whether a run counts as lost where it says that the error of x is half the motion
+    judges: bool = False
 
     @property
     def title(self) -> str:
@@ -121,13 +121,13 @@ def load_extensions() -> None:
 
 for _estimator in (
     Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
-              colour="#cf5a00", symbol="o", judges=False),  # its size is often off by several times
+              colour="#cf5a00", symbol="o"),  # judges nothing: its size is often off by several times
     Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
-              colour="#6b2a00", dashes=(7, 3), symbol="s"),
+              colour="#6b2a00", dashes=(7, 3), symbol="s", judges=True),
     Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
-              "against", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True),
+              "against", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True, judges=True),
     Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
-              colour="#b0156b", dashes=(9, 3, 2, 3), symbol="D",
+              colour="#b0156b", dashes=(9, 3, 2, 3), symbol="D", judges=True,
               refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
                         "radius, two-grid runs a second ring"}),
 ):

@@ -2,8 +2,7 @@
 
 The command line, the page and the tests all build a ``Scene``; nothing else is configured anywhere. A ``Scene`` that
 exists is valid: a bad value raises :class:`~solvers.scene.rules.SceneError` with one sentence that names the input,
-says what is wrong and what is allowed. Each field carries its help, its unit and its choices (:func:`option`), from
-which the flags of the command line are made.
+says what is wrong and what is allowed.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import functools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,6 +19,7 @@ import numpy as np
 from solvers.scene import registry
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS
+from solvers.scene.option import option
 from solvers.scene.remedies import FROZEN
 from solvers.scene.remembered import Remembered
 from solvers.scene.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
@@ -37,26 +37,9 @@ MOST_MARGINS = 200  # looks at the margin of the step in a run, about
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LISTS = ("estimators", "effects", "remedies")
 AUTO = "auto"
+ASKED = "Error estimators, one or several"
 LEAST_CFL = 1e-9
 MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
-
-
-def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
-    """A field of a scene, from which its flag and its widget are made.
-
-    Parameters
-    ----------
-    default
-    help
-        What it is, in words that begin with a capital; after a semicolon what the flag's help puts behind the unit.
-    unit
-        In SI, "" for a mere number.
-    choices
-        What it may be, where that is one of a few names.
-    hint
-        What stands for a default that is None.
-    """
-    return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
 
 
 @dataclass(frozen=True)
@@ -84,7 +67,7 @@ class Scene(SceneDefaults, ABC, Remembered):
     body_force: str = option("material", "Body force", choices=("material",))
     linearity_preserving: bool = option(False, "Make the particle-grid transfers exact for linear fields")
     velocity: str = option("grid", "Velocity that moves the particles", choices=("grid", "particle"))
-    estimators: tuple[str, ...] = option(("transport",), "Error estimators, one or several")
+    estimators: tuple[str, ...] = option((), ASKED)  # of each problem the first that it has
     effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between; what is "
                                       "left out costs nothing", hint="all")
     remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
@@ -109,6 +92,12 @@ class Scene(SceneDefaults, ABC, Remembered):
     OWN_EFFECTS: ClassVar[tuple[str, ...]] = ()  # that not every problem has
     DEFAULT_PERIODS: ClassVar[float] = 5.0
     SAMPLES_A_PERIOD: ClassVar[int] = 200
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "ESTIMATORS" in vars(cls):  # a scene that says nothing else asks the first
+            cls.__annotations__["estimators"] = Scene.__annotations__["estimators"]
+            cls.estimators = option(cls.ESTIMATORS[:1], ASKED)
 
     @classmethod
     def choices(cls, name: str) -> tuple[str, ...]:

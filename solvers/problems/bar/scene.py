@@ -14,9 +14,10 @@ from solvers.scene.balance import Moments
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.described import described
+from solvers.scene.option import option
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError, require_number
-from solvers.scene.scene import Scene, option
+from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.

@@ -12,9 +12,9 @@ import numpy as np
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.ring import exact, step_bound, validity
 from solvers.scene.described import described
+from solvers.scene.option import option
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
-from solvers.scene.scene import option
 from solvers.scene.step_bound import StepBound
 
 INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A min w' reaches 0

@@ -15,9 +15,10 @@ from solvers.problems.vortex import exact, step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
 from solvers.scene.described import described
 from solvers.scene.effects import EFFECTS
+from solvers.scene.option import option
 from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.rules import require_number
-from solvers.scene.scene import DEFAULT_CFL, option
+from solvers.scene.scene import DEFAULT_CFL
 from solvers.scene.step_bound import StepBound
 
 SIDE = 3.0  # of the grid, in metres, the ring in its middle

@@ -15,6 +15,7 @@ from app.colours import CAUSES as CAUSE_COLOURS
 from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
 from app.frame.budget import percent
 from app.pictures.run import png_bytes, run_figure, save_png
+from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import run, shown_step
@@ -284,8 +285,9 @@ def test_a_run_that_breaks_is_shown_at_its_end():
     assert unstable.status == "unstable" and unstable.shown is unstable.final
 
 
-def test_estimators_are_told_apart_by_lightness_too():
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_estimators_are_told_apart_by_lightness_too(problem):
     def luminance(colour: str) -> float:
         return float(np.dot(np.power(to_rgb(colour), 2.2), (0.2126, 0.7152, 0.0722)))
-    lightness = sorted(luminance(estimator.colour) for estimator in ESTIMATORS.values())
+    lightness = sorted(luminance(ESTIMATORS[name].colour) for name in PROBLEMS[problem].estimators)
     assert all(0.05 + after > 1.25 * (0.05 + before) for before, after in pairwise(lightness))

@@ -16,12 +16,14 @@ from pathlib import Path
 
 import pytest
 
-from solvers.scene.registry import ESTIMATORS, EXTENSIONS
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
+from solvers.scene.registry import EXTENSIONS
 from tests.paths import ROOT
 from tests.processes import HANG
 
 ENVIRONMENT = {EXTENSIONS: "tests.zero_estimator"}
-FIVE = [*ESTIMATORS, "zero"]
+FIVE = [*BarScene.ESTIMATORS, "zero"]
 #: Here all of them hold, and say something of every quantity.
 QUICK = ["--cells", "20", "--ppc", "2", "--amplitude", "0.004", "--periods", "0.2", "--linearity-preserving"]
 
@@ -122,7 +124,7 @@ def test_a_problem_that_has_it_not_says_so(found):
     status, out, err = found[1]["refused"]
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert err.startswith("mpm-lab: --estimator zero: ")
-    assert all(name in err for name in ESTIMATORS) and err.count("zero") == 1
+    assert all(name in err for name in RingScene.ESTIMATORS) and err.count("zero") == 1
 
 
 @pytest.mark.parametrize("module", ["no_such_module", "tests.rows,no_such_module"])

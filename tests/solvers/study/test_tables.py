@@ -15,6 +15,7 @@ from app.commands.study import tables as command
 from app.commands.study.tables_text import markdown
 from app.pictures.tables import figure
 from app.words import QUANTITIES
+from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
 from solvers.study.tables import paper, plan, rows
 from solvers.study.tables.document import document
@@ -79,13 +80,15 @@ def test_the_papers_numbers_are_those_of_the_bars_reference():
 
 def test_whole_tables_have_the_papers_rows_twice(monkeypatch):
     monkeypatch.undo()
-    first, second, third = (plan.make(number, dict.fromkeys(("bar", "ring"), ESTIMATORS)) for number in plan.NUMBERS)
+    first, second, third = (plan.make(number, {name: PROBLEMS[name].estimators for name in ("bar", "ring")})
+                            for number in plan.NUMBERS)
     assert (len(first.rows), len(second.rows), len(third.rows)) == (16, 24, 24)
     assert all(row.paper for table in (first, second, third) for row in table.rows)
     assert {row.name: row.scenes for row in second.rows} == {row.name: row.scenes for row in third.rows}
     for row in (*first.rows, *second.rows):
         scene = row.scenes["errors"]
-        assert scene.sample_interval == scene.estimate_interval and scene.estimators == tuple(ESTIMATORS)
+        assert scene.sample_interval == scene.estimate_interval
+        assert scene.estimators == PROBLEMS[scene.problem].estimators
         assert row.scenes["cost"].sample_every is None
     assert {(row.scenes["errors"].end_time, row.scenes["crossings"].end_time) for row in first.rows} == {(1.0, 10.0)}
 
