@@ -13,13 +13,13 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import asdict
 
 import pytest
-from playwright.sync_api import sync_playwright
 
 from app import state
 from app.page.visit.session import FIRST_SCENE
 from solvers.workers.processes import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
+from tests.groups import require_group
 from tests.paths import ROOT
 from tests.processes import HANG, STARVED, until
 
@@ -121,8 +121,16 @@ def visit(chromium, address, query="", script="", size=SIZE, touch=False):
     assert errors == []
 
 
+def axe_finds(page):
+    """What axe, the checker of accessibility, finds wrong with the page."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    return Axe().run(page).response["violations"]
+
+
 @pytest.fixture(scope="package")
-def server():
+def server(chromium):
+    """The page's address and process id; where there is no browser, nothing is served."""
     log = []
     with serving(log=log) as one:
         yield one
@@ -131,6 +139,9 @@ def server():
 
 @pytest.fixture(scope="package")
 def chromium():
+    require_group("browser")
+    from playwright.sync_api import sync_playwright  # here: files without a browser import this one, too
+
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=_browser(), args=FLAGS)
         yield browser

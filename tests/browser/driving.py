@@ -9,7 +9,6 @@ from contextlib import suppress
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import TimeoutError
 
 from app.colours import colour_table
 from app.words import size_in
@@ -67,6 +66,8 @@ def step_size(page):
 def again_until(act, condition, what):
     """Click until it has had its effect: a click is lost when a busy browser moves, or makes anew, what is under it
     between its press and its release, and a visitor would click once more."""
+    from playwright.sync_api import TimeoutError  # here: who has no playwright can still collect the tests
+
     for _ in range(AGAIN):
         with suppress(TimeoutError):
             act()

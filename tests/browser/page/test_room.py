@@ -8,10 +8,9 @@ import signal
 
 import numpy as np
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from PIL import Image
 
-from tests.browser.conftest import visit
+from tests.browser.conftest import axe_finds, visit
 from tests.browser.driving import choose, click, coloured, readout, stage, stage_box, steps, to_the_ring, unfold, until
 
 LARGE, LAPTOP, SMALL, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (1024, 768), (800, 1100), (390, 844)
@@ -203,8 +202,7 @@ def test_an_address_asks_for_the_presenters_view(server, chromium):
 
 
 def serious(page):
-    found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
-    return [(violation["id"], [node["html"][:160] for node in violation["nodes"]]) for violation in found]
+    return [(violation["id"], [node["html"][:160] for node in violation["nodes"]]) for violation in axe_finds(page)]
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

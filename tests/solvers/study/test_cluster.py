@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import signal
 import subprocess
@@ -15,11 +14,10 @@ from app.cli import main
 from solvers.study import places
 from solvers.study.grid import plan
 from solvers.workers.processes import free_port
+from tests.groups import require_group
 from tests.paths import ROOT
 from tests.processes import until
 from tests.rows import without_timings
-
-pytestmark = pytest.mark.skipif(not importlib.util.find_spec("distributed"), reason="Dask's distributed is not there")
 
 AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16], "periods": [1.0]}
 
@@ -29,8 +27,14 @@ def start(module: str, *arguments: str) -> subprocess.Popen:
                             cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
+@pytest.fixture(scope="module")
+def dask() -> None:
+    """Dask's distributed, or no test."""
+    require_group("cluster")
+
+
 @pytest.fixture
-def workers(tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
+def workers(dask, tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
     """The scheduler's address, and two workers that nobody restarts."""
     port = free_port()
     address = f"tcp://127.0.0.1:{port}"
@@ -49,7 +53,7 @@ def wait_for_workers(place: places.Cluster, count: int) -> None:
     until(lambda: place.workers == count, f"{count} workers")
 
 
-def test_rows_are_measured_on_a_cluster():
+def test_rows_are_measured_on_a_cluster(dask):
     """A scheduler and a worker in this process; the row has one of its own."""
     from distributed import LocalCluster
 
@@ -89,7 +93,7 @@ def test_a_killed_worker_costs_no_row(workers, monkeypatch):
     assert len(rows) == len(tasks) and both[0] == both[1]
 
 
-def test_no_scheduler_is_one_line(tmp_path, monkeypatch, capsys):
+def test_no_scheduler_is_one_line(dask, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(places, "ANSWER_SECONDS", 0.5)
     assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
     said = capsys.readouterr().err
