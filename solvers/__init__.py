@@ -4,7 +4,7 @@ What a user needs stands here, and is imported when it is first asked for::
 
     from solvers import BarScene, run
 
-    print(run(BarScene(cells=80, estimators=("companion",))).errors()["x"]["max"], "m")
+    print(run(BarScene(cells=80, estimators=("companion",))).error["x"]["max"], "m")
 """
 
 import importlib
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from solvers.problems.bar.scene import BarScene
     from solvers.problems.ring.scene import RingScene
     from solvers.problems.vortex.scene import VortexScene
+    from solvers.running.result import Result
     from solvers.running.run import run
     from solvers.scene.rules import SceneError
-    from solvers.solver.result import Result
     from solvers.study.sweep import sweep
 else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring.scene",
               "VortexScene": "problems.vortex.scene", "run": "running.run", "sweep": "study.sweep",
-              "judge": "judging.verdict", "Result": "solver.result", "SceneError": "scene.rules",
+              "judge": "judging.verdict", "Result": "running.result", "SceneError": "scene.rules",
               "FileError": "judging.frames"}
 
     def __getattr__(name):

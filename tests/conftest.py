@@ -15,9 +15,9 @@ from xdist.scheduler import LoadScopeScheduling
 from xdist.workermanage import WorkerController
 
 from solvers.engine.pool import EnginePool
+from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene
-from solvers.solver.result import Result
 from tests.listening import PATIENCE, SCENE, Listener
 
 # A shell that starts a job in the background has it ignore Ctrl-C, and its children with it; some tests send one.

@@ -29,6 +29,7 @@ from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
+from tests.ratios import ratio_of
 
 Row = dict[str, Any]
 ESTIMATORS = {"bar": ("recovered", "two-grid"), "ring": ("recovered", "two-grid"), "vortex": ("recovered",)}
@@ -121,7 +122,8 @@ def measure(scene: Scene) -> Row:
             return {**row, "status": f"failed: {error}"}
     row["refused"] = {**result.not_valid, **row["refused"]}
     for name in scene.active_estimators:
-        row["index"][name], row["distance"][name] = result.index(name), result.distance(name)
+        for kind in ("index", "distance"):
+            row[kind][name] = ratio_of(result, kind, name)
     return {**row, "status": result.status}
 
 

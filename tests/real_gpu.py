@@ -34,7 +34,7 @@ def main() -> int:
         result = run(scene, prices=False)
         print(f"{name}: {scene.particles:,} particles, {result.steps:,} steps in {result.seconds.run:.1f} s, "
               f"{result.rate:.4g} million particle-steps/s, {result.status}, {result.not_valid or 'companion valid'}")
-        print("  errors", result.errors(), "\n  index", result.index("companion"))
+        print("  errors", result.error, "\n  index", result.index["companion"])
     return int(failed)
 
 

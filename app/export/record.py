@@ -26,8 +26,8 @@ from solvers.solver import budget, samples
 from solvers.solver.base import Solver
 from solvers.solver.checked import AsLarge, as_large_as_itself, merged
 from solvers.solver.norms import RATIOS, error_index
-from solvers.solver.result import Snapshot
 from solvers.solver.rounding import rounding
+from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import earliest, findings
 from solvers.workers.pool import WorkerPool
 

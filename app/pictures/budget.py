@@ -17,8 +17,8 @@ from app.colours import INK, INK2, INK3, PINNED
 from app.frame.budget import CAPTION, UNITS, error, largest_share, percent, stacked
 from app.renderers.look import FEW, in_sizes, sheet
 from app.words import method_name, moving
+from solvers.running.result import Result
 from solvers.scene.causes import CAUSES, FIELDS
-from solvers.solver.result import Result
 
 if TYPE_CHECKING:
     from solvers.running.budget import BudgetResult  # which has Taichi, for which a picture need not wait
@@ -88,7 +88,7 @@ def _title(result: Result) -> str:
     swing = f"A = {scene.amplitude:g} m" if scene.swings else moving(scene)
     said = [f"Who made this error? {scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
             f"· {swing} · body force {scene.body_force}"]
-    values = result.budget()
+    values = result.budget
     assert values is not None
     if values["reference"] == "companion":
         said.append("Against the companion: the exact solution was not looked at")

@@ -19,10 +19,10 @@ from app.problems.views import VIEWS
 from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet
 from app.renderers.picture import positive, say, styled
 from app.words import QUANTITIES, method_name, moving, per_cell, unit_of
+from solvers.running.result import Result
 from solvers.scene.causes import FIELDS
 from solvers.solver import budget
 from solvers.solver.norms import RunningIndex
-from solvers.solver.result import Result
 from solvers.solver.rounding import rounding
 
 DOTS_PER_INCH = 110
@@ -140,7 +140,7 @@ def _draw_index(axes: Axes, result: Result) -> None:
     _time_axis(axes, result)
     if not axes.get_legend_handles_labels()[0]:
         axes.set_yticks([])
-        rounded = set(result.rounding()) >= set(INDEX_STYLES) and bool(result.scene.active_estimators)
+        rounded = set(result.rounding) >= set(INDEX_STYLES) and bool(result.scene.active_estimators)
         say(axes, "no index: the true errors are nothing but rounding" if rounded else
             "nothing to show: the index needs an estimate and a true error")
         return

@@ -15,8 +15,8 @@ from app.frame.marks import Label, Room
 from app.frame.scale import largest
 from app.frame.stage import Stage, Words
 from app.renderers.look import in_sizes
+from solvers.running.result import Result
 from solvers.scene.registry import ESTIMATORS
-from solvers.solver.result import Result
 
 Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plot``
 DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture

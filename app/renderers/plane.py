@@ -15,8 +15,8 @@ from app.frame.planar import PlanarStage
 from app.frame.silences import EMPTY_HALVES, NOTHING_TO_SHOW
 from app.renderers import picture
 from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends
+from solvers.running.result import Result
 from solvers.scene.scene import Scene
-from solvers.solver.result import Result
 
 UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
 MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average

@@ -18,7 +18,7 @@ before = None
 print("cells  largest RMS error of x (m)  order")
 for cells in grids:
     result = run(BarScene(method=method, cells=cells, amplitude=amplitude, periods=1, estimators=()))
-    h, error = 1 / cells, result.errors()["x"]["max"]
+    h, error = 1 / cells, result.error["x"]["max"]
     order = math.log(before[1] / error) / math.log(before[0] / h) if before else math.nan
     before = h, error
     print(f"{cells:5}  {error:26.3g}  {order:5.2f}")

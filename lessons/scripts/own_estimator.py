@@ -32,4 +32,4 @@ register(Estimator("bend", "takes the interpolation error of hat functions", col
 
 for cells in (20, 40, 80):
     scene = BarScene(method="mpm", cells=cells, amplitude=1e-5, periods=0.5, estimators=("bend",))
-    print(f"{cells} cells: index of bend in x {run(scene).index('bend')['x']:.2f}")
+    print(f"{cells} cells: index of bend in x {run(scene).index['bend']['x']:.2f}")

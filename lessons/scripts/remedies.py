@@ -17,6 +17,6 @@ treatments = {"plain": {}, "mended": {"linearity_preserving": True,
 for name, treatment in treatments.items():
     result = run(BarScene(method="mpm", cells=cells, amplitude=amplitude, cfl=cfl, periods=periods, estimators=(),
                           **treatment))
-    life = result.life()["accurate"]  # periods until the error of x exceeds A/10; None: it never does
+    life = result.life["accurate"]  # periods until the error of x exceeds A/10; None: it never does
     print(f"{name}: {f'right for {life:.2g} periods' if life else f'right for all {periods:g} periods'}, largest RMS "
-          f"error of x {result.errors()['x']['max'] / amplitude:.2g} A")
+          f"error of x {result.error['x']['max'] / amplitude:.2g} A")

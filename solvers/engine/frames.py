@@ -12,8 +12,8 @@ from multiprocessing.shared_memory import SharedMemory
 import numpy as np
 
 from solvers.scene.scene import Scene
-from solvers.solver.result import Snapshot
 from solvers.solver.samples import QUANTITIES
+from solvers.solver.snapshot import Snapshot
 
 WIDTH = len(QUANTITIES)
 HEADER = 64  # bytes in front of the arrays

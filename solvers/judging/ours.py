@@ -12,7 +12,7 @@ from solvers.judging.frames import Frame
 from solvers.judging.measure import Companions, Errors, series, summarised, truth
 from solvers.running.run import build
 from solvers.scene.scene import Scene
-from solvers.solver.result import Snapshot
+from solvers.solver.snapshot import Snapshot
 
 LONGEST = 2e9  # particle-steps of one comparison: a minute or so
 ON_A_STEP = 1e-6  # of a step: a time that is nearer to one is that of the step

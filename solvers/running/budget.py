@@ -10,10 +10,10 @@ import numpy as np
 
 from solvers.problems import PROBLEMS
 from solvers.problems.descriptor import OnDemand
+from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 from solvers.solver import budget
-from solvers.solver.result import Result
 from solvers.solver.soundness import LOST
 
 SCHEMA = "mpm-lab/budget/1"
@@ -39,7 +39,7 @@ class BudgetResult:
 
     def to_dict(self) -> dict:
         """The object of ``mpm-lab budget --json``."""
-        values = self.result.budget()
+        values = self.result.budget
         assert values is not None  # the scene has the effect
         return {"schema": SCHEMA, "scene": self.result.scene.to_dict(), "reference": values["reference"],
                 "budget": values, "take_away": self.take_away()}

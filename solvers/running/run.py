@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.problems import PROBLEMS
+from solvers.running.result import Result
 from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.checked import as_large_as_itself
-from solvers.solver.result import Result, Seconds, Snapshot
+from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import earliest, findings
 
 SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little

@@ -56,8 +56,8 @@ class Family:
         """Run a member and learn its error and its rate."""
         scene = self.member(cells)
         result = run(scene, prices=False, mid_run=False)
-        largest = result.estimates(ESTIMATOR)[self.quantity]["max"] if result.status == OK else None
-        error = math.inf if largest is None or ESTIMATOR in result.not_valid else largest
+        largest = result.estimate[ESTIMATOR][self.quantity]["max"] if result.status == OK else None
+        error = math.inf if largest is None else largest
         bare = replace(scene, estimators=(), effects=(), cfl=GENTLE_CFL)  # how long a step takes is not its length's
         point = Point(cells, error, _seconds_per_particle_step(bare), result.status, result.reason)
         insort(self.points, point)

@@ -21,10 +21,10 @@ from pathlib import Path
 from typing import Any
 
 from solvers.problems import PROBLEMS
+from solvers.running.result import Result
 from solvers.scene.effects import EFFECTS
 from solvers.scene.rules import SceneError, field_key
 from solvers.scene.scene import Scene
-from solvers.solver.result import Result
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
 from solvers.study.grid import Task
@@ -77,8 +77,8 @@ def _measured(task: Task, scene: Scene) -> dict:
     row = {**_identity(task), "scene": values["scene"], "h": scene.spacing}
     row |= {name: values[name] for name in ("status", "reason", "t", "steps", "particles")}
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
-    each = {"estimate": full.estimates, "index": full.index, "distance": full.distance}
-    row |= {kind: {name: value_of(name) for name in names} for kind, value_of in each.items()}
+    each = {"estimate": full.estimate, "index": full.index, "distance": full.distance}
+    row |= {kind: {name: values_of[name] for name in names} for kind, values_of in each.items()}
     kept = ("rounding", "checked", "not_checked", "as_large_as_itself", "not_valid", "grid_crossings", "energy",
             "soundness", "life", "effects", "bytes", "budget")
     row |= {name: values[name] for name in kept}

@@ -50,14 +50,29 @@ def test_prices_cost_time_and_are_asked_for():
     assert run(scene).seconds.estimate is None and run(scene, prices=True).seconds.estimate > 0
 
 
+def test_a_result_is_called_as_its_json():
+    """And holds the same, but for the moment, the scene, and what is made of seconds."""
+    result = run(BarScene(cells=20, periods=0.1, estimators=("companion",)))
+    values = result.to_dict()
+    alike = values.keys() - {"schema", "scene", "t", "checked", "not_checked", "as_large_as_itself", "seconds"}
+    assert {name: getattr(result, name) for name in alike} == {name: values[name] for name in alike}
+    assert result.verdict.items() <= values.items() and result.time == values["t"]
+    assert result.index["x"] == pytest.approx(1, abs=0.01) and result.index["companion"] == result.index
+    assert run(BarScene(cells=20, periods=0.1, estimators=())).index == dict.fromkeys(values["index"])
+
+
 def test_an_estimator_that_the_run_has_not_had_is_named():
-    result = run(BarScene(cells=20, periods=0.1, estimators=("companion", "two-grid"), method="mpm"))
-    with pytest.raises(SceneError, match="estimator transport: is not one of this run's; the run has companion"):
-        result.index("transport")
-    for ask in (result.estimates, result.index, result.distance):
-        with pytest.raises(SceneError, match="estimator two-grid: not valid here: "):
-            ask("two-grid")
-    assert result.index("companion")["x"] == pytest.approx(1, abs=0.01)
+    two = run(BarScene(cells=20, periods=0.1, estimators=("companion", "two-grid"), method="mpm"))
+    with pytest.raises(SceneError, match="estimator transport: is none of this run's; give one of companion, two-grid"):
+        _ = two.index["transport"]
+    with pytest.raises(SceneError, match="estimator x: is none of this run's"):
+        _ = two.estimate["x"]
+    assert two.not_valid["two-grid"].startswith("not valid here: ")
+    assert two.index["two-grid"] == dict.fromkeys(two.index["companion"])
+    assert two.index["companion"]["x"] == pytest.approx(1, abs=0.01)
+    one = run(BarScene(cells=20, periods=0.1, estimators=("companion",)))
+    with pytest.raises(SceneError, match="is not this run's, which has companion; give that or one of x, v, sigma, a"):
+        _ = one.distance["recovered"]
 
 
 def test_a_sweep_has_a_row_for_each_combination_as_its_table_has():
@@ -70,8 +85,8 @@ def test_a_sweep_has_a_row_for_each_combination_as_its_table_has():
     assert [part for part, _ in told] == [0.25, 0.5, 0.75, 1] and {cells for _, cells in told} == {20, 40}
     scene = BarScene(cells=40, ppc=2, amplitude=2.5e-4, periods=0.25, estimators=("companion",))
     result = run(scene)
-    assert rows[2]["error.x.max"] == result.errors()["x"]["max"]
-    assert rows[2]["index.companion.v"] == result.index("companion")["v"]
+    assert rows[2]["error.x.max"] == result.error["x"]["max"]
+    assert rows[2]["index.companion.v"] == result.index["companion"]["v"]
     assert rows[2]["h"] == scene.spacing
 
 

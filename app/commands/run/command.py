@@ -14,8 +14,9 @@ from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
 from solvers.judging.limits import LIMITS
+from solvers.running.result import Result
 from solvers.scene.scene import Scene
-from solvers.solver.result import Result, Snapshot
+from solvers.solver.snapshot import Snapshot
 
 OK, FAILED, BROKEN = 0, 1, 3
 KINDS = (".npz", ".csv")  # of files of particles

@@ -14,7 +14,7 @@ from app.renderers import picture
 from app.renderers.look import TRUTH_WIDTH, in_sizes
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
-from solvers.solver.result import Result
+from solvers.running.result import Result
 
 
 def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:

@@ -12,7 +12,7 @@ from app.renderers.picture import drawable, robust_size
 from app.renderers.plane import draw_halves, draw_profile
 from solvers.problems.ring import exact
 from solvers.problems.ring.scene import RingScene
-from solvers.solver.result import Result
+from solvers.running.result import Result
 
 POINTS_PER_METRE = 400  # of the picture of the ring, roughly
 _ANGLES = np.linspace(0, 0.5 * np.pi, 181)

@@ -11,7 +11,7 @@ from app.problems.vortex.stage import SPOKES, VortexStage
 from app.renderers.plane import draw_halves, draw_profile
 from solvers.problems.vortex.exact import INNER, OUTER
 from solvers.problems.vortex.scene import VortexScene
-from solvers.solver.result import Result
+from solvers.running.result import Result
 
 POINTS_PER_METRE = 160  # of the picture, roughly
 _ANGLES = np.linspace(0, 2 * np.pi, 361)

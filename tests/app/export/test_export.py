@@ -121,7 +121,7 @@ def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
         for name in scene.active_estimators:
             size = np.abs(result.final.estimate[name][:, k])
             assert near(found[f"estimate.{name}.{key}"][-1], size, 1 / 508) or not np.isfinite(size).all()
-            index = result.index(name)[key]
+            index = result.index[name][key]
             assert index is None or found[f"index.{name}"][-1, k] == pytest.approx(index, rel=1e-5)
     crossed = found["crossings.who"].round().astype(int)[:, 0]
     every = one_in(len(result.final.position), VIEWS[scene.problem].stage.MOST_MARKED)
@@ -136,7 +136,7 @@ def test_who_made_the_error_is_kept_where_the_run_has_it(simulate):
     found, said = decoded(made), made["head"]["budget"]
     assert said["not_valid"] is None and said["whose"] == ""
     for field in FIELDS:
-        assert said["shares"][field] == pytest.approx(result.budget()[field], abs=1e-9)
+        assert said["shares"][field] == pytest.approx(result.budget[field], abs=1e-9)
         error, *parts = found[f"budget.{field}"].T
         assert near(error[-1:], result.series[f"budget/error_{field}"][-1:], 1 / 254)
         assert np.abs(sum(parts) - error).max() <= 5 / 254 * np.abs(found[f"budget.{field}"]).max()

@@ -142,9 +142,9 @@ def test_scripts(name, scene, parameters, tmp_path, monkeypatch, capsys):
     assert type(done["scene"]) is scene
     printed = capsys.readouterr().out
     result = run(done["scene"], prices=False)
-    found = [result.errors()["x"]["max"], result.estimates(done["estimator"])["x"]["max"]]
+    found = [result.error["x"]["max"], result.estimate[done["estimator"]]["x"]["max"]]
     assert all(f"{value:.3e}" in printed for value in found)
-    assert f"{result.index(done['estimator'])['x']:.3f}" in printed
+    assert f"{result.index[done['estimator']]['x']:.3f}" in printed
     assert (tmp_path / done["picture"]).read_bytes().startswith(b"\x89PNG")
 
 

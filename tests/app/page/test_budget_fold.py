@@ -114,7 +114,7 @@ def test_layers_add_up_to_the_error_and_leave_no_gap(hats):
 
 def test_the_legend_has_the_shares_of_the_run(hats):
     for field in FIELDS:
-        text, said = chart([of(hats)], field), hats.budget()[field]
+        text, said = chart([of(hats)], field), hats.budget[field]
         assert shares(text) == {cause: [percent(said[cause])] for cause in CAUSES}
         assert all(words in text for words in (*CAUSES.values(), *MEANINGS.values()))
     assert percent(-0.038) == "−4 %" and percent(-0.001) == "0 %" and percent(None) == "–"
@@ -138,7 +138,7 @@ def test_two_runs_have_one_scale_and_a_share_each(hats):
     other = run(replace(UGIMP, periods=1), prices=False, mid_run=False)
     text = chart([of(hats, "pinned: MPM"), of(other, "this run: uGIMP")], "v")
     assert text.count("<figure>") == 2 and text.count(">pinned</th>") == 1
-    assert shares(text)["crossings"] == [percent(one.budget()["v"]["crossings"]) for one in (hats, other)]
+    assert shares(text)["crossings"] == [percent(one.budget["v"]["crossings"]) for one in (hats, other)]
     heights = [min(float(point.split()[1]) for point in line.split("L"))
                for line in re.findall(r"lab-whole' d='M(.*?)'", text)]
     assert heights[0] < heights[1] / 2  # nearer to the top, which is 0
@@ -153,7 +153,7 @@ def test_where_shares_mean_nothing_the_reason_stands_in_place_of_the_chart(hats)
 
 
 def test_the_sentence_names_who_made_most(hats):
-    x = hats.budget()["x"]["crossings"]
+    x = hats.budget["x"]["crossings"]
     assert blamed(HATS, hats.series, "x") == f"crossings made {per_cent(x)} of the error of x"
     assert blamed(HATS, hats.series, "sigma") == blamed(replace(HATS, effects=("truth",)), hats.series, "x") == ""
     fine = run(replace(HATS, amplitude=2.5e-4, periods=0.3), prices=False, mid_run=False)

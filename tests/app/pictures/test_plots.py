@@ -18,10 +18,10 @@ from app.pictures.run import png_bytes, run_figure, save_png
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
+from solvers.running.result import Result
 from solvers.running.run import run, shown_step
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.registry import ESTIMATORS, Estimator
-from solvers.solver.result import Result
 
 SCENE = BarScene(cells=8, ppc=2, periods=0.3)
 RING = RingScene(cells=12, periods=0.1)
@@ -48,8 +48,8 @@ def test_norms_are_drawn_in_the_two_colours(result):
 
 def test_index_ends_at_the_results_index(result):
     lines = {line.get_label(): line for line in panels(run_figure(result))["index"].get_lines()}
-    assert lines["x"].get_ydata()[-1] == pytest.approx(result.index("transport")["x"])
-    assert lines["σ"].get_ydata()[-1] == pytest.approx(result.index("transport")["sigma"])
+    assert lines["x"].get_ydata()[-1] == pytest.approx(result.index["transport"]["x"])
+    assert lines["σ"].get_ydata()[-1] == pytest.approx(result.index["transport"]["sigma"])
 
 
 def test_lanes_share_one_scale(result):
@@ -125,7 +125,7 @@ def test_who_made_the_error_is_drawn_where_the_run_has_it(result):
     figure, plain = run_figure(divided), run_figure(result)
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     for field in FIELDS:
-        cause, share = max(divided.budget()[field].items(), key=lambda item: item[1])
+        cause, share = max(divided.budget[field].items(), key=lambda item: item[1])
         assert f"Error of {field}, RMS: {CAUSES[cause]} made {percent(share)}" in titles
     assert len(figure.legends[0].get_texts()) == len(CAUSES) and not plain.legends
     assert not any(" made " in axes.get_title(loc="left") for axes in plain.axes)

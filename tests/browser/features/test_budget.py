@@ -50,7 +50,7 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         assert box.is_checked(), "the box among the effects says so"
         whole = replace(state.read(HATS).scene, effects=(*state.read(HATS).scene.effects, "budget"))
         found = run_budget(whole, "crossings")
-        shares = found.result.budget()["v"]
+        shares = found.result.budget["v"]
         expected = {cause: [percent(shares[cause])] for cause in CAUSES}
         until(lambda: legend(page) == expected, f"{expected}", LONG)
         assert f"Crossings made {per_cent(shares['crossings'])} of the error of v." in summary(page)
@@ -94,7 +94,7 @@ def test_in_the_plane_it_is_found_beside_the_stage(server, chromium):
         page.keyboard.press("Enter")
         until(page.locator(".lab-made svg").count, "the chart", LONG)
         found = run_budget(state.read(RING).scene, "crossings")
-        shares = found.result.budget()["x"]
+        shares = found.result.budget["x"]
         assert legend(page) == {cause: [percent(shares[cause])] for cause in CAUSES}
         page.get_by_role("button", name="Take it away and run again").focus()
         page.keyboard.press("Enter")

@@ -325,7 +325,7 @@ def test_who_made_the_error_is_in_the_file_where_the_run_has_it(chromium, tmp_pa
         for key, field in (("x", "x"), ("v", "v"), ("sigma", "F")):
             page.get_by_role("combobox", name="Error of").select_option(label=str(words.QUANTITIES[key]))
             rows = page.locator("#causes tr:not(.head)").all_inner_texts()
-            shares = result.budget()[field]
+            shares = result.budget[field]
             assert [row.split("\t")[1] for row in rows] == [percent(shares[cause]) for cause in CAUSES]
             assert CAUSES["crossings"] in rows[0] and page.locator("#divided").inner_text() == CAPTION
     file.write_text(scene_page(text.replace(",budget", ""), 1, silent, {}), encoding="utf-8")

@@ -104,7 +104,7 @@ def test_sampled_norms_are_those_of_the_final_state():
                 "a": final.error[:, 3]}
     for name, error in expected.items():
         # sums of cancelling numbers up to 1: their rounding over the norm, 1e-16/1e-4
-        assert result.errors()[name]["final"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-10)
+        assert result.error[name]["final"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-10)
     for k, name in enumerate(("x", "v", "sigma")):
         np.testing.assert_allclose(final.error[:, k], expected[name], rtol=0, atol=1e-13)
 

@@ -46,7 +46,7 @@ def gap(series: dict[str, np.ndarray], field: str) -> np.ndarray:
 
 
 def made(scene: BarScene) -> dict:
-    found = run(scene, prices=False, mid_run=False).budget()
+    found = run(scene, prices=False, mid_run=False).budget
     assert found is not None
     return found
 
@@ -89,7 +89,7 @@ def test_parts_at_the_end_add_up_to_the_error():
     for field in FIELDS:
         total = sum(found["at_end"][field].values())
         assert total == pytest.approx(result.series[f"budget/error_{field}"][-1], rel=1e-6)
-    assert sum(found["at_end"]["x"].values()) == pytest.approx(result.errors()["x"]["final"], rel=1e-6)
+    assert sum(found["at_end"]["x"].values()) == pytest.approx(result.error["x"]["final"], rel=1e-6)
     assert found["reference"] == "exact" and found["not_valid"] is None
 
 
@@ -126,7 +126,7 @@ def test_the_causes_add_up_in_many_scenes(method):
 def test_against_the_companion_it_is_the_same(inputs):
     """The causes add up to what the companion estimates, and their shares are those against the exact solution."""
     exact, alone = (run(replace(SCENE, **inputs, **more), prices=False) for more in ({}, ALONE))
-    found, known = alone.budget(), exact.budget()
+    found, known = alone.budget, exact.budget
     assert found is not None and known is not None and found["reference"] == "companion"
     for field in FIELDS:
         assert found[field] == pytest.approx(known[field], abs=0.02)
@@ -174,7 +174,7 @@ def test_estimators_of_the_step_leave_a_run_without_a_cause_alone():
     result = run(replace(SCENE, method="mpm", estimators=every, effects=(*EFFECTS, "estimate"), take_away="crossings"),
                  prices=False)
     assert set(result.not_valid) == {"transport", "two-grid"} and "taken out" in result.not_valid["transport"]
-    assert all(result.index(name)["x"] == pytest.approx(1, abs=0.1) for name in ("recovered", "companion"))
+    assert all(result.index[name]["x"] == pytest.approx(1, abs=0.1) for name in ("recovered", "companion"))
 
 
 @pytest.mark.parametrize("cause", CAUSES)

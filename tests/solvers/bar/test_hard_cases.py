@@ -31,7 +31,7 @@ def test_stable_below_the_edge_and_unstable_above(method, linear, amplitude, edg
     ``unstable``.
     """
     inside = simulate(hard(method, linear, amplitude, round(edge - 0.2, 1)))
-    assert inside.status == "ok" and inside.errors()["x"]["max"] < 0.1 * amplitude
+    assert inside.status == "ok" and inside.error["x"]["max"] < 0.1 * amplitude
     outside = simulate(hard(method, linear, amplitude, round(edge + 0.3, 1)))
     assert outside.status == "unstable" and outside.reason
 
@@ -43,7 +43,7 @@ def test_no_step_is_short_enough(method, amplitude, simulate):
     step.
     """
     result = simulate(hard(method, False, amplitude, 0.1))
-    assert result.status == "unstable" or result.errors()["x"]["max"] > 0.1 * amplitude
+    assert result.status == "unstable" or result.error["x"]["max"] > 0.1 * amplitude
 
 
 @pytest.mark.parametrize(("method", "amplitude", "cfl", "periods"), [
@@ -66,5 +66,5 @@ def test_tiled_domains_outlive_convected_ones(simulate):
     """
     tiled, plain = (simulate(hard("cpgimp", False, 0.1, 0.3, periods=100, cells=20, velocity=velocity))
                     for velocity in ("corners", "grid"))
-    assert tiled.status == "ok" and tiled.errors()["x"]["max"] < 0.01
-    assert plain.status == "unstable" or plain.errors()["x"]["max"] > 0.01
+    assert tiled.status == "ok" and tiled.error["x"]["max"] < 0.01
+    assert plain.status == "unstable" or plain.error["x"]["max"] > 0.01

@@ -33,7 +33,7 @@ def round_off(scene):
 
 
 def wrong(result, part="final"):
-    return result.errors()["sigma"][part] / result.scene.size_of("sigma")
+    return result.error["sigma"][part] / result.scene.size_of("sigma")
 
 
 @pytest.mark.parametrize(("method", "ppc"), TABLE)
@@ -48,7 +48,7 @@ def test_the_test_that_passes_for_the_wrong_reason(method, ppc):
         assert round(wrong(result), 2) == expected
         assert result.status == "lost"
         assert "the stress is not what it should be" in result.reason and "whole number" in result.reason
-        assert result.index("companion") == pytest.approx(dict.fromkeys("xv", 1) | {"sigma": 1, "a": 1}, abs=1e-6)
+        assert result.index["companion"] == pytest.approx(dict.fromkeys("xv", 1) | {"sigma": 1, "a": 1}, abs=1e-6)
 
 
 def test_the_stress_is_lost_and_does_not_scatter():
@@ -67,7 +67,7 @@ def test_what_heals_it_and_what_leaves_it_whole(changes):
     result = run(replace(PATCH, ppc=2.5, **changes), prices=False)
     assert wrong(result, "max") < round_off(result.scene)
     assert result.status == "ok"
-    assert abs(result.energy()["drift"]) < round_off(result.scene)
+    assert abs(result.energy["drift"]) < round_off(result.scene)
 
 
 def test_at_rest_hats_are_wrong_too_but_lose_nothing():

@@ -128,7 +128,7 @@ def test_a_budget_beside_pieces_has_no_crossings(changes):
     """No share at all, for the sources are differences of equal forces; and the causes add up to the error."""
     scene = replace(BAR, cells=20, effects=("truth", "budget"), **changes)
     result = run(scene, prices=False)
-    shares = result.budget()
+    shares = result.budget
     assert all(shares[field]["crossings"] == 0 for field in FIELDS)
     for field in FIELDS:
         parts = sum(result.series[f"budget/part_{field}_{cause}"] for cause in CAUSES)

@@ -19,11 +19,12 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
+from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene
-from solvers.solver.result import Result
 from solvers.solver.samples import QUANTITIES
 from tests.paths import ASSETS
+from tests.ratios import ratio_of
 from tests.reference import NUMBERS
 
 TABLE = {case: NUMBERS["table1"][case] for case in ("small", "large")}
@@ -266,7 +267,7 @@ def test_bounds(name, simulate):
     missed = []
     for bound in bounds:
         assert bound.doubted or bound.estimator not in result.not_valid
-        index, distance = result.index(bound.estimator), result.distance(bound.estimator)
+        index, distance = (ratio_of(result, kind, bound.estimator) for kind in ("index", "distance"))
         for q in bound.quantities:
             if bound.least is None:
                 met = index[q] is None and distance[q] is None
@@ -283,7 +284,7 @@ def test_bounds(name, simulate):
 def worst(result: Result) -> dict[str, float]:
     """The largest error norm of each quantity over the run."""
     assert result.status == "ok", result.reason
-    return {name: values["max"] for name, values in result.errors().items()}
+    return {name: values["max"] for name, values in result.error.items()}
 
 
 def crossings(result: Result) -> int:
@@ -340,14 +341,14 @@ def test_table_of_the_ring(method, cells, simulate):
 
     The issue sets 15 %: the programs differ in rounding and sampling, and at 96 cells GIMP's error is noise.
     """
-    k, errors = RING_TABLE["cells"].index(cells), simulate(ring_row(method, cells)).errors()
+    k, errors = RING_TABLE["cells"].index(cells), simulate(ring_row(method, cells)).error
     for name in ("x", "v"):
         assert errors[name]["final"] == pytest.approx(RING_TABLE[method][name][k], rel=0.15), name
 
 
 def test_cpdi_is_second_order(simulate):
     """Order of x at least 1.9 on every refinement, v at least 1.7 (the independent program's: 1.82 to 2.05)."""
-    errors = [simulate(ring_row("cpdi", n)).errors() for n in RING_TABLE["cells"]]
+    errors = [simulate(ring_row("cpdi", n)).error for n in RING_TABLE["cells"]]
     for coarse, fine in itertools.pairwise(errors):
         assert math.log2(coarse["x"]["final"] / fine["x"]["final"]) >= 1.9
         assert math.log2(coarse["v"]["final"] / fine["v"]["final"]) >= 1.7
@@ -370,7 +371,7 @@ def test_samples_hold_the_particles_estimates(simulate):
 
 def test_transport_converges_with_the_mesh(simulate):
     """sigma's error is first order and x's second; the estimates must shrink at least at first order."""
-    coarse, fine = (simulate(watched(table_1("small", "node", n))).estimates("transport") for n in (20, 40))
+    coarse, fine = (simulate(watched(table_1("small", "node", n))).estimate["transport"] for n in (20, 40))
     for name in XVS:
         assert coarse[name]["max"] / fine[name]["max"] > 1.9
 
@@ -389,6 +390,6 @@ def test_transport_is_linear_in_a_small_amplitude(simulate):
 def test_two_grid_reports_between_its_steps(scene, simulate):
     """Samples every seventh step, which the second run does not meet, tell the same."""
     scene = watched(scene)
-    wanted, other = (simulate(s).index("two-grid") for s in (scene, replace(scene, sample_every=7)))
+    wanted, other = (simulate(s).index["two-grid"] for s in (scene, replace(scene, sample_every=7)))
     for q, value in wanted.items():
         assert (value is other[q] is None) or other[q] == pytest.approx(value, abs=0.03), q

@@ -254,8 +254,8 @@ def test_parallel_plan(simulate):
     result = simulate(scene)
     assert result.status == "ok" and not result.not_valid
     for name in QUANTITIES:
-        assert abs(result.index("companion")[name] - 1) < 0.01, name
-        assert result.distance("companion")[name] < 0.05, name
+        assert abs(result.index["companion"][name] - 1) < 0.01, name
+        assert result.distance["companion"][name] < 0.05, name
 
 
 def test_it_says_where_it_is_not_valid(simulate):

@@ -42,7 +42,7 @@ WRONG = [
 def test_what_is_right_is_said(scene, simulate):
     """Within .9 to 1.1 in x, v and sigma."""
     result = simulate(scene)
-    assert not result.not_valid and verdict_on(result.index(scene.estimators[0])) == "good"
+    assert not result.not_valid and verdict_on(result.index[scene.estimators[0]]) == "good"
 
 
 @pytest.mark.parametrize(("scene", "word"), WRONG, ids=lambda each: each.method if isinstance(each, Scene) else each)
@@ -61,7 +61,7 @@ def test_accelerations_between_two_of_an_estimators_own_steps(scene, simulate):
     """On a free bar, whose acceleration begins at zero: carried on along a line they were off by 2.7 and 1.7 times the
     error, above all at the first reports. Measured since: 1.14 and .88."""
     result, name = simulate(scene), scene.estimators[0]
-    assert 0.8 < result.index(name)["a"] < 1.2 and result.distance(name)["a"] < 0.4
+    assert 0.8 < result.index[name]["a"] < 1.2 and result.distance[name]["a"] < 0.4
 
 
 def test_what_each_rule_refuses():

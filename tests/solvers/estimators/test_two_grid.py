@@ -110,7 +110,7 @@ def test_waves_fall_behind_as_linear_theory_says(method, ppc, simulate):
     """
     scene = BarScene(method=method, ppc=ppc, body_force="none", linearity_preserving=True, cells=40, amplitude=1e-5,
                      cfl=0.05, periods=3.0, estimators=())
-    error = simulate(scene).errors()["x"]["final"]
+    error = simulate(scene).error["x"]["final"]
     assert error == pytest.approx(scene.motion_amplitude / np.sqrt(2) * np.sin(lag(scene, 2 * np.pi) / 4), rel=0.05)
 
 

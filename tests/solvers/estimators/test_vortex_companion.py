@@ -175,7 +175,7 @@ def test_steps_of_its_own_longer_than_the_particles(simulate):
     allocated = companion_vortex.allocate(short)["companion_counts"]
     assert allocated[companion.INTERVAL] > 4
     result = simulate(short)
-    assert all(result.distance("companion")[name] < 0.03 for name in QUANTITIES)
+    assert all(result.distance["companion"][name] < 0.03 for name in QUANTITIES)
 
 
 def test_it_says_when_it_has_failed_itself():
@@ -189,4 +189,4 @@ def test_parallel_plan(simulate):
     """The slabs' step calls it too."""
     scene = replace(VORTEX, cells=24, method="ugimp", plan="parallel", t_end=0.2)
     result = simulate(scene)
-    assert all(abs(result.index("companion")[name] - 1) < 0.01 for name in QUANTITIES)
+    assert all(abs(result.index["companion"][name] - 1) < 0.01 for name in QUANTITIES)

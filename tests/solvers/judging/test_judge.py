@@ -230,7 +230,7 @@ def test_without_a_truth_the_companion_judges(problem, force, tmp_path):
     [grid] = judge(scene, file).to_dict()["grids"]
     assert grid["error"] is None and grid["estimate"]["index"] is None
     for q in ("x", "v", "sigma"):
-        own = result.estimates("companion")[q]["max"]
+        own = result.estimate["companion"][q]["max"]
         assert grid["estimate"]["companion"][q]["max"] == pytest.approx(own, rel=0.02)
         assert grid["worst"][q]["size"] > 0
 

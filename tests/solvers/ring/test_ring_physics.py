@@ -74,14 +74,14 @@ def test_snapshot_errors_are_the_sampled_norms(simulate):
 def test_particle_velocity_is_much_worse(simulate):
     """Eq 24 as printed, x += dt v_p: at least ten times the error of the grid's velocity at 48 cells, or a break."""
     other = simulate(replace(table_scene("cpdi", 48), velocity="particle"))
-    best = simulate(table_scene("cpdi", 48)).errors()["x"]["final"]
-    assert other.status == "unstable" or other.errors()["x"]["final"] > 10 * best
+    best = simulate(table_scene("cpdi", 48)).error["x"]["final"]
+    assert other.status == "unstable" or other.error["x"]["final"] > 10 * best
 
 
 def test_polar_layout_is_much_better_than_the_staircase(simulate):
     """A staircase rim is not free of traction where it should be: velocity error at least three times larger."""
     stairs = simulate(replace(table_scene("cpdi", 48), layout="cartesian"))
-    assert stairs.errors()["v"]["final"] > 3 * simulate(table_scene("cpdi", 48)).errors()["v"]["final"]
+    assert stairs.error["v"]["final"] > 3 * simulate(table_scene("cpdi", 48)).error["v"]["final"]
 
 
 def test_resonance_growth_and_expected_life():

@@ -105,7 +105,7 @@ def test_an_earlier_time_is_found_again():
 def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch):
     monkeypatch.setattr("solvers.problems.planar.circles.MOST_STEPS", 30)
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.3, estimators=(), effects=BLIND)
-    verdict = simulate(scene).verdict()
+    verdict = simulate(scene).verdict
     assert verdict["checked"]["x"] == ["contradictions"]
     assert "could not be followed" in verdict["not_checked"]
 
@@ -113,4 +113,4 @@ def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch
 def test_a_run_that_does_not_look_works_nothing_out(simulate, monkeypatch):
     monkeypatch.setattr("solvers.problems.planar.circles.of_scene", lambda scene: pytest.fail("worked out"))
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.35, estimators=(), effects=("truth",))
-    assert simulate(scene).verdict()["checked"] == {"x": ["truth"], "v": ["truth"], "sigma": ["truth"], "a": []}
+    assert simulate(scene).verdict["checked"] == {"x": ["truth"], "v": ["truth"], "sigma": ["truth"], "a": []}

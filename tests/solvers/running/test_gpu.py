@@ -28,7 +28,7 @@ from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_ON_GPU, Scene
 from solvers.solver import devices, samples
 from solvers.solver.base import Solver
-from solvers.solver.result import Snapshot
+from solvers.solver.snapshot import Snapshot
 from solvers.study.tables import plan
 from tests.gpus import ARCH, require_gpu
 
@@ -264,9 +264,9 @@ def row_scenes(cells: tuple[int, ...], end: float) -> list[Scene]:
 def assert_same_row(scene: Scene) -> None:
     """Errors at the end and over time, to six digits."""
     mine, theirs = run(replace(scene, arch=ARCH), prices=False), run(scene, prices=False)
-    for quantity, sizes in theirs.errors().items():
+    for quantity, sizes in theirs.error.items():
         for name, value in sizes.items():
-            assert mine.errors()[quantity][name] == pytest.approx(value, rel=1e-6), (quantity, name)
+            assert mine.error[quantity][name] == pytest.approx(value, rel=1e-6), (quantity, name)
 
 
 @pytest.mark.slow

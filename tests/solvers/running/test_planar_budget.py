@@ -208,4 +208,4 @@ def test_a_run_gone_bad_still_has_a_result():
 
 
 def test_ordinary_runs_have_none():
-    assert run(RING, prices=False).budget() is None
+    assert run(RING, prices=False).budget is None

@@ -77,7 +77,7 @@ def limited_by_their_step(seed: int) -> Iterator[Scene]:
     for scene in settings(seed):
         if of_scene(scene).certain and stands(scene, 0.25):
             result = run(replace(scene, dt=0.25 * scene.time_step), prices=False)
-            if result.errors()["x"]["max"] < 0.1 * scene.motion_amplitude:
+            if result.error["x"]["max"] < 0.1 * scene.motion_amplitude:
                 yield scene
 
 

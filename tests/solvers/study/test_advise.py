@@ -95,7 +95,7 @@ def test_the_answer_holds_and_is_cheap(base, methods, numbers, steps, grid, tole
         advice = advise([Family(c.scene, c.quantity, c.multiple) for c in choices], goal)
         assert advice.met and advice.chosen.measured and advice.chosen.error <= goal.tolerance
         truth = run(replace(advice.chosen.scene, estimators=(), effects=("truth",)))
-        assert truth.errors()["x"]["max"] <= 1.01 * goal.tolerance
+        assert truth.error["x"]["max"] <= 1.01 * goal.tolerance
         assert advice.chosen.seconds <= 1.5 * exhaustive(choices, goal, grid)
         assert advice.why
 
@@ -144,7 +144,7 @@ def test_no_run_is_cheaper_by_a_quarter(base, methods, quantity, part, most, mon
     assert advice.met and advice.chosen.measured and advice.chosen.error <= goal.tolerance
     assert advice.chosen.seconds <= 1.25 * brute_force(choices, goal, most)
     truth = run(replace(advice.chosen.scene, estimators=(), effects=("truth", "acceleration")), prices=False)
-    assert truth.errors()[quantity]["max"] <= 1.01 * goal.tolerance
+    assert truth.error[quantity]["max"] <= 1.01 * goal.tolerance
 
 
 def test_what_cannot_win_is_run_once(monkeypatch):

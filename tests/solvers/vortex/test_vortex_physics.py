@@ -14,13 +14,13 @@ from solvers.problems.planar.layout import CORNERS, particle_layout
 from solvers.problems.planar.step_bound import Images
 from solvers.problems.vortex import exact, step_bound
 from solvers.problems.vortex.scene import VortexScene
+from solvers.running.result import Result
 from solvers.running.run import build
 from solvers.scene.linear_stability import limits
 from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import moments
 from solvers.solver import samples
 from solvers.solver.norms import largest
-from solvers.solver.result import Result
 from solvers.solver.soundness import BROKEN
 from tests.paths import ASSETS
 
@@ -67,7 +67,7 @@ def test_table_on_a_fine_grid(row):
 
 def test_cpdi_is_second_order(simulate):
     """Order of x at A = 0.25 at least 1.8, which the issue sets."""
-    coarse, fine = (simulate(replace(BARE, method="cpdi", amplitude=0.25, cells=n)).errors() for n in (24, 48))
+    coarse, fine = (simulate(replace(BARE, method="cpdi", amplitude=0.25, cells=n)).error for n in (24, 48))
     assert math.log2(coarse["x"]["max"] / fine["x"]["max"]) >= 1.8
 
 
@@ -90,7 +90,7 @@ def test_the_null_space_filter_keeps_gimps_rim(simulate):
     """With it uGIMP holds where it throws its rim off without, and at 3 x 3 is no worse by more than an eighth."""
     mended = replace(BARE, method="ugimp", cells=48, ppc=2, remedies=("null-space-filter",))
     assert simulate(mended).status == "ok"
-    plain, filtered = (simulate(replace(mended, ppc=3, remedies=some)).errors() for some in ((), mended.remedies))
+    plain, filtered = (simulate(replace(mended, ppc=3, remedies=some)).error for some in ((), mended.remedies))
     assert filtered["x"]["max"] < 1.125 * plain["x"]["max"] and filtered["v"]["max"] < plain["v"]["max"]
 
 

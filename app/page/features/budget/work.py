@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from solvers.problems import PROBLEMS
+from solvers.running.result import Result
 from solvers.scene.rules import SceneError
 from solvers.solver.norms import finite
-from solvers.solver.result import Result
 from solvers.study.grid import Task
 
 OFTEN = 0.02  # of the work: how often it is said how far it is

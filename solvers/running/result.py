@@ -1,12 +1,14 @@
 """Result: what a run leaves behind, and the JSON object that the command line prints."""
 
+import functools
 import math
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from solvers.running.by_estimator import ByEstimator
 from solvers.scene.effects import ALL
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver import budget, norms
 from solvers.solver.checked import as_large_as_itself, checked, followed, not_checked
@@ -14,6 +16,7 @@ from solvers.solver.norms import UNBOUNDED, finite, largest, summary
 from solvers.solver.rounding import rounding
 from solvers.solver.rounding import sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
+from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import evidence
 
 SCHEMA = "mpm-lab/run/1"
@@ -21,48 +24,9 @@ ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run coun
 
 
 @dataclass(frozen=True)
-class Snapshot:
-    """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
-
-    Positions are (P,) for the bar and (P, 2) in the plane, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
-    exact for the bar, the size of that in the plane, or None without the truth; ``estimate`` maps an estimator to
-    (P, 4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth
-    is known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
-    ``plotted`` (P, 2) is the field that was asked for and its deviation from the exact one, NaN where it is not known:
-    along the bar, along e_R for the ring, along e_theta for the vortex.
-    """
-
-    step: int
-    time: float
-    material_position: np.ndarray
-    position: np.ndarray
-    velocity: np.ndarray
-    deformation_gradient: np.ndarray
-    error: np.ndarray | None
-    estimate: dict[str, np.ndarray]
-    last_crossing: np.ndarray | None
-    difference: dict[str, np.ndarray] = field(default_factory=dict)
-    plotted: np.ndarray | None = None
-
-
-@dataclass(frozen=True)
-class Seconds:
-    """Wall time: setting up, compiling (or loading from the cache), running, and each estimator's part of the run."""
-
-    setup: float
-    compile: float
-    run: float
-    estimators: dict[str, float]
-
-    @property
-    def estimate(self) -> float | None:
-        """The part of the run that all estimators took together; None without any."""
-        return sum(self.estimators.values()) if self.estimators else None
-
-
-@dataclass(frozen=True)
 class Result:
-    """A finished run. ``series`` holds the sampled norms over time (see ``solvers.solver.samples``)."""
+    """A finished run. ``series`` holds the sampled norms over time (see ``solvers.solver.samples``); what is worked out
+    of them is called here as in the JSON object (:meth:`to_dict`), and has the same values."""
 
     scene: Scene
     status: str  # "ok", "unstable" or "lost" (``solvers.solver.soundness``)
@@ -101,56 +65,51 @@ class Result:
         extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
         return [effect for effect in ALL if scene.has(effect)] + [name for name, on in extra.items() if on]
 
-    def errors(self) -> dict:
-        """The true errors over the run.
-
-        Returns
-        -------
-        dict
-            ``["x"]["max"]`` and so on: RMS over particles of x (m), v (m/s), sigma (Pa), a (m/s^2) and the problem's
-            own norm, each as :func:`solvers.solver.norms.summary` has it; None where the truth was off.
-        """
+    @property
+    def error(self) -> dict[str, dict[str, float | None]]:
+        """The true errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma
+        (Pa), a (m/s^2) and the problem's own norm, each as :func:`solvers.solver.norms.summary` has it; None where the
+        truth was off."""
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return {**{q: summary(self.series[f"error_{q}"]) for q in QUANTITIES}, **extra}
 
-    def estimates(self, estimator: str) -> dict:
-        """What an estimator of the scene says of them, in the same form, without the problem's own norm.
+    @property
+    def estimate(self) -> ByEstimator:
+        """What the estimators say of them, in the same form, without the problem's own norm: ``estimate["x"]["max"]``,
+        of several estimators ``estimate["companion"]["x"]["max"]``; None where one does not hold here."""
+        return self._each(lambda name: {q: summary(self.series[f"{name}/estimate_{q}"]) for q in QUANTITIES},
+                          summary(np.array([])))
 
-        Raises
-        ------
-        SceneError
-            For an estimator that the run has not had.
-        """
-        self._require(estimator)
-        return {q: summary(self.series[f"{estimator}/estimate_{q}"]) for q in QUANTITIES}
+    @property
+    def index(self) -> ByEstimator:
+        """The error index (eq 35) of each quantity, estimated over true, 1 is perfect: ``index["x"]``, of several
+        estimators ``index["companion"]["x"]``."""
+        return self._each(functools.partial(self._ratio, "index"), None)
 
-    def index(self, estimator: str) -> dict:
-        """The error index (eq 35) of each quantity: estimated over true, 1 is perfect."""
-        return self._ratio("index", estimator)
-
-    def distance(self, estimator: str) -> dict:
+    @property
+    def distance(self) -> ByEstimator:
         """How far the estimate is from the truth particle by particle, over the size of the truth: 0 is perfect."""
-        return self._ratio("distance", estimator)
+        return self._each(functools.partial(self._ratio, "distance"), None)
 
-    def _ratio(self, ratio: str, estimator: str) -> dict:
-        self._require(estimator)
+    def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
         norm = f"{estimator}/{norms.RATIOS[ratio]}"
         return {q: norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
                                      rounding(self.scene, q, self.steps)) for q in QUANTITIES}
 
+    def _each(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
+        """The values of each estimator that was asked for, ``missing`` where it does not hold."""
+        nothing = dict.fromkeys(QUANTITIES, missing)
+        names = self.scene.estimators if "estimate" in self.scene.effects else ()
+        return ByEstimator({name: nothing if name in self.not_valid else what(name) for name in names}, nothing)
+
+    @property
     def rounding(self) -> dict[str, str]:
         """Of the quantities whose true error is nothing but rounding, so that no index is a number, a sentence each."""
         limits = {q: float(rounding(self.scene, q, self.steps)) for q in QUANTITIES}
         return {q: nothing_but(limit) for q, limit in limits.items()
                 if norms.nothing_but_rounding(self.series[f"error_{q}"], limit)}
 
-    def _require(self, estimator: str) -> None:
-        """:class:`~solvers.scene.rules.SceneError` where the run has no such estimate."""
-        if f"{estimator}/estimate_x" not in self.series:
-            names = ", ".join(self.scene.active_estimators) or "none"
-            why = self.not_valid.get(estimator, "is not one of this run's")
-            raise SceneError("estimator", estimator, f"{why}; the run has {names}")
-
+    @property
     @UNBOUNDED
     def energy(self) -> dict | None:
         """Kinetic plus strain energy E in J (``initial``, ``final``) and its ``drift`` (E - W - E0)/E0, W the work of
@@ -160,6 +119,7 @@ class Result:
         total = self.series["kinetic"] + self.series["strain"]
         return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": norms.energy_drift(self.series)}
 
+    @property
     def angular_momentum(self) -> dict | None:
         """The angular momentum; what it has gained beyond the torque of the body force ("drift"), and beyond the exact
         solution ("error"), over what it was at the start."""
@@ -171,12 +131,14 @@ class Result:
                 "drift": norms.angular_momentum_drift(series, series["torque"]),
                 "error": norms.angular_momentum_drift(series, series["exact_angular_momentum"])}
 
+    @property
     def budget(self) -> dict | None:
         """Which part of the error each cause has made (:func:`solvers.solver.budget.summary`); None where nobody has
         looked."""
         reference: str = getattr(self.scene, "budget_reference", "exact")  # where a problem leaves no choice
         return budget.summary(self.series, reference) if "budget/error_x" in self.series else None
 
+    @property
     @UNBOUNDED
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
@@ -188,10 +150,12 @@ class Result:
         return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()} \
             | {"first_period": finite(first / self.scene.motion_amplitude)}
 
+    @property
     def step(self) -> dict[str, float | None]:
         """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""
         return {"dt": self.scene.time_step, "bound": self.scene.step_bound, "margin": largest(self.series["margin"])}
 
+    @property
     def verdict(self) -> dict:
         """What status and reason rest on (``solvers.solver.checked``): ``checked``, ``not_checked`` and
         ``as_large_as_itself``."""
@@ -200,27 +164,28 @@ class Result:
         return {"checked": held, "not_checked": not_checked(self.scene, held),
                 "as_large_as_itself": {q: {**asdict(one), "size": finite(one.size)} for q, one in large.items()}}
 
+    @property
+    def grid_crossings(self) -> int | None:
+        """How often a particle has entered another cell; None where the effect is off."""
+        crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
+        return int(crossings) if math.isfinite(crossings) else None
+
+    @property
+    def soundness(self) -> dict:
+        """The largest contradictions that were found (:func:`solvers.solver.soundness.evidence`)."""
+        return evidence(self.scene, self.series)
+
     def to_dict(self) -> dict:
         """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
-        crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
         return {
             "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
-            **self.verdict(),
+            **self.verdict,
             "t": self.time, "steps": self.steps, "particles": self.particles,
-            "error": self.errors(), "estimate": self._each(self.estimates, summary(np.array([]))),
-            "index": self._each(self.index, None), "rounding": self.rounding(),
-            "distance": self._each(self.distance, None),
-            "grid_crossings": int(crossings) if math.isfinite(crossings) else None, "energy": self.energy(),
-            "angular_momentum": self.angular_momentum(), "budget": self.budget(),
-            "soundness": evidence(self.scene, self.series), "step": self.step(), "life": self.life(),
+            "error": self.error, "estimate": self.estimate, "index": self.index, "rounding": self.rounding,
+            "distance": self.distance, "grid_crossings": self.grid_crossings, "energy": self.energy,
+            "angular_momentum": self.angular_momentum, "budget": self.budget,
+            "soundness": self.soundness, "step": self.step, "life": self.life,
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
             "rate": finite(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
-
-    def _each(self, what, missing) -> dict:
-        """One estimator's values as they are, several keyed by estimator, nulls for none and where not valid."""
-        nothing = dict.fromkeys(QUANTITIES, missing)
-        names = self.scene.estimators if "estimate" in self.scene.effects else ()
-        values = {name: nothing if name in self.not_valid else what(name) for name in names}
-        return values if len(names) > 1 else next(iter(values.values()), nothing)

@@ -1,0 +1,45 @@
+"""What a run leaves of its particles at an instant, and of the clock."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
+
+    Positions are (P,) for the bar and (P, 2) in the plane, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
+    exact for the bar, the size of that in the plane, or None without the truth; ``estimate`` maps an estimator to
+    (P, 4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth
+    is known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
+    ``plotted`` (P, 2) is the field that was asked for and its deviation from the exact one, NaN where it is not known:
+    along the bar, along e_R for the ring, along e_theta for the vortex.
+    """
+
+    step: int
+    time: float
+    material_position: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    deformation_gradient: np.ndarray
+    error: np.ndarray | None
+    estimate: dict[str, np.ndarray]
+    last_crossing: np.ndarray | None
+    difference: dict[str, np.ndarray] = field(default_factory=dict)
+    plotted: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Wall time: setting up, compiling (or loading from the cache), running, and each estimator's part of the run."""
+
+    setup: float
+    compile: float
+    run: float
+    estimators: dict[str, float]
+
+    @property
+    def estimate(self) -> float | None:
+        """The part of the run that all estimators took together; None without any."""
+        return sum(self.estimators.values()) if self.estimators else None
