@@ -31,7 +31,8 @@ def html(markdown: str, folder: Path | None = None) -> str:
 @functools.lru_cache(8)
 def _parser(folder: Path | None) -> MarkdownIt:
     parser = MarkdownIt("commonmark", {"html": False}).enable("table")
-    parser.use(dollarmath_plugin, renderer=_formula, double_inline=True)
+    parser.use(dollarmath_plugin, renderer=lambda latex, options: mathml(latex, options["display_mode"]),
+               double_inline=True)
 
     def image(renderer: RendererHTML, tokens, index, options, environment) -> str:
         token = tokens[index]
@@ -43,17 +44,18 @@ def _parser(folder: Path | None) -> MarkdownIt:
     return parser
 
 
-def _formula(latex: str, options: dict) -> str:
+def mathml(latex: str, display: bool) -> str:
+    """A formula as MathML, on lines of its own (``display``) or in one; :class:`MarkupError` where it has none."""
     latex = latex.strip()
     try:
-        mathml = latex2mathml.converter.convert(latex, display="block" if options["display_mode"] else "inline")
+        found = latex2mathml.converter.convert(latex, display="block" if display else "inline")
     except Exception as error:  # the library raises what comes
         raise MarkupError(latex, f"the formula ${quoted(latex)}$ cannot be shown ({type(error).__name__}); "
                                  "give plain LaTeX such as $\\frac{h}{2}$") from None
-    if unknown := re.search(r"\\\w+", mathml):  # a command that nobody knows would be shown as it is typed
+    if unknown := re.search(r"\\\w+", found):  # a command that nobody knows would be shown as it is typed
         raise MarkupError(latex, f"the formula ${quoted(latex)}$ has {quoted(unknown[0])}, which cannot be "
                                  "shown; give plain LaTeX such as $\\frac{h}{2}$")
-    return mathml
+    return found
 
 
 def _data(folder: Path | None, source: str) -> str:
