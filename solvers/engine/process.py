@@ -7,7 +7,6 @@ and only a session's newest wish is sent.
 import logging
 import multiprocessing
 import os
-import signal
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -19,6 +18,7 @@ from typing import Protocol
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Prewarm, Ready, Trouble, Wish
 from solvers.scene.scene import Scene
+from solvers.workers import processes
 
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
 LONGEST_PAUSE = 10.0
@@ -115,8 +115,8 @@ class EngineProcess:
         while self._unburied() and monotonic() < end:
             sleep(0.01)
         for process_id in self._leaving:
-            with suppress(ProcessLookupError):
-                os.kill(process_id, signal.SIGKILL)
+            with suppress(OSError):  # it has ended
+                os.kill(process_id, processes.KILL)
         while self._unburied() and monotonic() < end + BURIED_WITHIN:
             sleep(0.01)
 

@@ -6,6 +6,7 @@ one turn and the next, and the fastest of two things may then be of two speeds.
 """
 
 import math
+import os
 import time
 from collections.abc import Sequence
 
@@ -31,8 +32,9 @@ class Stretch:
     def __init__(self, solver: Solver, seconds: float = SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
         alone = solver.plan == "serial" and solver.arch in PROCESSORS  # others work while this thread waits
-        # The processor's own time where one thread does it all, so that what else runs on the machine is not counted.
-        self._clock = time.thread_time if alone else time.perf_counter
+        # The processor's own time where one thread does it all, so that what else runs on the machine is not counted;
+        # Windows counts that in ticks of 1/64 s.
+        self._clock = time.thread_time if alone and os.name != "nt" else time.perf_counter
         scene, most = solver.scene, solver.longest_advance
         rounds = [math.lcm(*solver.estimate_intervals)]  # of ever more of what is not done in each step
         for interval in (scene.sample_interval, scene.margin_interval):

@@ -54,7 +54,7 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
                   "the particles do not stand where the balance of momentum brings them (off by {size} of the "
                   "amplitude)"),
 )}
-#: What three of them were called in JSON objects up to version 0.1.0; both names are written until the next version.
+#: What three of them were called in JSON objects up to version 0.1.0; both names are written.
 FORMER_NAMES = {"neighbour_gap": "apart", "mean_drift": "adrift", "displacement_mismatch": "torn"}
 
 

@@ -28,6 +28,7 @@ START = ("import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
 
 GOODBYE = 1.5  # seconds that a process may take to put away what it has compiled
 LINUX = sys.platform == "linux"
+KILL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows there is no other end
 PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 
 
@@ -216,7 +217,7 @@ def end_after(seconds: float, status: int) -> None:
 
 def die_with_parent(wanted: bool) -> None:
     """Have this process killed when its parent ends, or no longer, where that can be."""
-    _process_control(PARENT_DEATH_SIGNAL, signal.SIGKILL if wanted else 0)
+    _process_control(PARENT_DEATH_SIGNAL, KILL if wanted else 0)
 
 
 def _process_control(option: int, value: int) -> None:

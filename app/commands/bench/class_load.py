@@ -5,7 +5,6 @@ import json
 import math
 import os
 import random
-import signal
 import statistics
 import subprocess
 import sys
@@ -164,7 +163,7 @@ def serving(*arguments: str) -> Iterator[tuple[str, int]]:
         threading.Thread(target=deque, args=(process.stderr, 0), daemon=True).start()
         yield f"127.0.0.1:{port}", process.pid
     finally:
-        process.send_signal(signal.SIGINT)
+        process.terminate()
         with suppress(subprocess.TimeoutExpired):
             process.wait(GOODBYE)
         process.kill()
