@@ -1,9 +1,8 @@
-"""Lessons and the README make claims; here they are run."""
+"""Lessons make claims; here they are run."""
 
 from __future__ import annotations
 
 import re
-import textwrap
 
 import pytest
 
@@ -146,11 +145,3 @@ def test_scripts(name, scene, parameters, tmp_path, monkeypatch, capsys):
     assert all(f"{value:.3e}" in printed for value in found)
     assert f"{result.index[done['estimator']]['x']:.3f}" in printed
     assert (tmp_path / done["picture"]).read_bytes().startswith(b"\x89PNG")
-
-
-def test_python_lines_of_the_readme(capsys):
-    """The first indented lines that begin with an import run as they stand."""
-    text = (LESSONS.parent / "README.md").read_text(encoding="utf-8")
-    block = re.search(r"(?:^    .*\n|^\n)+(?=\S)", text[text.index("    from solvers"):], re.MULTILINE)
-    exec(textwrap.dedent(block.group()), {})
-    assert re.fullmatch(r"largest error of x: \S+ m; estimated over true: (1\.00|0\.99)\d*\n", capsys.readouterr().out)

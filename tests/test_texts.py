@@ -1,0 +1,184 @@
+"""What the texts tell a reader to type is so: every command is read by the parser that a reader meets, and run where it
+takes seconds; modules, tools and files are there; Python runs as it stands."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from app import state
+from app.cli import main
+from app.commands import commands
+from solvers.problems import PROBLEMS
+from tests import texts
+from tests.paths import ROOT
+from tests.processes import HANG
+from tests.texts import Piece
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+LAB = "mpm-lab"
+#: What is run here, as it stands in a block, and how: at once, or with ``--slow``.
+AT_ONCE = (("run", "--scene"), ("problem", "ring"), ("lesson", "list"))
+SLOW = (("run", "bar"), ("run", "ring"), ("run", "vortex"), ("budget", "bar"), ("budget", "ring"), ("export",),
+        ("lesson", "check"), ("lesson", "guide"), ("advise", "bar"), ("sweep", "bar"), ("tables",))
+#: What is read here and run elsewhere, for it ends only when it is told to, measures for long, or asks for files.
+ELSEWHERE = {("serve",): "tests/browser", ("bench",): "tests/app/commands/test_bench.py",
+             ("judge", "ring"): "tests/solvers/judging", ("lesson", "grade"): "tests/app/lessons",
+             ("stability", "bar"): "tests/solvers/study", ("stability", "ring"): "tests/solvers/study"}
+ON_A_GPU = "--arch"  # a size that only a GPU runs in minutes: tests/solvers/running/test_gpu.py
+#: The exit status of a run that breaks, and what is shown because it does: hat functions, and all in this patch test.
+BROKEN, SHOWN = 3, re.compile(r"\bpatch\b|\bmpm\b")
+#: Which package has a tool that is not called like it.
+PACKAGES = {"lint-imports": "import-linter", "sphinx-build": "sphinx"}
+
+
+def after_uv(words: list[str]) -> tuple[list[str], list[str]]:
+    """What is run, without settings of the environment, ``uv run`` and its options; and the groups that these name."""
+    groups = []
+    while words and re.fullmatch(r"\w+=\S*", words[0]):
+        words = words[1:]
+    if words[:2] == ["uv", "run"]:
+        words = words[2:]
+        while words and words[0].startswith("-"):
+            groups += words[1:2] if words[0] == "--group" else []
+            words = words[2:] if words[0] in ("--group", "-p", "--python", "--extra", "--with") else words[1:]
+    return words, groups
+
+
+def in_blocks() -> list[Piece]:
+    """The lines of blocks that call the lab, each once."""
+    found = {tuple(after_uv(texts.words(piece.text))[0]): piece for piece in texts.command_lines()}
+    return [piece for words, piece in found.items() if words[:1] == (LAB,)]
+
+
+def named(words: list[str]) -> tuple[str, ...]:
+    """The name of the command that the words after ``mpm-lab`` begin with."""
+    return next((name for name in commands() if tuple(words[:len(name)]) == name), ("serve",))
+
+
+@pytest.fixture
+def asked(monkeypatch) -> list:
+    """The commands that the lab was asked for: read, with all that they say of a scene, and not executed."""
+    seen: list = []
+
+    def execute(command) -> int:
+        seen.append(command)
+        if hasattr(command, "SCENE") and hasattr(command, "scene") and not hasattr(command, "axes"):
+            command.scene()  # one scene, whose rules say no in a SceneError
+        return 0
+
+    for kind in set(commands().values()):
+        monkeypatch.setattr(kind, "execute", execute)
+    return seen
+
+
+def test_every_command_in_a_block_is_read_as_it_stands(asked, capsys):
+    pieces = in_blocks()
+    assert len(pieces) > 40
+    for piece in pieces:
+        (_, *words), _ = after_uv(texts.words(piece.text))
+        assert main(words) == 0, f"{piece}\n{capsys.readouterr().err}"
+    assert len(asked) == len(pieces)
+
+
+def test_every_command_in_a_line_is_read_with_an_example_in_each_place(asked, capsys):
+    """Whoever only names commands gives the beginning of one, or leaves the problem out: ``mpm-lab run --json``."""
+    pieces = [piece for piece in texts.spans() if re.match(rf"(uv run )?{LAB}( |$)", piece.text)]
+    assert len(pieces) > 40
+    for piece in pieces:
+        for text in texts.examples(piece.text):
+            (_, *words), _ = after_uv(texts.words(text))
+            if any(name[:len(words)] == tuple(words) for name in commands()):
+                continue
+            tries = [words, [words[0], "bar", *words[1:]]]
+            if "--scene" in words[-1:]:
+                tries = [[*words, "bar"]]
+            assert any(main(some) == 0 for some in tries), f"{piece}\n{capsys.readouterr().err}"
+    assert len(asked) > 20
+
+
+def test_scenes_in_a_line_are_scenes():
+    """Such as ``bar method=mpm cells=80``."""
+    problem = rf"({'|'.join(PROBLEMS)})[ ;][\w-]+="
+    found = [piece for piece in texts.spans() if re.match(problem, piece.text) and "{" not in piece.text]
+    assert found
+    for piece in found:
+        state.read(piece.text.replace("...", ""))
+
+
+def test_other_tools_and_the_files_that_they_take_are_there():
+    groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["dependency-groups"]
+    packages = {re.match(r"[\w.-]+", line)[0] for lines in groups.values() for line in lines}
+    seen = 0
+    for piece in (*texts.command_lines(), *texts.spans()):
+        if not re.match(r"(\w+=\S+ )*(uv run|python3? -m) \S", piece.text):
+            continue
+        (tool, *rest), asked_groups = after_uv(texts.words(piece.text))
+        if tool == LAB:
+            continue
+        seen += 1
+        assert set(asked_groups) <= set(groups), piece
+        if tool in ("python", "python3"):
+            module = rest[rest.index("-m") + 1] if "-m" in rest else None
+            assert importlib.util.find_spec(module) if module else (ROOT / rest[0]).is_file(), piece
+        else:
+            assert PACKAGES.get(tool, tool) in packages, piece
+    assert seen > 10
+
+
+def test_files_that_a_text_names_are_there():
+    """A ``NAME`` in a path is any problem or estimator: then one such file is."""
+    found = list(texts.paths())
+    assert len(found) > 60
+    for piece in found:
+        pattern = texts.PLACE.sub("*", piece.text.rstrip("/"))
+        assert next(ROOT.glob(pattern), None) is not None, piece
+
+
+PYTHON_PAGES = sorted({piece.page for piece in texts.python_blocks()})
+
+
+@pytest.mark.parametrize("page", PYTHON_PAGES)
+def test_python_of_a_page_runs_from_top_to_bottom(page, tmp_path):
+    """In a process of its own, as a reader would: the blocks of a page one after the other."""
+    code = "\n".join(piece.text for piece in texts.python_blocks() if piece.page == page)
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
+                          env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"})
+    assert done.returncode == 0, done.stderr
+    if page == "README.md":
+        assert re.search(r"largest error of x: \S+ m; estimated over true: (1\.00|0\.99)\d*\n", done.stdout)
+
+
+def test_each_command_in_a_block_is_run_somewhere():
+    used = {named(after_uv(texts.words(piece.text))[0][1:]) for piece in in_blocks()}
+    assert used <= {*AT_ONCE, *SLOW, *ELSEWHERE}, "a command that is new in a text: say above where it is run"
+    assert all((ROOT / place).exists() for place in ELSEWHERE.values())
+
+
+def runs():
+    """Each command in a block that ends by itself, and how long one waits for it."""
+    for piece in in_blocks():
+        words = after_uv(texts.words(piece.text))[0][1:]
+        if named(words) in (*AT_ONCE, *SLOW) and ON_A_GPU not in words:
+            slow = named(words) in SLOW
+            yield pytest.param(words, id=" ".join(words), marks=[pytest.mark.slow] if slow else [])
+
+
+@pytest.mark.parametrize("words", list(runs()))
+def test_commands_in_blocks_do_what_they_are_there_for(words, tmp_path: Path, monkeypatch, capsys):
+    """They end well, but for runs that are shown because they break, and leave what they name."""
+    monkeypatch.chdir(tmp_path)
+    status = main(words)
+    assert status == 0 or (status == BROKEN and SHOWN.search(" ".join(words))), capsys.readouterr().err
+    files = [words[k + 1] for k, flag in enumerate(words) if flag in ("--plot", "--out", "--particles")]
+    assert all((tmp_path / name).exists() for name in files)
