@@ -12,8 +12,8 @@ import os
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from solvers.judging.frames import FileError
     from solvers.judging.verdict import judge
+    from solvers.outside.file_error import FileError
     from solvers.problems.bar.scene import BarScene
     from solvers.problems.ring.scene import RingScene
     from solvers.problems.vortex.scene import VortexScene
@@ -25,7 +25,7 @@ else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring.scene",
               "VortexScene": "problems.vortex.scene", "run": "running.run", "sweep": "study.sweep",
               "judge": "judging.verdict", "Result": "running.result", "SceneError": "scene.rules",
-              "FileError": "judging.frames"}
+              "FileError": "outside.file_error"}
 
     def __getattr__(name):
         if name not in _HOMES:

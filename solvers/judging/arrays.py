@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.judging.columns import gathered, meaning
-from solvers.judging.frames import FileError, Raw
-from solvers.judging.limits import LIMITS, Limits, check_name
+from solvers.judging.frames import Raw
 from solvers.judging.said import read_line
+from solvers.outside.file_error import FileError
+from solvers.outside.limits import LIMITS, Limits, check_name
 from solvers.outside.quoting import quoted
 
 

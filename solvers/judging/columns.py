@@ -11,8 +11,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from solvers.judging.frames import FileError, Raw
-from solvers.judging.limits import LIMITS, Limits
+from solvers.judging.frames import Raw
+from solvers.outside.file_error import FileError
+from solvers.outside.limits import LIMITS, Limits
 from solvers.outside.quoting import quoted
 
 #: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.

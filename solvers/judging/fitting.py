@@ -6,9 +6,10 @@ import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from solvers.judging.frames import FileError, Grid, Misfit, Raw
+from solvers.judging.frames import Grid, Misfit, Raw
 from solvers.judging.placing import directions, grids
 from solvers.judging.said import HINT, scene, settled
+from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene

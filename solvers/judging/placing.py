@@ -12,7 +12,8 @@ import numpy as np
 
 from solvers.estimators.standalone import longest_step
 from solvers.judging.columns import spelled
-from solvers.judging.frames import FileError, Frame, Grid, Misfit, Raw
+from solvers.judging.frames import Frame, Grid, Misfit, Raw
+from solvers.outside.file_error import FileError
 from solvers.outside.quoting import quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference

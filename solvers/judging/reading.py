@@ -11,11 +11,12 @@ import numpy as np
 
 from solvers.judging.arrays import from_arrays, wanted, whole, with_scene
 from solvers.judging.columns import gathered
-from solvers.judging.frames import FileError, Raw
-from solvers.judging.limits import LIMITS, LONGEST_LINE, Limits, check_name
-from solvers.judging.npz import arrays
+from solvers.judging.frames import Raw
 from solvers.judging.vtk import read_vtk
 from solvers.outside import numerals
+from solvers.outside.file_error import FileError
+from solvers.outside.limits import LIMITS, LONGEST_LINE, Limits, check_name
+from solvers.outside.npz import arrays
 from solvers.outside.quoting import quoted
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")

@@ -6,46 +6,27 @@ It is believed in nothing: whatever is not a scene is refused, and a scene that 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from solvers.judging.frames import FileError, Misfit, Raw, Said
+from solvers.judging.frames import Misfit, Raw, Said
+from solvers.outside.file_error import FileError
 from solvers.outside.quoting import quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS
+from solvers.running.scene_text import FAMILY, HINT, parsed, scene_of
 from solvers.scene.rules import SceneError, field_key, field_label, key_field
 from solvers.scene.scene import Scene
-from solvers.study.grid import task_of
 
-SCHEMA, FAMILY = "mpm-lab/particles/1", "mpm-lab/particles/"
-LONGEST = 4000  # letters of such a line, and of a text in it
-LONGEST_WORD = 40
 NOT_OF_THE_PROBLEM = OF_METHODS | {"t_end", "periods"}  # what does not matter to a judge
-HINT = "take the line called scene out of it, or write it anew"
-
-
-def line(scene: Scene) -> str:
-    """What our own files say: one line without spaces, so that a comment of a .csv can hold it too."""
-    said = {"schema": SCHEMA, "problem": scene.problem, "inputs": task_of(scene).inputs}
-    return json.dumps(said, separators=(",", ":"))
 
 
 def read_line(file: str, text: object, cells: int | None) -> Said | None:
     """What a file says in a line; None where that is none of ours. ``cells`` is what it says beside."""
     if not isinstance(text, str) or FAMILY not in text[:100]:
         return None
-    try:
-        values = json.loads(text[:LONGEST + 1])
-        schema, problem, inputs = values["schema"], values["problem"], dict(values["inputs"])
-    except (ValueError, TypeError, KeyError, RecursionError):
-        raise FileError(file, f"says a scene that cannot be read; {HINT}") from None
-    if schema != SCHEMA:
-        raise FileError(file, f"says its scene in the words of another version ({quoted(schema, LONGEST_WORD)}), and "
-                              f"{SCHEMA} can be read; {HINT}")
-    if not isinstance(problem, str) or problem not in PROBLEMS:
-        raise FileError(file, f"says that it is of a problem that is none here; {HINT}")
+    problem, inputs = parsed(file, text)
     said = Said(problem, {key_field(key): value for key, value in inputs.items()
                           if key_field(key) not in NOT_OF_THE_PROBLEM}, _step(problem, inputs))
     own = scene(file, said)
@@ -64,15 +45,7 @@ def _step(problem: str, inputs: Mapping[str, Any]) -> float | None:
 
 def scene(file: str, said: Said) -> Scene:
     """The scene that is said; :class:`FileError` where there is none such."""
-    try:
-        if not all(isinstance(value, (int, float)) or (isinstance(value, str) and len(value) <= LONGEST_WORD)
-                   for value in said.inputs.values()):
-            raise TypeError
-        return PROBLEMS[said.problem].scene(**said.inputs)
-    except SceneError as error:
-        raise FileError(file, f"says a scene that cannot be: {error}; {HINT}") from None
-    except (TypeError, ValueError, OverflowError):
-        raise FileError(file, f"says a scene whose inputs are none of the {said.problem}'s; {HINT}") from None
+    return scene_of(file, said.problem, dict(said.inputs))
 
 
 def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:

@@ -21,11 +21,12 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.fitting import own_scene, placed
-from solvers.judging.frames import FileError, Frame, Grid, Misfit
-from solvers.judging.limits import Limits
+from solvers.judging.frames import Frame, Grid, Misfit
 from solvers.judging.measure import Companions, Errors, crossed, differences, listed, series, sizes, stress
 from solvers.judging.reading import read
 from solvers.judging.verdict import GridJudgement
+from solvers.outside.file_error import FileError
+from solvers.outside.limits import Limits
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene

@@ -16,11 +16,12 @@ from solvers.judging.checks.alone import Apart
 from solvers.judging.checks.evidence import Evidence
 from solvers.judging.checks.listed import Checks
 from solvers.judging.fitting import placed
-from solvers.judging.frames import FileError, Grid, Raw
-from solvers.judging.limits import LIMITS, Limits
+from solvers.judging.frames import Grid, Raw
 from solvers.judging.measure import QUANTITIES, Companions, Errors, WorstParticle
 from solvers.judging.placing import SAME, check_origin
 from solvers.judging.reading import read
+from solvers.outside.file_error import FileError
+from solvers.outside.limits import LIMITS, Limits
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
@@ -222,7 +223,7 @@ def _read(sources: Sequence[Particles]) -> list[Raw]:
     left, found = LIMITS, list[Raw]()
     for k, source in enumerate(sources):
         found.append(_raw(source, k, left))
-        left = left.less(found[-1])
+        left = left.less(found[-1].columns)
     return found
 
 

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from solvers.judging.columns import gathered
-from solvers.judging.frames import FileError, Raw
-from solvers.judging.limits import LIMITS, Limits
+from solvers.judging.frames import Raw
 from solvers.judging.vtk_legacy import read_legacy
 from solvers.judging.vtk_parts import NotVTK, Points
 from solvers.judging.vtk_xml import read_xml
+from solvers.outside.file_error import FileError
+from solvers.outside.limits import LIMITS, Limits
 
 LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
 OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}

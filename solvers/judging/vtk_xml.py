@@ -12,9 +12,9 @@ from xml.parsers import expat
 
 import numpy as np
 
-from solvers.judging.frames import FileError
 from solvers.judging.vtk_data import Encoding, Source
 from solvers.judging.vtk_parts import POINTS, NotVTK, Points, from_text
+from solvers.outside.file_error import FileError
 from solvers.outside.quoting import quoted
 
 PIECE_OF_FILE = 1 << 16

@@ -10,7 +10,7 @@ import numpy as np
 
 from solvers.judging.columns import column_names
 from solvers.judging.frames import Frame
-from solvers.judging.said import line
+from solvers.running.saved import particles
 from solvers.scene.scene import Scene
 
 FILE = {"X": "material_position", "x": "position", "v": "velocity", "F": "deformation_gradient", "sigma": "stress"}
@@ -39,12 +39,10 @@ def csv(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = N
     return out.getvalue().encode()
 
 
-def npz(frames: Sequence[Frame], scene: Scene) -> bytes:
-    """Frames of the same particles as arrays (T, P, ...), with the scene that they are of."""
-    arrays: dict[str, Any] = {"t": np.array([f.time for f in frames]), "cells": np.array(scene.cells),
-                              "scene": np.array(line(scene)), "id": frames[0].number, "X": frames[0].material_position}
-    for key in ("x", "v", "F"):
-        arrays[key] = np.stack([getattr(f, FILE[key]) for f in frames])
+def npz(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | None = None) -> bytes:
+    """Frames of the same particles as arrays (T, P, ...), with the scene that they are of, and ``more`` beside."""
+    x, v, F = (np.stack([getattr(f, FILE[key]) for f in frames]) for key in ("x", "v", "F"))
+    arrays = particles(scene, [f.time for f in frames], frames[0].number, frames[0].material_position, x, v, F)
     out = io.BytesIO()
-    np.savez_compressed(out, **arrays)
+    np.savez_compressed(out, **arrays | dict(more or {}))
     return out.getvalue()

@@ -2,11 +2,13 @@
 
 import functools
 import math
+import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from solvers.running import saved
 from solvers.running.by_estimator import ByEstimator
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
@@ -43,6 +45,31 @@ class Result:
     arch: str
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Everything that this is, as arrays and lines of text by name (``solvers.running.saved``)."""
+        return saved.arrays(vars(self))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all of it to a .npz, which ``mpm-lab judge`` reads as particles too.
+
+        Raises
+        ------
+        FileError
+            For a name that does not end in .npz, and a run of more than 500 MB.
+        """
+        saved.written(os.fspath(path), vars(self))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Result":
+        """The result that :meth:`save`, or ``mpm-lab run --particles FILE.npz``, has written, the same to the last bit.
+
+        Raises
+        ------
+        FileError
+            Where there is none, or not one that can be believed: one sentence that says why.
+        """
+        return cls(**saved.read(os.fspath(path)))
 
     @property
     def shown(self) -> Snapshot:

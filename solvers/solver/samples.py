@@ -48,6 +48,11 @@ def budget_column(estimators: tuple[str, ...], field: int) -> int:
     return column_count(estimators) + len(BUDGET) // len(FIELDS) * field
 
 
+def names(estimators: tuple[str, ...]) -> list[str]:
+    """What the columns of a row are called, without those of the budget."""
+    return [*BASE, *(f"{e}/{name}" for e in estimators for name in EACH)]
+
+
 def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: float,
          margin_unit: float = 1.0) -> dict[str, np.ndarray]:
     """Rows of samples as named series.
@@ -73,10 +78,10 @@ def read(rows: np.ndarray, estimators: tuple[str, ...], particles: int, dt: floa
         budget, for each of ``FIELDS`` and ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed
         part of it that the cause has made, mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c.
     """
-    names = [*BASE, *(f"{e}/{name}" for e in estimators for name in EACH)]
-    if rows.shape[1] > len(names):
-        names += BUDGET
-    series = dict(zip(names, rows.T.copy(), strict=True))
+    known = names(estimators)
+    if rows.shape[1] > len(known):
+        known += BUDGET
+    series = dict(zip(known, rows.T.copy(), strict=True))
     series["time"] = series.pop("step") * dt
     series["margin"] *= margin_unit
     for name, values in series.items():

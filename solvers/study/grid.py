@@ -3,13 +3,13 @@
 import hashlib
 import itertools
 import json
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import SceneError, field_key, key_field
+from solvers.running import scene_text
+from solvers.scene.rules import SceneError, key_field
 from solvers.scene.scene import Scene
 
 MOST_ROWS = 10_000
@@ -61,9 +61,7 @@ class Task:
 
 def task_of(scene: Scene, **options) -> Task:
     """The task that asks for a scene; ``options`` as of :func:`plan`."""
-    given = {field.name: getattr(scene, field.name) for field in fields(scene) if field.name != "problem"}
-    return Task(scene.problem, {field_key(name): _plain(value) for name, value in given.items() if value is not None},
-                **options)
+    return Task(scene.problem, scene_text.inputs(scene), **options)
 
 
 def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
@@ -83,14 +81,7 @@ def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
         The other fields of :class:`Task`.
     """
     tasks: dict[str, Task] = {}
-    for inputs in combinations(axes):
-        task = Task(problem, {name: _plain(value) for name, value in inputs.items()}, **options)
+    for given in combinations(axes):
+        task = Task(problem, {name: scene_text.plain(value) for name, value in given.items()}, **options)
         tasks.setdefault(task.key, task)
     return list(tasks.values())
-
-
-def _plain(value: object) -> object:
-    """What JSON can say: lists for tuples, words for numbers that it has not."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    return list(value) if isinstance(value, tuple) else value

@@ -9,7 +9,7 @@ from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch,
 from app.commands.judge.problem import times_of
 from app.commands.output import Folder, draw, json_text, working
 from app.commands.scene_flags import SceneFlags
-from solvers.judging.frames import FileError
+from solvers.outside.file_error import FileError
 from solvers.problems.reference import OF_METHODS
 
 MOST_FILES = 10_000

@@ -13,7 +13,7 @@ from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
 from app.words import per_cell, title
 from solvers.judging.columns import column_names
-from solvers.judging.limits import LIMITS
+from solvers.outside.limits import LIMITS
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS, Texts
 from solvers.scene.rules import field_key

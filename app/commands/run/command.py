@@ -13,7 +13,7 @@ from app.commands.output import Target, json_target, put_result, say, working
 from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
-from solvers.judging.limits import LIMITS
+from solvers.outside.limits import LIMITS
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
 from solvers.solver.snapshot import Snapshot
@@ -45,11 +45,11 @@ class ParticleWriter:
         if all(np.isfinite(v).all() for v in (shot.position, shot.velocity, shot.deformation_gradient)):
             self._frames.append(frame)
 
-    def write(self) -> None:
+    def write(self, result: Result) -> None:
         from solvers.judging import writing
-        from solvers.judging.said import line
+        from solvers.running.scene_text import line
         if self._target.path.lower().endswith(".npz"):
-            content = writing.npz(self._frames, self._scene)
+            content = writing.npz(self._frames, self._scene, result.arrays())
         else:
             said = {"problem": self._scene.problem, "cells": self._scene.cells, "scene": line(self._scene)}
             content = writing.csv(writing.table(self._frames), said)
@@ -72,7 +72,7 @@ class Output:
     plot: Annotated[PathFlag, default_hint("no picture")] = None
     """File for a picture of the result, .png."""
     particles: Annotated[PathFlag, default_hint("none")] = None
-    """File for the particles at every sample, .npz or .csv, as mpm-lab judge reads them."""
+    """File for the particles at every sample, .npz or .csv, as mpm-lab judge reads them; .npz with the result."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar, no warnings and no remarks on standard error."""
 
@@ -91,7 +91,7 @@ class Output:
             say(f"{why}: this ran on the processor ({result.arch})")
         put_result(result.to_dict(), target, run_table)
         if writer:
-            writer.write()
+            writer.write(result)
         drawn = picture is None or _draw(result, picture)
         if result.reason:
             say(result.reason)

@@ -22,7 +22,7 @@ from app.lessons.markup import MarkupError, html
 from app.lessons.reading import parse
 from app.page.visit.notice import Notice
 from solvers.judging.arrays import from_arrays
-from solvers.judging.frames import FileError
+from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.study.store import NAME, Store, StoreError

@@ -11,12 +11,13 @@ import pytest
 
 from app.cli import main
 from solvers.judging import writing
-from solvers.judging.frames import FileError, Misfit, Raw
+from solvers.judging.frames import Misfit, Raw
 from solvers.judging.handout import exact
 from solvers.judging.reading import read
-from solvers.judging.said import LONGEST, SCHEMA, line
 from solvers.judging.verdict import judge
+from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
+from solvers.running.scene_text import LONGEST, SCHEMA, line
 
 OURS = ["--cells", "12", "--estimator", "none", "--quiet", "--json"]
 

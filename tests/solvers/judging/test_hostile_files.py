@@ -18,8 +18,8 @@ import pytest
 
 from app.cli import main
 from app.commands.lesson import LessonGrade
-from solvers.judging.frames import FileError
 from solvers.judging.reading import read
+from solvers.outside.file_error import FileError
 from tests.hostile import FILES, LARGE, TAKES_LONG, written
 from tests.paths import ROOT
 
@@ -68,7 +68,8 @@ def test_it_does_so_at_once_and_in_little_memory(name, problem, tmp_path):
 
 
 def test_several_files_have_no_more_together_than_one(tmp_path, capsys, monkeypatch):
-    from solvers.judging import limits, verdict
+    from solvers.judging import verdict
+    from solvers.outside import limits
     monkeypatch.setattr(verdict, "LIMITS", limits.Limits(10**6, 10, 10, 1000, 100))
     files = []
     for k in range(3):

@@ -13,11 +13,12 @@ import pytest
 
 from app.cli import main
 from solvers.judging import handout, writing
-from solvers.judging.frames import FileError, Frame
+from solvers.judging.frames import Frame
 from solvers.judging.placing import grids
 from solvers.judging.reading import read
 from solvers.judging.verdict import judge
 from solvers.judging.vtk import write_vtu
+from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
 

@@ -7,9 +7,12 @@ much again: with these limits whatever is refused is so within a gigabyte.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from solvers.judging.frames import FileError, Raw
+import numpy as np
+
+from solvers.outside.file_error import FileError
 from solvers.outside.quoting import quoted
 
 FEWER = ", fewer times for example"
@@ -54,10 +57,10 @@ class Limits:
         if times > self.times:
             raise self._refusal(file, f"has {times:,} times", f"{self.times:,}")
 
-    def less(self, raw: Raw) -> Limits:
-        """What is left for further files."""
-        rows = len(next(iter(raw.columns.values())))
-        numbers = sum(column.size for column in raw.columns.values())
+    def less(self, columns: Mapping[str, np.ndarray]) -> Limits:
+        """What is left for further files beside one with such columns."""
+        rows = len(next(iter(columns.values())))
+        numbers = sum(column.size for column in columns.values())
         return replace(self, rows=max(0, self.rows - rows), numbers=max(0, self.numbers - numbers))
 
     def _refusal(self, file: str, has: str, most: str) -> FileError:

@@ -11,17 +11,18 @@ from typing import IO, Any, cast
 
 import numpy as np
 
-from solvers.judging.frames import FileError
-from solvers.judging.limits import Limits, check_name
+from solvers.outside.file_error import FileError
+from solvers.outside.limits import Limits, check_name
 from solvers.outside.quoting import quoted
 
 ENDING = ".npy"
 LONGEST_READ = 1_000_000  # bytes that are read at once, of which the zip's directory is the largest part
 LONGEST_HEAD = 20_000  # bytes of what stands before the numbers; numpy reads no more than 10,000
-LONGEST_TEXT = 5000  # letters of an array that is a text
+LONGEST_TEXT = 20_000  # letters of an array that is a text
 MOST_DIRECTIONS = 4  # of an array
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # as numpy writes them; others may take any memory to unpack
 ENCRYPTED = 1
+TEXTS = ("scene", "result")  # arrays that may be a text
 HEADS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 
@@ -33,7 +34,8 @@ def arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dict[str
     """The arrays whose names are ``wanted``, each of numbers or one text, by their names; of others nothing but the
     name is looked at, and they are empty here. :class:`FileError` where there are none such."""
     try:
-        with open(path, "rb", buffering=0) as raw, zipfile.ZipFile(cast(IO[bytes], _Measured(raw))) as packed:
+        with open(path, "rb", buffering=0) as raw, _Measured(raw) as measured, \
+                zipfile.ZipFile(cast(IO[bytes], measured)) as packed:
             members = dict(_members(path, packed, limits))
             return {name: _array(path, name, packed, member, limits) if wanted(name) else np.empty(0)
                     for name, member in members.items()}
@@ -95,7 +97,7 @@ def _head(path: str, name: str, content: IO[bytes]) -> tuple[tuple[int, ...], bo
         raise _NotPlain(f"{quoted(name)} is of another version")
     shape, in_columns, dtype = HEADS[version](content)
     text = dtype.kind in "US" and dtype.itemsize <= 4 * LONGEST_TEXT and shape in ((), (1,))
-    if dtype.kind in "bcUS" and not (text and name == "scene"):
+    if dtype.kind in "bcUS" and not (text and name in TEXTS):
         raise FileError(path, f"has no numbers in {quoted(name)}; give numbers, real and not objects or texts")
     if dtype.kind not in "iufUS":
         raise _NotPlain(f"{quoted(name)} is no array of numbers")
