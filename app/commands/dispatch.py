@@ -1,10 +1,10 @@
 """From words to a command: finds the command, reads its flags, and turns every mistake into one line.
 
-Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable or lost run, 130 stopped by Ctrl-C.
+Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable or lost run, 130 stopped by Ctrl-C, 141 nobody
+reads what is printed.
 """
 
 import contextlib
-import inspect
 import io
 import os
 import sys
@@ -16,24 +16,29 @@ import tyro
 from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput
-from app.commands.output import say
+from app.commands.help import PROGRAM, VERBOSE, Shown, finished, overview, paragraphs
+from app.commands.output import NotWritten, put_text, say, showing_places
 from solvers.outside.quoting import meant, quoted, sentence
 from solvers.scene.registry import ExtensionError
 from solvers.scene.rules import SceneError, field_flag
 
-PROGRAM = "mpm-lab"
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
 LONGEST_COMPLAINT = 200  # letters of what the reader of flags says
 
 
 def dispatch(arguments: list[str]) -> int:
-    """Run the command line and return its exit status. Only Ctrl-C is raised: a traceback of what should not happen is
-    shown by ``python -X dev -m app ...`` alone."""
+    """Run the command line and return its exit status. Only Ctrl-C is raised: where in the code something failed is
+    shown by ``--verbose`` alone, and by ``python -X dev -m app ...`` what should not happen as a traceback."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal that has no ² must not cost the result
+    with showing_places(VERBOSE in arguments):
+        return _status([word for word in arguments if word != VERBOSE])
+
+
+def _status(arguments: list[str]) -> int:
     try:
         status = _main(arguments)
-        sys.stdout.flush()  # here, where a reader that has gone is still ours to handle
+        put_text("")  # here, where a reader that has gone is still ours to handle
         return status
     except (BadInput, ExtensionError, SceneError) as error:
         say(BadInput(field_flag(error.field), error.value, error.sentence)
@@ -42,6 +47,9 @@ def dispatch(arguments: list[str]) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends
         return BROKEN_PIPE
+    except NotWritten as error:
+        say(error)
+        return FAILED
     except Exception as error:
         if _wants_traceback():
             raise
@@ -55,11 +63,16 @@ def _wants_traceback() -> bool:
 
 def _main(arguments: list[str]) -> int:
     if arguments and arguments[0] == "--version":
-        print(f"{PROGRAM} {__version__}")
+        put_text(f"{PROGRAM} {__version__}\n")
+        return 0
+    flag, _, value = (arguments or [""])[0].partition("=")
+    if flag == "--completion":
+        from app.commands import completion
+        put_text(completion.script(value or " ".join(arguments[1:])))
         return 0
     name, rest = _find_command(arguments)
     if name not in commands():
-        print(_overview(name))
+        put_text(overview(name) + "\n")
         return 0
     command = _read_flags(commands()[name], f"{PROGRAM} {' '.join(name)}", rest)
     return 0 if command is None else command.execute()
@@ -91,29 +104,17 @@ def _next_words(name: tuple[str, ...]) -> list[str]:
     return list(dict.fromkeys(known[len(name)] for known in commands() if known[:len(name)] == name))
 
 
-def _overview(name: tuple[str, ...]) -> str:
-    """The help above the commands: their names and what they do."""
-    program = " ".join((PROGRAM, *name))
-    rows = {" ".join((PROGRAM, *known)): (inspect.getdoc(kind) or "").partition("\n")[0]
-            for known, kind in commands().items() if known[:len(name)] == name}
-    width = max(map(len, rows))
-    about = [] if name else ["A numerical laboratory for error estimates of the material point method.", ""]
-    more = [] if name else [f"Without a command: {' '.join((PROGRAM, *DEFAULT_COMMAND))}.",
-                            f"{PROGRAM} --version prints the version."]
-    return "\n".join([f"usage: {program} COMMAND [flags]", "", *about,
-                      *(f"  {command:<{width}}  {what}" for command, what in rows.items()), "",
-                      f"{program} COMMAND --help explains the flags of a command.", *more])
-
-
 def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
     """The command with its flags filled in; None after its help was shown."""
     read: Any = tyro.cli  # the type of what it returns depends on its flags
-    complaints = io.StringIO()
+    complaints, shown = io.StringIO(), Shown()
     try:
-        with contextlib.redirect_stderr(complaints):
-            command, unknown = read(kind, prog=program, args=arguments, return_unknown_args=True)
+        with contextlib.redirect_stderr(complaints), contextlib.redirect_stdout(shown):
+            command, unknown = read(kind, prog=program, args=arguments, return_unknown_args=True,
+                                    description="\n\n".join(paragraphs(kind)))
     except SystemExit as end:
         if not end.code:
+            put_text(finished(shown.getvalue(), kind))
             return None
         raise BadInput("", program, _condensed(complaints.getvalue())) from None
     if unknown:
@@ -122,7 +123,7 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
 
 
 def _unexpected(word: str, kind: type, program: str) -> BadInput:
-    flags = ["--" + field.name.replace("_", "-") for field in fields(kind)]
+    flags = [*("--" + field.name.replace("_", "-") for field in fields(kind)), VERBOSE]
     flag = word.partition("=")[0]
     if not word.startswith("-") or word == "-" or flag in flags:
         return BadInput("", word, f"is not expected here; {program} --help shows the flags")

@@ -1,13 +1,14 @@
 """``mpm-lab export LESSON|SCENE --out FILE.html``: one file that plays from disk, without a server or a network."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import tyro
 
 from app.commands.flags import BadInput, NumberFlag, Switch, TextFlag, default_hint
 from app.commands.lesson import lesson_called
-from app.commands.output import Target, say, working
+from app.commands.output import Target, say
+from app.commands.progress import working
 from app.lessons.lesson import LessonError
 from app.state import StateError, begins, read
 from solvers.scene.rules import require_whole
@@ -24,6 +25,8 @@ class Export:
     the expected answers as well, for whoever reads its source.
     Exit status: 0 ok, 1 could not run or write, 2 bad input.
     """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab export 4 --out crossing.html"
 
     what: Annotated[TextFlag, tyro.conf.Positional]
     """A lesson or a scene."""

@@ -1,14 +1,16 @@
 """``mpm-lab lesson list|check|guide|grade``: lessons without a page."""
 
 import os
+from collections.abc import Sized
 from contextlib import closing
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_target, put_result, put_text, say, working
+from app.commands.output import Target, json_target, put_result, put_text, say
+from app.commands.progress import working
 from app.lessons.lesson import Lesson, LessonError
 from solvers.outside.quoting import file_name
 from solvers.scene.rules import require_whole
@@ -16,7 +18,7 @@ from solvers.scene.rules import require_whole
 if TYPE_CHECKING:
     from app.lessons.progress import Progress
 
-OK, FAILED = 0, 1
+OK, FAILED, BAD_INPUT = 0, 1, 2
 MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
 CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
 
@@ -25,24 +27,29 @@ CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
 class LessonList:
     """List the lessons: name, minutes and title.
 
-    Exit status: 0 ok, 1 a lesson's file has a mistake.
+    Exit status: 0 ok, 2 a lesson's file has a mistake, which is told.
     """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab lesson list"
 
     def execute(self) -> int:
         from app.lessons import shelf
         lessons, mistakes = _read(())
         width = max(map(len, shelf.names()), default=0)
         for lesson in lessons:
-            print(f"{lesson.name:<{width}}  {lesson.minutes:>3} min  {lesson.title}")
-        return FAILED if mistakes else OK
+            put_text(f"{lesson.name:<{width}}  {lesson.minutes:>3} min  {lesson.title}\n")
+        return BAD_INPUT if mistakes else OK
 
 
 @dataclass(frozen=True)
 class LessonCheck:
     """Run every scene of lessons and check every claim, headless.
 
-    Exit status: 0 all claims hold, 1 one does not, or a file has a mistake, 2 bad input.
+    Exit status: 0 all claims hold, 1 one does not, 2 bad input, or a lesson's file has a mistake (the others are
+    checked).
     """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab lesson check 4 --variants 1"
 
     names: Annotated[NamesFlag, tyro.conf.Positional, default_hint("all lessons")] = ()
     """Lessons, by name or number."""
@@ -71,18 +78,21 @@ class LessonCheck:
         failed = [check for check in found if not check.holds]
         for check in failed:
             say(check)
-        told = f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}, {len(found)} checks, {len(failed)} failed"
+        told = f"{_count(lessons)}, {len(found)} checks, {len(failed)} failed" if lessons else "nothing was checked"
+        told += f"; {_count(mistakes)} could not be read" if mistakes else ""
         put_result({"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
-                    "checks": [vars(check) for check in found]}, target, lambda _: told)
-        return FAILED if failed or mistakes else OK
+                    "checks": [vars(check) for check in found], "not_read": mistakes}, target, lambda _: told)
+        return BAD_INPUT if mistakes else FAILED if failed else OK
 
 
 @dataclass(frozen=True)
 class LessonGuide:
     """Write the teacher's guide to a lesson: steps, notes and right answers.
 
-    Exit status: 0 ok, 1 could not write, or the file has a mistake, 2 bad input.
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, or the lesson's file has a mistake.
     """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab lesson guide 4 --out guide.html"
 
     name: Annotated[TextFlag, tyro.conf.Positional] = ""
     """Lesson, by name or number."""
@@ -100,7 +110,7 @@ class LessonGuide:
         target = None if self.out is None else Target("out", self.out)
         lessons, _ = _read((self.name,))
         if not lessons:
-            return FAILED
+            return BAD_INPUT
         with working(self.quiet), closing(Outcomes(1)) as outcomes:
             text = guide.KINDS[ending or ".md"](lessons[0], outcomes)
         put_text(text, target)
@@ -109,10 +119,12 @@ class LessonGuide:
 
 @dataclass(frozen=True)
 class LessonGrade:
-    """Turn files that students have handed in into one table, every mark derived anew from the runs.
+    """Make one table of handed-in files, every mark derived anew from the runs.
 
     Exit status: 0 ok, 1 a file could not be read or is no file of answers, 2 bad input.
     """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab lesson grade answers-*.json --out marks.csv"
 
     files: Annotated[FilesFlag, tyro.conf.Positional] = ()
     """Files that the page has saved."""
@@ -158,16 +170,20 @@ def _answers(file: str) -> "tuple[str, Progress] | None":
         return None
 
 
-def _read(names: tuple[str, ...]) -> tuple[list[Lesson], int]:
-    """The lessons of these names, or all, and how many files have a mistake, which is told."""
+def _count(lessons: Sized) -> str:
+    return f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}"
+
+
+def _read(names: tuple[str, ...]) -> tuple[list[Lesson], dict[str, str]]:
+    """The lessons of these names, or all, and by name what is wrong with those that cannot be read, which is told."""
     from app.lessons import shelf
-    lessons, mistakes = [], 0
+    lessons, mistakes = [], {}
     for name in dict.fromkeys(map(lesson_called, names)) if names else shelf.names():
         try:
             lessons.append(shelf.lesson(name))
         except LessonError as error:
             say(error)
-            mistakes += 1
+            mistakes[name] = str(error)
     return lessons, mistakes
 
 

@@ -1,14 +1,11 @@
-"""Where results go: checked and atomic files, a clean standard output, messages and a progress bar."""
+"""Where results and messages go: checked and atomic files, the standard output, one line on standard error."""
 
 import contextlib
-import ctypes
 import json
+import logging
 import os
-import signal
 import sys
-import threading
-import time
-import warnings
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,15 +13,43 @@ from typing import Any
 from app.commands.flags import BadInput
 from solvers.outside import quoting
 
-BAR_WIDTH = 30  # of the progress bar in characters
-BAR_TEXT = 24  # of what is being done; the whole line fits a terminal of 80
 LONGEST_LINE = 1000  # letters; refusals have less
-PATIENCE = 1.0  # seconds before a bar is worth showing
+STDOUT = "standard output"
+_places = False  # whether a failure that is told comes with its traceback
+
+
+class NotWritten(Exception):
+    """A result that is there and could not be written; ``where`` is a flag with its value, or the standard output."""
+
+    def __init__(self, where: str, error: OSError):
+        why = (error.strerror or str(error)).lower()
+        super().__init__(f"{where} could not be written: {why}")
+
+
+@contextlib.contextmanager
+def showing_places(wanted: bool) -> Iterator[None]:
+    """Meanwhile every failure that is told, and every line of log about one, has its traceback, if ``wanted``."""
+    global _places
+    _places, before = wanted, _places
+    log = logging.getLogger("app")
+    level = log.level
+    if wanted:
+        log.setLevel(logging.DEBUG)
+    try:
+        yield
+    finally:
+        _places = before
+        log.setLevel(level)
 
 
 def say(message: object) -> None:
-    """One line on standard error, of which no character does anything to a terminal."""
-    print(f"mpm-lab: {quoting.sentence(message, LONGEST_LINE)}", file=sys.stderr, flush=True)
+    """One line on standard error, of which no character does anything to a terminal; before it, with ``--verbose``,
+    where in the code the exception came up that is being handled."""
+    places = traceback.format_exc().splitlines() if _places and sys.exc_info()[1] else []
+    with contextlib.suppress(OSError):  # where nobody can be told anything, the exit status still says it
+        for line in places:
+            print("".join(letter if letter.isprintable() else "?" for letter in line), file=sys.stderr)
+        print(f"mpm-lab: {quoting.sentence(message, LONGEST_LINE)}", file=sys.stderr, flush=True)
 
 
 def json_text(values: dict, lines: bool = False) -> str:
@@ -32,88 +57,11 @@ def json_text(values: dict, lines: bool = False) -> str:
     return json.dumps(values, allow_nan=False, indent=2 if lines else None) + "\n"
 
 
-@contextlib.contextmanager
-def stdout_to_stderr() -> Iterator[None]:
-    """Meanwhile, what native code or Taichi prints to standard output goes to standard error."""
-    sys.stdout.flush()
-    saved = os.dup(1)
-    os.dup2(2, 1)
-    try:
-        yield
-    finally:
-        sys.stdout.flush()
-        with contextlib.suppress(OSError, AttributeError, TypeError):
-            ctypes.CDLL(None).fflush(None)  # native text still in C's own buffer would come out later
-        os.dup2(saved, 1)
-        os.close(saved)
-
-
-@contextlib.contextmanager
-def noted_interrupts() -> Iterator[Callable[[], None]]:
-    """Ctrl-C as usual, and noted: call what this yields now and then to raise one that native code swallowed.
-
-    An exception raised while Taichi compiles can get lost in its callbacks, or come out as another; one that is raised
-    while it imports makes it complain of a broken installation, so that waits.
-    """
-    noted = False
-
-    def note(number: int, frame: object) -> None:
-        nonlocal noted
-        noted = True
-        if not getattr(getattr(sys.modules.get("taichi"), "__spec__", None), "_initializing", False):
-            raise KeyboardInterrupt
-
-    def check() -> None:
-        if noted:
-            raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():  # others get no signals
-        yield check
-        return
-    before = signal.signal(signal.SIGINT, note)
-    try:
-        yield check
-    except Exception:
-        check()  # native code may make another error of it
-        raise
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextlib.contextmanager
-def working(quiet: bool) -> Iterator[Callable[..., None]]:
-    """While solvers work: a clean standard output, Ctrl-C noted, and, unless ``quiet``, a progress bar on a terminal.
-
-    Yields what is to be called now and then with the part done, 0 to 1, and, if one likes, what is being done.
-    """
-    begun, drawn = time.monotonic(), False
-
-    def show(part: float, what: str = "") -> None:
-        nonlocal drawn
-        check()
-        elapsed = time.monotonic() - begun
-        if quiet or elapsed < PATIENCE or not sys.stderr.isatty():
-            return
-        drawn = True
-        left = f"{elapsed * (1 - part) / part:.0f} s left" if part > 0 else ""
-        bar = ("#" * round(part * BAR_WIDTH)).ljust(BAR_WIDTH, ".")
-        line = f"\r[{bar}] {100 * part:3.0f} %  {left:<14}{what:<{BAR_TEXT}.{BAR_TEXT}}"
-        print(line, end="", file=sys.stderr, flush=True)
-
-    with stdout_to_stderr(), noted_interrupts() as check:
-        warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
-        try:
-            yield show
-        finally:
-            if drawn:  # wipe the bar off the line
-                print("\r" + " " * (BAR_WIDTH + 24 + BAR_TEXT) + "\r", end="", file=sys.stderr, flush=True)
-
-
 class Target:
     """A file to be written later, tried now. It appears whole or not at all: written beside, then renamed."""
 
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
-        self.text, self.is_stdout = text, may_be_stdout and text == "-"
+        self.flag, self.text, self.is_stdout = flag, text, may_be_stdout and text == "-"
         # where it really lies, so that a link stays one; a device has no better name than its own
         self.path = "" if self.is_stdout or "\0" in text else text if _is_device(text) else os.path.realpath(text)
         self._beside = Path(os.path.dirname(self.path), f".mpm-lab-{flag}-{os.getpid()}.part")
@@ -129,7 +77,11 @@ class Target:
                            "give a file in a directory that exists and may be written to") from None
 
     def write(self, content: bytes) -> None:
-        """Write the content, replacing what was there."""
+        """Write the content, replacing what was there; raises :class:`NotWritten`."""
+        with telling(STDOUT if self.is_stdout else f"--{self.flag} {quoting.quoted(self.text)}"):
+            self._write(content)
+
+    def _write(self, content: bytes) -> None:
         if self.is_stdout:
             sys.stdout.flush()
             sys.stdout.buffer.write(content)
@@ -165,12 +117,24 @@ def put_result(values: dict, target: Target | None, text: Callable[[dict], str])
     put_text(json_text(values, lines=not target.is_stdout) if target else text(values) + "\n", target)
 
 
-def put_text(text: str, target: Target | None, encoding: str = "utf-8") -> None:
+def put_text(text: str, target: Target | None = None, encoding: str = "utf-8") -> None:
     """A text to a file where one was asked for, else to standard output."""
     if target:
         target.write(text.encode(encoding))
     else:
-        print(text, end="", flush=True)
+        with telling(STDOUT):
+            print(text, end="", flush=True)
+
+
+@contextlib.contextmanager
+def telling(where: str) -> Iterator[None]:
+    """Meanwhile what cannot be written is told as such; a reader that has gone is no such thing."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise NotWritten(where, error) from error
 
 
 def _is_device(path: str) -> bool:

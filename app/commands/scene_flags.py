@@ -73,7 +73,9 @@ def _kind(scene: type[Scene], f: Field) -> Any:
 def _made(command: type[Any], scene: type[Scene], bases: tuple[type, ...]) -> type:
     methods = " ".join(scene.choices("method")[1:3])
     text = command.HELP.format(title=scene.TITLE, setting=scene.SETTING, methods=methods)
-    kind = type(f"{command.__name__}{scene.problem.capitalize()}", bases, {"SCENE": scene, "__doc__": text})
+    example = command.EXAMPLE.format(problem=scene.problem, methods=methods)
+    kind = type(f"{command.__name__}{scene.problem.capitalize()}", bases,
+                {"SCENE": scene, "EXAMPLE": example, "__doc__": text})
     return dataclass(frozen=True, kw_only=True)(kind)
 
 

@@ -1,6 +1,7 @@
 """``mpm-lab serve``: the page."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
 from app.commands.lesson import lesson_called
@@ -13,7 +14,12 @@ MOST_FRAMES = 60
 
 @dataclass(frozen=True)
 class Serve:
-    """Serve the page to browsers until Ctrl-C."""
+    """Serve the page to browsers until Ctrl-C.
+
+    Exit status: 0 ended, 1 could not start, 2 bad input, 130 stopped by Ctrl-C.
+    """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab serve --port 9000"
 
     host: TextFlag = "127.0.0.1"
     """Address to listen on; 0.0.0.0 lets other machines in, with the class code."""

@@ -44,6 +44,9 @@ def read(path: Path) -> Lesson:
         return parse(path.read_text(encoding="utf-8"), path.stem, path.parent)
     except LessonError as error:
         raise LessonError(error.line, error.sentence, path.name) from None
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise LessonError(1, f"the file cannot be read: {why}; give one that may be", path.name) from None
     except UnicodeDecodeError as error:
         line = path.read_bytes()[:error.start].count(b"\n") + 1
         raise LessonError(line, "holds characters that are not UTF-8; save the file as UTF-8", path.name) from None

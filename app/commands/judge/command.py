@@ -7,7 +7,8 @@ import tyro
 
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
 from app.commands.judge.problem import times_of
-from app.commands.output import Folder, draw, json_text, working
+from app.commands.output import Folder, draw, json_text, put_text
+from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
 from solvers.outside.file_error import FileError
 from solvers.problems.reference import OF_METHODS
@@ -19,13 +20,14 @@ MOST_FILES = 10_000
 class Judge(SceneFlags):
     """The files, and where the report goes."""
 
-    HELP: ClassVar[str] = """Judge the particles of any code that ran the {title}: errors, where they are worst, order.
+    HELP: ClassVar[str] = """Judge what any code's particles of the {title} get wrong, where and of which order.
 
     FILES are .csv, .npz, .vtk, .vtu or .vtp with particles at one or many times, of one grid or several: positions, id
     or material position, and velocity, F or stress as there are (`mpm-lab problem` says how, and writes one). The flags
     say what was run. The directory gets report.md, report.html, report.json and pictures.
     Exit status: 0 judged, 1 could not write, 2 bad input.
     """
+    EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
     LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS - {"dt", "cfl"}
 
     files: Annotated[FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
@@ -83,5 +85,5 @@ class Judge(SceneFlags):
         folder.put("report.md", text.encode())
         folder.put("report.html", as_html(text, folder.path).encode())
         if not self.quiet:
-            print(text.partition("\n\n![")[0], flush=True)
+            put_text(text.partition("\n\n![")[0] + "\n")
         return status

@@ -39,12 +39,13 @@ def times_of(words: tuple[str, ...], flag: str) -> list[float]:
 class ProblemCommand(SceneFlags):
     """Where the problem goes, and the times of its exact solution."""
 
-    HELP: ClassVar[str] = """Write all that another code needs to set up the {title}: plain numbers and text.
+    HELP: ClassVar[str] = """Write all that another code needs to run the {title}.
 
     {setting} The directory gets the initial particles (CSV and VTU), the body force as a table in space and time, the
     exact solution at the times asked for, in the form that `mpm-lab judge` reads, and a page of text with the formulas.
     Exit status: 0 ok, 1 could not write, 2 bad input.
     """
+    EXAMPLE: ClassVar[str] = "mpm-lab problem {problem} --cells 40 --out handout"
     LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS
 
     out: Annotated[PathFlag, default_hint("none, it must be given")] = None

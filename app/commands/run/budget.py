@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, default_hint, one_of
-from app.commands.output import Target, json_target, put_result, say, working
+from app.commands.output import Target, json_target, put_result, say
+from app.commands.progress import working
 from app.commands.run.command import BROKEN, FAILED, OK
 from app.commands.run.text import budget_table, take_away_table
 from app.commands.scene_flags import SceneFlags
@@ -16,13 +17,14 @@ from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 class Budget(SceneFlags):
     """What is done with the budget of a scene."""
 
-    HELP: ClassVar[str] = """Say who made the error of a run of the {title}: which part of it each cause has made.
+    HELP: ClassVar[str] = """Say which cause has made which part of the error of a run of the {title}.
 
     Causes are crossings (particles, or their boxes, counted whole where a part lies in the next cell), the coarse grid,
     the body force and the time step; their shares add up to 1. With --take-away the same scene runs again without a
     cause, and what is left stands beside what the budget predicts. {setting}
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 a run went unstable or is lost.
     """
+    EXAMPLE: ClassVar[str] = "mpm-lab budget {problem} --cells 40 --take-away crossings"
 
     take_away: Annotated[Any, one_of((NOTHING, *CAUSES))] = NOTHING
     """Cause of error that is taken out of the run."""

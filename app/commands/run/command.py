@@ -9,7 +9,8 @@ import tyro
 
 from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_target, put_result, say, working
+from app.commands.output import Target, json_target, put_result, say
+from app.commands.progress import working
 from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
@@ -109,6 +110,7 @@ class Run(Output, SceneFlags):
     {setting} Without --json a table goes to standard output.
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
     """
+    EXAMPLE: ClassVar[str] = "mpm-lab run {problem} --cells 80 --plot {problem}.png"
 
     def execute(self) -> int:
         return self.run_and_write(self.scene())
@@ -121,6 +123,8 @@ class RunText(Output):
     Such as "bar;method=mpm;cells=80"; what it says of the view and of a pinned run is left aside. Exit status: 0 ok,
     1 could not run or write, 2 bad input, 3 the run went unstable or is lost.
     """
+
+    EXAMPLE: ClassVar[str] = 'mpm-lab run --scene "bar;method=mpm;cells=80"'
 
     text: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="TEXT")] = ""
     """The scene: a problem, and what differs from its defaults."""

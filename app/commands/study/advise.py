@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, number, real, several_of
-from app.commands.output import json_target, noted_interrupts, put_result, say, stdout_to_stderr
+from app.commands.output import json_target, put_result, say
+from app.commands.progress import noted_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.rules import require_choice, require_number
 from solvers.scene.scene import Scene
@@ -32,6 +33,7 @@ class Advise:
 
     Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
     """
+    EXAMPLE: ClassVar[str] = "mpm-lab advise {problem} --tolerance 1e-3"
     SCENE: ClassVar[type[Scene]]
 
     tolerance: Annotated[RealFlag, default_hint("required")] = None

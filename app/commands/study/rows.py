@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, draw, say
+from app.commands.output import Target, draw, say, telling
+from solvers.outside.quoting import quoted
 from solvers.scene.rules import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.grid import MOST_ROWS, Task
@@ -102,7 +103,8 @@ class Study:
         def keep(row: dict) -> None:
             nonlocal done
             done += 1
-            store.append(row)
+            with telling(f"--out {quoted(self.out)}"):
+                store.append(row)
             if not self.quiet and row["status"] != REFUSED:  # that was said before
                 say(f"{done}/{len(tasks)} {_told(row, tasks)}")
 

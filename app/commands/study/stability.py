@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar
 
 from app import __version__
 from app.commands.flags import RealFlag, choices_of, default_hint, number, several_of
-from app.commands.output import json_text
+from app.commands.output import json_text, put_text
 from app.commands.study.rows import INCOMPLETE, Study
 from app.words import unit_of
 from solvers.scene.rules import require_choice
@@ -22,12 +22,13 @@ DEFAULT_CFL = (0.1, 0.3, 0.5, 0.7)
 class Stability(Study):
     """What is mapped; every combination that a method has is run."""
 
-    HELP: ClassVar[str] = """Map how many periods each method of the {title} survives, with and without remedies.
+    HELP: ClassVar[str] = """Map how many periods each method of the {title} survives.
 
     A run counts until its error of x exceeds a tenth of the amplitude or it breaks. Tables and a picture follow at the
     end, with each remedy's price per step and the life that FLIP's drift predicts.
     Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
     """
+    EXAMPLE: ClassVar[str] = "mpm-lab stability {problem} --periods 20 --out map"
     SCENE: ClassVar[type[Scene]]
 
     method: Any = ()
@@ -57,7 +58,7 @@ class Stability(Study):
         self.put("stability.csv", csv_text(rows).encode())
         self.put("stability.json", json_text(values, lines=True).encode())
         self.put("stability.md", text.encode())
-        print(text, flush=True)
+        put_text(text + "\n")
         return status
 
     def axes(self) -> dict[str, list]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 
 from app import __version__
 from app.commands.flags import NumberFlag, Switch, default_hint
-from app.commands.output import json_text
+from app.commands.output import json_text, put_text
 from app.commands.scene_flags import SceneFlags
 from app.commands.study.rows import INCOMPLETE, Study
 from solvers.scene.rules import require_whole
@@ -18,12 +18,13 @@ from solvers.study.grid import plan
 class Sweep(Study, SceneFlags):
     """The flags of a sweep beside those of its scenes, of which all but ``LISTS`` may hold several values."""
 
-    HELP: ClassVar[str] = """Run the {title} for every combination of the values given: what accuracy costs in time.
+    HELP: ClassVar[str] = """Run the {title} with every combination of values: what accuracy costs.
 
     Give any flag of a scene several values: --cells 20 40 80 --method {methods}. Each combination is a row with its
     errors, estimates, times and status; rows are kept as they finish. Tables and pictures follow at the end.
     Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
     """
+    EXAMPLE: ClassVar[str] = "mpm-lab sweep {problem} --cells 20 40 80 --method {methods} --out sweep"
     LISTS: ClassVar[frozenset[str]] = frozenset({"estimator", "effects", "remedies"})
 
     no_linearity_preserving: Annotated[Switch, default_hint("on")] = False
@@ -57,7 +58,7 @@ class Sweep(Study, SceneFlags):
         self.put("table.csv", table.csv_text(rows).encode())
         self.put("table.json", json_text(table.table_dict(problem, rows), lines=True).encode())
         self.put("summary.md", text.encode())
-        print(text.partition("\n\n![")[0], flush=True)
+        put_text(text.partition("\n\n![")[0] + "\n")
         return status
 
 

@@ -4,12 +4,13 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_text, made_directory, say, working
+from app.commands.output import Target, json_text, made_directory, say
+from app.commands.progress import working
 from app.commands.study.tables_text import markdown
 from solvers.problems import PROBLEMS
 from solvers.study.store import NotWhole
@@ -24,11 +25,14 @@ ROWS = "rows"  # the folder of finished rows
 
 @dataclass(frozen=True)
 class Tables:
-    """Make the paper's tables again and write them beside the printed numbers: Markdown, JSON and a picture each.
+    """Make the paper's tables again and write them beside the printed numbers.
 
-    Takes a minute or two. Each finished row is kept in DIR/rows; a command that was stopped goes on there. Exit status:
-    0 ok, 1 could not run or write, 2 bad input, 3 a row went unstable or is lost, 130 stopped by Ctrl-C.
+    As Markdown, JSON and a picture each. Takes a minute or two. Each finished row is kept in DIR/rows; a command that
+    was stopped goes on there.
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 a row went unstable or is lost, 130 stopped by Ctrl-C.
     """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab tables 1 --out tables"
 
     table: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="{1,2,3,all}")] = "all"
     """Table of the paper."""

@@ -13,7 +13,8 @@ import pytest
 from app import __version__
 from app.cli import main
 from app.commands import commands
-from app.commands.output import Target, json_text, noted_interrupts
+from app.commands.output import NotWritten, Target, json_text
+from app.commands.progress import noted_interrupts
 from app.commands.run.text import run_table
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.effects import EFFECTS
@@ -158,6 +159,7 @@ def test_bad_commands_are_one_line(words, says, capsys):
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["run", "bar", "--help"], ["--version"],
                                        ["advise", "ring", "--help"], ["sweep", "bar", "--help"], ["bench", "--help"],
+                                       ["--completion", "bash"],
                                        ["run", "bar", "--cells", "0"], ["run", "bar", "--celss", "3"]])
 def test_help_and_bad_input_import_nothing_heavy(arguments):
     code = ("import sys; from app.cli import main; main(sys.argv[1:]); "
@@ -275,7 +277,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path.write_text("old")
     target = Target("json", str(path))
     monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError("full")))
-    with pytest.raises(OSError, match="full"):
+    with pytest.raises(NotWritten, match=r"--json .* could not be written: full"):
         target.write(b"new")
     assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
 

@@ -76,9 +76,26 @@ def test_check_passes_and_fails_with_lesson_step_and_claim(shelf_of_one, capfd):
 
 def test_a_file_with_a_mistake_fails_and_is_told(shelf_of_one, capfd):
     shelf_of_one.write_text(shelf_of_one.read_text().replace("minutes = 10", "minutes = 0"))
-    assert main(["lesson", "list"]) == 1
-    assert main(["lesson", "check", "--quiet"]) == 1
-    assert "mpm-lab: 01-test.md, line 3: minutes = 0: give a whole number" in capfd.readouterr().err
+    assert main(["lesson", "list"]) == main(["lesson", "guide", "1"]) == 2
+    capfd.readouterr()
+    assert main(["lesson", "check", "--quiet"]) == 2
+    said = capfd.readouterr()
+    assert said.err.startswith("mpm-lab: 01-test.md, line 3: minutes = 0: give a whole number")
+    assert said.out == "nothing was checked; 1 lesson could not be read\n"
+
+
+def test_a_lesson_that_cannot_be_read_keeps_no_other_from_being_checked(shelf_of_one, capfd):
+    (shelf_of_one.parent / "02-broken.md").write_text("no head", encoding="utf-8")
+    (shelf_of_one.parent / "03-folder.md").mkdir()
+    assert main(["lesson", "check", "--quiet", "--variants", "1", "--json", "-"]) == 2
+    seen = capfd.readouterr()
+    values = json.loads(seen.out)
+    assert values["lessons"] == ["01-test"] and values["checks"] and all(check["holds"] for check in values["checks"])
+    assert set(values["not_read"]) == {"02-broken", "03-folder"}
+    assert [line.partition(", line")[0] for line in seen.err.splitlines()] == [
+        "mpm-lab: 02-broken.md", "mpm-lab: 03-folder.md"] and "cannot be read: is a directory" in seen.err
+    assert main(["lesson", "check", "2", "3", "--quiet"]) == 2
+    assert capfd.readouterr().out == "nothing was checked; 2 lessons could not be read\n"
 
 
 @pytest.mark.parametrize("arguments, said", [

@@ -1,0 +1,67 @@
+"""``mpm-lab --completion SHELL``: the script by which a shell completes commands, flags, their words and files."""
+
+import contextlib
+import io
+import operator
+from dataclasses import dataclass, fields, replace
+from functools import reduce
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import tyro
+
+from app.commands import commands
+from app.commands.flags import BadInput
+from app.commands.help import PROGRAM
+
+SHELLS = ("bash", "zsh", "fish")
+FILES = ("PATH", "FILE ...")  # what flags are called that take files
+#: In tyro's script for bash: where it knows nothing, files, as bash does without it.
+BASH = {"complete -F": "complete -o default -F",
+        'COMPREPLY=("${matches[@]}")': 'COMPREPLY=(); [ -z "$completions" ] || COMPREPLY=("${matches[@]}")'}
+
+
+def script(shell: str) -> str:
+    """The script for a shell, made from the commands' own flags."""
+    if shell not in SHELLS:
+        raise BadInput("completion", shell, f"give one of {', '.join(SHELLS)}")
+    tree: dict[str, Any] = {}
+    for (first, *rest), kind in commands().items():
+        if not rest:
+            tree[first] = _typed(kind)
+        elif not rest[0].startswith("-"):  # --scene TEXT, which nothing completes
+            tree.setdefault(first, {})[rest[0]] = _typed(kind)
+    read: Any = tyro.cli  # the type of what it returns depends on the commands
+    printed = io.StringIO()
+    kinds = _choice({first: _choice(kind) if isinstance(kind, dict) else kind for first, kind in tree.items()})
+    with contextlib.redirect_stdout(printed), contextlib.suppress(SystemExit):
+        read(kinds, prog=PROGRAM, args=["--tyro-print-completion", shell])
+    return reduce(lambda text, old: text.replace(old, BASH[old]), BASH, printed.getvalue())
+
+
+def _choice(kinds: dict[str, Any]) -> Any:
+    """One of these commands, as tyro has it."""
+    return reduce(operator.or_, [Annotated[kind, tyro.conf.subcommand(name)] for name, kind in kinds.items()])
+
+
+def _typed(kind: Any) -> type:
+    """A command whose flags say what they take: those that the command line reads let anything through."""
+    hints = get_type_hints(kind, include_extras=True)
+    typed = {f.name: hint for f in fields(kind) if (hint := _completed(hints[f.name])) is not None}
+    known = {"__annotations__": typed, "__doc__": kind.__doc__, **dict.fromkeys(typed)}
+    return dataclass(frozen=True, kw_only=True)(type(kind.__name__, (kind,), known))
+
+
+def _completed(hint: Any) -> Any:
+    """The type of a flag that takes files or one of some words; None of any other."""
+    marks = getattr(hint, "__metadata__", ())
+    spec = next((mark for mark in marks if isinstance(mark, tyro.constructors.PrimitiveConstructorSpec)), None)
+    if spec is None:
+        return None
+    others = [mark for mark in marks if mark is not spec]
+    if spec.metavar in FILES:
+        return Annotated[(Path | None, *others)]
+    if spec.metavar.startswith("{"):
+        words = tuple(spec.metavar.partition("}")[0][1:].split(","))
+        return Annotated[(Any, replace(spec, choices=words), *others)]
+    return None

@@ -1,0 +1,65 @@
+"""What ``--help`` prints: the commands, and a command's flags with an example; as wide as the terminal, and in colours
+where they are wanted."""
+
+import inspect
+import io
+import os
+import shutil
+import sys
+import textwrap
+
+from app.commands import DEFAULT_COMMAND, commands
+from app.commands.terminal import coloured
+
+PROGRAM = "mpm-lab"
+WIDEST = 100  # characters of a line
+VERBOSE = "--verbose"
+EVERYWHERE = f"With any command {VERBOSE} shows where in the code something failed."
+
+
+class Shown(io.StringIO):
+    """Takes what is printed as if it were the standard output, colours included where they are wanted there."""
+
+    encoding = sys.stdout.encoding
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._coloured = coloured(os.environ, sys.stdout.isatty())
+
+    def isatty(self) -> bool:
+        return self._coloured
+
+
+def paragraphs(kind: type) -> list[str]:
+    """The help of a command, a line each: what it does, more of it, and its exit statuses."""
+    first, _, rest = (inspect.getdoc(kind) or "").partition("\n\n")
+    more, found, statuses = rest.partition("Exit status:")
+    return [" ".join(part.split()) for part in (first, *more.split("\n\n"), found + statuses) if part.strip()]
+
+
+def finished(shown: str, kind: type) -> str:
+    """The help of a command that tyro has ``shown``: its paragraphs wrapped, and below the flags how it is typed and
+    what every command has."""
+    for part in paragraphs(kind):
+        shown = shown.replace(part, textwrap.fill(part, _width()))
+    return f"{shown}\nExample:  {kind.EXAMPLE}\n\n{EVERYWHERE}\n"  # type: ignore[attr-defined]
+
+
+def overview(name: tuple[str, ...]) -> str:
+    """The help above the commands whose names begin so: their names and what they do."""
+    program = " ".join((PROGRAM, *name))
+    rows = {" ".join((PROGRAM, *known)): (inspect.getdoc(kind) or "").partition("\n")[0]
+            for known, kind in commands().items() if known[:len(name)] == name}
+    margin = max(map(len, rows)) + 4
+    lines = [textwrap.fill(what, max(_width(), margin + 30), initial_indent=f"  {command}".ljust(margin),
+                           subsequent_indent=" " * margin) for command, what in rows.items()]
+    about = [] if name else ["A numerical laboratory for error estimates of the material point method.", ""]
+    more = [] if name else [f"Without a command: {' '.join((PROGRAM, *DEFAULT_COMMAND))}.",
+                            f"{PROGRAM} --version prints the version; {PROGRAM} --completion SHELL a script that "
+                            "completes", "commands and flags in bash, zsh or fish."]
+    return "\n".join([f"usage: {program} COMMAND [flags]", "", *about, *lines, "",
+                      f"{program} COMMAND --help explains the flags of a command.", *more, EVERYWHERE])
+
+
+def _width() -> int:
+    return min(WIDEST, shutil.get_terminal_size().columns)

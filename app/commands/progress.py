@@ -1,0 +1,111 @@
+"""While solvers work: a clean standard output, Ctrl-C, and a progress bar that says how long it will take."""
+
+import contextlib
+import ctypes
+import os
+import signal
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterator
+
+from app.commands.terminal import is_dumb
+
+BAR_WIDTH = 30  # of the progress bar in characters
+BAR_TEXT = 24  # of what is being done; the whole line fits a terminal of 80
+PATIENCE = 1.0  # seconds before a bar is worth showing
+MEASURED = 2.0  # seconds of work after which the rest is reckoned from it
+
+
+class Remaining:
+    """How long the rest takes, by the pace since the first part was done: what came before that, compiling above all,
+    does not come again."""
+
+    def __init__(self) -> None:
+        self._first: tuple[float, float] | None = None  # part done, and when
+
+    def text(self, part: float, now: float) -> str:
+        """In words, when that much is done; "" until enough was measured."""
+        if self._first is None:
+            self._first = part, now
+        done, took = part - self._first[0], now - self._first[1]
+        return f"{took * (1 - part) / done:.0f} s left" if done > 0 and took >= MEASURED else ""
+
+
+@contextlib.contextmanager
+def stdout_to_stderr() -> Iterator[None]:
+    """Meanwhile, what native code or Taichi prints to standard output goes to standard error."""
+    sys.stdout.flush()
+    saved = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        with contextlib.suppress(OSError, AttributeError, TypeError):
+            ctypes.CDLL(None).fflush(None)  # native text still in C's own buffer would come out later
+        os.dup2(saved, 1)
+        os.close(saved)
+
+
+@contextlib.contextmanager
+def noted_interrupts() -> Iterator[Callable[[], None]]:
+    """Ctrl-C as usual, and noted: call what this yields now and then to raise one that native code swallowed.
+
+    An exception raised while Taichi compiles can get lost in its callbacks, or come out as another; one that is raised
+    while it imports makes it complain of a broken installation, so that waits.
+    """
+    noted = False
+
+    def note(number: int, frame: object) -> None:
+        nonlocal noted
+        noted = True
+        if not getattr(getattr(sys.modules.get("taichi"), "__spec__", None), "_initializing", False):
+            raise KeyboardInterrupt
+
+    def check() -> None:
+        if noted:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():  # others get no signals
+        yield check
+        return
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield check
+    except Exception:
+        check()  # native code may make another error of it
+        raise
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
+def working(quiet: bool) -> Iterator[Callable[..., None]]:
+    """While solvers work: a clean standard output, Ctrl-C noted, and, unless ``quiet``, a progress bar on a terminal.
+
+    Yields what is to be called now and then with the part done, 0 to 1, and, if one likes, what is being done.
+    """
+    begun, drawn, remaining = time.monotonic(), False, Remaining()
+    shown = not quiet and sys.stderr.isatty() and not is_dumb(os.environ)
+
+    def show(part: float, what: str = "") -> None:
+        nonlocal drawn
+        check()
+        now = time.monotonic()
+        left = remaining.text(part, now)
+        if not shown or now < begun + PATIENCE:
+            return
+        drawn = True
+        bar = ("#" * round(part * BAR_WIDTH)).ljust(BAR_WIDTH, ".")
+        line = f"\r[{bar}] {100 * part:3.0f} %  {left:<14}{what:<{BAR_TEXT}.{BAR_TEXT}}"
+        print(line, end="", file=sys.stderr, flush=True)
+
+    with stdout_to_stderr(), noted_interrupts() as check:
+        warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
+        try:
+            yield show
+        finally:
+            if drawn:  # wipe the bar off the line
+                print("\r" + " " * (BAR_WIDTH + 24 + BAR_TEXT) + "\r", end="", file=sys.stderr, flush=True)
