@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -91,8 +92,8 @@ def test_a_full_disk_behind_the_standard_output_is_one_sentence(words):
 
 @needs_full
 def test_a_full_disk_names_the_flag(monkeypatch):
-    with open(FULL, "w") as full, monkeypatch.context() as patch:
-        patch.setattr(sys, "stdout", full)
+    with open(FULL, "wb", buffering=0) as full, monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", SimpleNamespace(buffer=full, flush=lambda: None))
         with pytest.raises(NotWritten, match=r"^standard output could not be written: no space left on device$"):
             Target("json", "-", may_be_stdout=True).write(b"{}")
     with pytest.raises(NotWritten, match=r"^--json /dev/full could not be written: no space left on device$"):

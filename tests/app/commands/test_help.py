@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pty
 import re
 import shlex
 import shutil
@@ -77,6 +76,8 @@ def test_who_wants_colours(environment, is_terminal, wanted):
 @pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
 @pytest.mark.parametrize("given, wanted", [({}, True), ({"NO_COLOR": "1"}, False)], ids=["as it is", "NO_COLOR"])
 def test_help_on_a_terminal(given, wanted):
+    import pty  # here: elsewhere it cannot be imported
+
     outside, terminal = pty.openpty()
     known = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "FORCE_COLOR")}
     process = subprocess.Popen([sys.executable, "-m", "app", "lesson", "check", "--help"], cwd=ROOT, stdout=terminal,
