@@ -19,7 +19,7 @@ from app.commands.flags import BadInput
 from app.commands.help import PROGRAM, VERBOSE, Shown, finished, overview, paragraphs
 from app.commands.output import NotWritten, put_text, say, showing_places
 from solvers.outside.quoting import meant, quoted, sentence
-from solvers.scene.registry import ExtensionError
+from solvers.scene.extensions import ExtensionError
 from solvers.scene.rules import SceneError, field_flag
 
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141

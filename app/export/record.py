@@ -84,8 +84,8 @@ def recording(wanted: Wanted) -> dict[str, Any]:
     kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
     marked = kept[::one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
     tracks = _tracks(wanted, scene, kept, marked, shots)
-    regular, pictures = (samples.read(np.concatenate(some), scene.active_estimators, _count(shots), scene.time_step,
-                                      margin_unit(scene)) for some in (rows, own))
+    regular, pictures = (samples.read(np.concatenate(some), scene, _count(shots), margin_unit(scene))
+                         for some in (rows, own))
     tracks += _norms(scene, regular, pictures) + _budget(scene, pictures)
     not_valid = solver.not_valid()
     silent = {key: [name for name in scene.active_estimators if not any(

@@ -12,6 +12,7 @@ A path is that of the result's JSON object, with the estimator's name where ther
 """
 
 import ast
+import functools
 import math
 import operator
 import re
@@ -24,21 +25,12 @@ import numpy as np
 from app.words import EXTRA_NORMS, QUANTITIES
 from solvers.outside.quoting import quoted, sentence
 from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.effects import ALL
+from solvers.scene.extensions import load_extensions
 from solvers.scene.registry import ESTIMATORS
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
-_ESTIMATORS = tuple(name.replace("-", "_") for name in ESTIMATORS)
 _NORMS = ("final", "max", "mean")
-#: The paths of a result: what may stand after each word, level by level.
-PATHS: dict[str, tuple[tuple[str, ...], ...]] = {
-    "error": ((*QUANTITIES, *EXTRA_NORMS), _NORMS),
-    "estimate": (_ESTIMATORS, tuple(QUANTITIES), _NORMS),
-    "index": (_ESTIMATORS, tuple(QUANTITIES)), "distance": (_ESTIMATORS, tuple(QUANTITIES)),
-    "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
-    "valid": (_ESTIMATORS,), "status": (), "grid_crossings": (), "steps": (), "particles": (), "t": (),
-    "energy": (("initial", "final", "drift"),), "step": (("dt", "bound", "margin"),),
-    "life": (("accurate", "sound", "first_period"),), "seconds": (("run", "estimate"),),
-    "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
 _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.Pow: lambda base, power: float(base) ** power}  # of whole numbers it might not end
@@ -47,6 +39,23 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 LONGEST = 1000  # letters of a claim
 _COMPARED = re.compile(r"(.+?)(<=|>=|==|!=|<|>)(.+)", re.DOTALL)
 _RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
+
+
+@functools.cache
+def paths() -> dict[str, tuple[tuple[str, ...], ...]]:
+    """The paths of a result: what may stand after each word, level by level."""
+    load_extensions()
+    estimators = tuple(name.replace("-", "_") for name in ESTIMATORS)
+    found = {effect.json_key: tuple(filter(None, [tuple(number.key for number in effect.numbers if number.key)]))
+             for effect in ALL.values() if effect.numbers}
+    return {
+        "error": ((*QUANTITIES, *EXTRA_NORMS), _NORMS), "estimate": (estimators, tuple(QUANTITIES), _NORMS),
+        "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
+        "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
+        "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
+        "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
+        "seconds": (("run", "estimate"),),
+        "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
 
 
 class ClaimError(ValueError):
@@ -192,17 +201,17 @@ def _run_of(path: tuple[str, ...], runs: Mapping[str, Any], main: str) -> tuple[
     """The run that a path is about and what it asks of its result."""
     if path[0] in runs:
         return path[0], path[1:]
-    if path[0] not in PATHS:
-        known = ", ".join((*runs, *PATHS))
+    if path[0] not in paths():
+        known = ", ".join((*runs, *paths()))
         raise ClaimError(f"{'.'.join(path)}: {path[0]} is neither a run nor part of a result; give one of {known}")
     return main, path
 
 
 def _check_path(path: tuple[str, ...]) -> None:
-    if not path or path[0] not in PATHS:
+    if not path or path[0] not in paths():
         raise ClaimError(f"{'.'.join(path) or 'a run alone'} is no part of a result; begin with one of "
-                         f"{', '.join(PATHS)}")
-    levels = PATHS[path[0]]
+                         f"{', '.join(paths())}")
+    levels = paths()[path[0]]
     for level, allowed in enumerate(levels, 1):
         if level >= len(path) or path[level] not in allowed:
             raise ClaimError(f"{'.'.join(path)}: after {'.'.join(path[:level])} give one of {', '.join(allowed)}")

@@ -193,7 +193,7 @@ def _check_names(lesson: Lesson) -> None:
                                          "of its own")
         keys[step.key] = step.line
         for run in step.runs:
-            if run.name in names or run.name in claims.PATHS or run.name in claims.WORDS:
+            if run.name in names or run.name in claims.paths() or run.name in claims.WORDS:
                 also = f"is the run in line {names[run.name]}" if run.name in names else "has a meaning in claims"
                 raise LessonError(run.line, f"{run.name} {also}; give the run another name")
             names[run.name] = run.line

@@ -43,7 +43,7 @@ class SoundnessWatch:
         waiting = [*([] if self._looked is None else [self._looked]), *self._waiting]
         self._waiting = []
         self._looked = rows[looked[-1:]] if len(looked) else self._looked
-        series = samples.read(np.concatenate(waiting), scene.active_estimators, particles, scene.time_step)
+        series = samples.read(np.concatenate(waiting), scene, particles)
         self._findings = {**findings(scene, series), **self._findings}
         self._large = merged(self._large, as_large_as_itself(scene, series))
         self._followed = followed(scene, series)

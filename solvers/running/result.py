@@ -5,6 +5,7 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -90,7 +91,7 @@ class Result:
         """What was really computed beyond the bare method."""
         scene = self.scene
         extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
-        return [effect for effect in ALL if scene.has(effect)] + [name for name, on in extra.items() if on]
+        return [*scene.active_effects] + [name for name, on in extra.items() if on]
 
     @property
     def error(self) -> dict[str, dict[str, float | None]]:
@@ -136,27 +137,21 @@ class Result:
         return {q: nothing_but(limit) for q, limit in limits.items()
                 if norms.nothing_but_rounding(self.series[f"error_{q}"], limit)}
 
+    def found(self, effect: str) -> Any:
+        """The numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
+        return ALL[effect].found(self.series) if self.scene.has(effect) else None
+
     @property
-    @UNBOUNDED
     def energy(self) -> dict | None:
         """Kinetic plus strain energy E in J (``initial``, ``final``) and its ``drift`` (E - W - E0)/E0, W the work of
         the body force; None where the effect is off."""
-        if not self.scene.has("energy"):
-            return None
-        total = self.series["kinetic"] + self.series["strain"]
-        return {"initial": finite(total[0]), "final": finite(total[-1]), "drift": norms.energy_drift(self.series)}
+        return self.found("energy")
 
     @property
     def angular_momentum(self) -> dict | None:
         """The angular momentum; what it has gained beyond the torque of the body force ("drift"), and beyond the exact
         solution ("error"), over what it was at the start."""
-        if not self.scene.has("spin"):
-            return None
-        series = self.series
-        momentum = series["angular_momentum"]
-        return {"initial": finite(momentum[0]), "final": finite(momentum[-1]),
-                "drift": norms.angular_momentum_drift(series, series["torque"]),
-                "error": norms.angular_momentum_drift(series, series["exact_angular_momentum"])}
+        return self.found("spin")
 
     @property
     def budget(self) -> dict | None:
@@ -194,8 +189,7 @@ class Result:
     @property
     def grid_crossings(self) -> int | None:
         """How often a particle has entered another cell; None where the effect is off."""
-        crossings = self.series["crossings"][-1] if self.scene.has("crossings") else math.nan
-        return int(crossings) if math.isfinite(crossings) else None
+        return self.found("crossings")
 
     @property
     def soundness(self) -> dict:
@@ -209,9 +203,9 @@ class Result:
             **self.verdict,
             "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.error, "estimate": self.estimate, "index": self.index, "rounding": self.rounding,
-            "distance": self.distance, "grid_crossings": self.grid_crossings, "energy": self.energy,
-            "angular_momentum": self.angular_momentum, "budget": self.budget,
-            "soundness": self.soundness, "step": self.step, "life": self.life,
+            "distance": self.distance,
+            **{effect.json_key: self.found(name) for name, effect in ALL.items() if effect.numbers},
+            "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},

@@ -91,8 +91,7 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     else:
         rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may not have been one with a look
     final = solver.snapshot()
-    series = samples.read(np.concatenate(rows), scene.active_estimators, len(final.position), scene.time_step,
-                          margin_unit(scene))
+    series = samples.read(np.concatenate(rows), scene, len(final.position), margin_unit(scene))
     not_valid = solver.not_valid()
     status, reason, broken_at = _status(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})

@@ -129,7 +129,8 @@ class _Reading:
 
     def _series(self) -> dict[str, np.ndarray]:
         """All samples, each (T,)."""
-        names = [*(name for name in samples.names(self._scene.active_estimators) if name != "step"), "time"]
+        columns = samples.columns(self._scene.active_estimators, self._scene.active_effects)
+        names = [*(name for name in columns if name != "step"), "time"]
         if f"series/{samples.BUDGET[0]}" in self._found:
             names += samples.BUDGET
         T = self._found.get("series/time", np.empty(0)).size

@@ -11,3 +11,6 @@ CAUSES: dict[str, str] = {
 NOTHING = "nothing"
 #: The fields whose error is divided.
 FIELDS = ("x", "v", "F")
+#: Columns of the effect in the samples: of each field sums of e^2, of e_c e and of e_c^2, c a cause.
+COLUMNS = tuple(name for field in FIELDS for name in (
+    f"error_{field}", *(f"part_{field}_{cause}" for cause in CAUSES), *(f"size_{field}_{cause}" for cause in CAUSES)))

@@ -6,6 +6,8 @@ import textwrap
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from solvers.scene.effects import EFFECTS
+
 if TYPE_CHECKING:
     from solvers.scene.scene import Scene
 
@@ -28,7 +30,8 @@ def _type(annotation: Any) -> str:
 def _words(kind: "type[Scene]", field: Any) -> str:
     meaning, unit, hint = (field.metadata[name] for name in ("help", "unit", "hint"))
     # Those from outside are looked for when a scene is made: one that is missing must not be the end of an import.
-    names = kind.ESTIMATORS if field.name == "estimators" else kind.choices(field.name)
+    here = {"estimators": kind.ESTIMATORS, "effects": (*EFFECTS, *kind.OWN_EFFECTS)}
+    names = here.get(field.name) or kind.choices(field.name)
     default = hint.format(scene=kind) if hint else " ".join(field.default) if isinstance(field.default, tuple) else \
         field.default
     what, semicolon, rest = meaning.partition(";")

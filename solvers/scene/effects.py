@@ -1,16 +1,88 @@
-"""Every effect there is, known once: what a scene may ask for beside the bare method, and what it needs.
+"""Every effect there is, known once: what a scene may ask for beside the bare method, what it needs and finds.
 
 An effect is compiled in only where a scene has it (``solvers.scene.switches``), so that one that is off costs nothing.
-A new one is a line here and its code, under ``ti.static("name" in on.effects)`` or, for short, ``on.name``.
+A new one is an :class:`Effect` here and its code, under ``ti.static(on.NAME)`` in a problem's step or as a sampler
+(:func:`samplers`). Its numbers are declared here alone: JSON objects, what ``mpm-lab run`` prints, the page's readout,
+rows and tables of sweeps, and lessons' claims have them from here. Others can be registered from outside
+(:func:`register`), in modules that the environment variable ``MPM_LAB_EXTENSIONS`` names.
 """
 
-from dataclasses import dataclass
+import functools
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from solvers.scene import extensions
+from solvers.scene.causes import COLUMNS
+
+SHARE = "%"  # the unit of a number that is told in per cent
+Series = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number that an effect makes of the samples of a run.
+
+    Parameters
+    ----------
+    key
+        Its name in JSON objects, behind that of its effect; "" for one that stands there for its effect.
+    of : series -> number
+        What it is after the last of the samples (``solvers.solver.samples.read``); where not finite, it is unknown.
+    unit
+        In SI; "" for a mere number, :data:`SHARE` for one that people are told in per cent.
+    kind
+        int for what is counted.
+    bounds
+        Sizes from which the page says that it is to be watched, and alarming.
+    """
+
+    key: str
+    of: Callable[[Series], Any]
+    unit: str = ""
+    kind: type = float
+    bounds: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line for people: what it is called, and words with a number's place each, ``{drift}``, or ``{0}`` of the first.
+    The ``hint`` says what it means, for who rests on it. One without a name is left out."""
+
+    name: str
+    words: str = "{0}"
+    hint: str = ""
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect. ``needs`` names effects of which it needs one or the other; ``needs_solution`` says that there is
-    none without a built-in exact solution; ``timed_alone`` that a study can time it by itself."""
+    """One effect.
+
+    Parameters
+    ----------
+    name
+        By which scenes ask for it, and kernels: ``on.NAME``.
+    label, explanation
+        What it is called on the page, and what it does, as an order.
+    needs
+        Effects of which it needs one or the other; ``needs_solution``: that there is a built-in exact solution.
+    timed_alone
+        Whether a study can time it by itself.
+    columns
+        Columns of its own in the samples, there only where it is on: a kernel finds one by
+        ``ti.static(column("spin/torque", on))``, a number's ``of`` in ``series["spin/torque"]``.
+    numbers
+        What it finds.
+    key
+        What these are called in JSON objects, by default its name.
+    text, readout
+        How ``mpm-lab run`` and the page tell them, where not all of them behind the label.
+    samplers
+        Of problems that do not have it themselves, by name, what fills the columns: see :func:`samplers`.
+    """
 
     name: str
     label: str
@@ -18,13 +90,64 @@ class Effect:
     needs: tuple[str, ...] = ()
     needs_solution: bool = False
     timed_alone: bool = True
+    columns: tuple[str, ...] = ()
+    numbers: tuple[Number, ...] = ()
+    key: str = ""
+    text: Line | None = None
+    readout: Line | None = None
+    samplers: Mapping[str, Callable] = field(default_factory=dict)
+
+    @property
+    def json_key(self) -> str:
+        """What its numbers are called in JSON objects."""
+        return self.key or self.name
+
+    @property
+    def usual_line(self) -> Line:
+        """All its numbers behind its label."""
+        words = ", ".join(f"{number.key} {{{at}}}".strip() for at, number in enumerate(self.numbers))
+        return Line(self.label, words, self.explanation)
+
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of a run gone bad anything
+    def values(self, series: Series) -> dict[str, Any]:
+        """Its numbers by their keys, None for what is unknown; of a run that has had the effect."""
+        made = {number.key: (number.kind, number.of(series)) for number in self.numbers}
+        return {key: kind(value) if math.isfinite(value) else None for key, (kind, value) in made.items()}
+
+    def found(self, series: Series) -> Any:
+        """The same as in JSON objects."""
+        values = self.values(series)
+        return values.get("", values)
+
+
+def _energy(series: Series) -> np.ndarray:
+    return series["kinetic"] + series["strain"]
+
+
+def _energy_drift(series: Series) -> float:
+    """(E - W - E0)/E0 at the end, E kinetic plus strain energy, W the body force's work."""
+    total = _energy(series)
+    return (total[-1] - series["work"][-1] - total[0]) / total[0]
+
+
+def _gained(series: Series, against: str) -> float:
+    """What the angular momentum has gained at the end beyond what another column has, over what it was at first."""
+    momentum, known = series["spin/momentum"], series[against]
+    return ((momentum[-1] - momentum[0]) - (known[-1] - known[0])) / momentum[0]
 
 
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("truth", "true error", "compare every particle with the exact solution", needs_solution=True),
     Effect("estimate", "estimate", "run the estimators that are chosen", timed_alone=False),
-    Effect("crossings", "grid crossings", "count and mark particles that cross a cell boundary"),
-    Effect("energy", "energy", "follow kinetic and strain energy and the work of the body force"),
+    Effect("crossings", "grid crossings", "count and mark particles that cross a cell boundary", key="grid_crossings",
+           numbers=(Number("", lambda series: series["crossings"][-1], kind=int),), readout=Line("")),
+    Effect("energy", "energy", "follow kinetic and strain energy and the work of the body force", numbers=(
+               Number("initial", lambda series: _energy(series)[0], "J"),
+               Number("final", lambda series: _energy(series)[-1], "J"),
+               Number("drift", _energy_drift, SHARE, bounds=(0.05, 0.5))),
+           text=Line("energy drift", "{drift}"),
+           readout=Line("energy", "out of balance by {drift}",
+                        "kinetic and strain energy less the work of the body force, over the largest energy")),
     Effect("acceleration", "acceleration error", "keep each particle's acceleration, to compare and to estimate it",
            needs=("truth", "estimate")),
     Effect("soundness", "contradictions", "look for contradictions in the motion itself that show a run to be lost"),
@@ -32,9 +155,52 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
 )}
 #: Effects that only some problems have: a scene's ``OWN_EFFECTS`` names them.
 OWN: dict[str, Effect] = {effect.name: effect for effect in (
-    Effect("spin", "angular momentum", "follow the angular momentum and the torque of the body force"),
+    Effect("spin", "angular momentum", "follow the angular momentum and the torque of the body force",
+           # About the centre; the impulse of the body force's torque; what the exact solution has. In N m s.
+           columns=("momentum", "torque", "exact_momentum"), key="angular_momentum", numbers=(
+               Number("initial", lambda series: series["spin/momentum"][0], "N m s"),
+               Number("final", lambda series: series["spin/momentum"][-1], "N m s"),
+               Number("drift", lambda series: _gained(series, "spin/torque"), SHARE),
+               Number("error", lambda series: _gained(series, "spin/exact_momentum"), SHARE)),
+           text=Line("angular momentum",
+                     "off its balance by {drift}, off the exact one by {error}, of what it was at first"),
+           readout=Line("turning", "balance {drift}, error {error}", "angular momentum: beyond the torque of the body "
+                        "force, and beyond the exact, over that at the start")),
     Effect("budget", "error budget", "divide the error between its causes: crossings, the coarse grid, the body force "
            "and the time step; against the exact solution, or without it against the estimator companion",
-           needs=("truth", "estimate")),
+           needs=("truth", "estimate"), columns=COLUMNS),
 )}
 ALL = {**EFFECTS, **OWN}
+
+
+def register(effect: Effect) -> None:
+    """Make an effect known to scenes, solvers, page and tables; RuntimeError where a solver that it is for has been
+    imported."""
+    extensions.require_early(effect.name, effect.samplers)
+    ALL[effect.name] = effect
+    effects_of.cache_clear()
+
+
+@functools.cache  # every scene asks
+def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
+    """The effects that a problem has: those that all have, its ``own``, and others from outside;
+    :class:`~solvers.scene.extensions.ExtensionError` where one of these cannot be imported."""
+    extensions.load_extensions()
+    return tuple(name for name, effect in ALL.items()
+                 if name in EFFECTS or name in own or problem in effect.samplers)
+
+
+def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
+    """What fills the columns of the effects of a problem that no other code of its does, by the effects' names: its
+    ``own`` and those from outside. Taichi functions (state, row, step, on), which write to a row of ``state.samples``;
+    ``step`` is the number of steps taken."""
+    extensions.load_extensions()
+    extensions.COLLECTED.add(problem)
+    return {**own, **{name: effect.samplers[problem] for name, effect in ALL.items() if problem in effect.samplers}}
+
+
+def told(wanted: Callable[[Effect], Line | None]) -> dict[str, Line]:
+    """The line of each effect that has numbers and one to tell them by, by its name: of what is ``wanted``, or the
+    usual one."""
+    lines = {name: wanted(effect) or effect.usual_line for name, effect in ALL.items() if effect.numbers}
+    return {name: line for name, line in lines.items() if line.name}

@@ -7,16 +7,14 @@ ask.
 """
 
 import functools
-import importlib
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from solvers.scene import extensions
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.rules import SceneError
 
-EXTENSIONS = "MPM_LAB_EXTENSIONS"
 EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
 #: Why an estimator is known not to hold, in sentences that several problems say.
 FROZEN_REASON = ("transport follows the errors of weights that are computed anew each step, and with frozen-weights "
@@ -24,10 +22,6 @@ FROZEN_REASON = ("transport follows the errors of weights that are computed anew
 PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
                     "the processor solves beside them, or --arch cpu")
 REMEDIES_REASON = "the second run takes no remedies, so that it is a run of another method; leave {names} out"
-
-
-class ExtensionError(Exception):
-    """A module that ``MPM_LAB_EXTENSIONS`` names cannot be imported; the message says which and why."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +60,6 @@ class Estimator:
 
 
 ESTIMATORS: dict[str, Estimator] = {}
-COLLECTED: set[str] = set()  # problems whose solvers have their hooks
 
 
 def register(estimator: Estimator) -> None:
@@ -77,18 +70,16 @@ def register(estimator: Estimator) -> None:
     RuntimeError
         Where a solver that it is for has been imported: its kernels name what estimators keep. Register first.
     """
-    late = [problem for problem in estimator.hooks if problem in COLLECTED]
-    if late:
-        raise RuntimeError(f"register {estimator.name} before the solver of the {' and '.join(late)} is imported")
+    extensions.require_early(estimator.name, estimator.hooks)
     ESTIMATORS[estimator.name] = estimator
     names.cache_clear()
 
 
 @functools.cache  # every scene asks
 def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
-    """The estimators that a problem has: its ``own``, and others from outside; :class:`ExtensionError` where one of
-    these cannot be imported."""
-    load_extensions()
+    """The estimators that a problem has: its ``own``, and others from outside;
+    :class:`~solvers.scene.extensions.ExtensionError` where one of these cannot be imported."""
+    extensions.load_extensions()
     return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
 
 
@@ -104,19 +95,8 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:
     """The hooks of all estimators that a problem has, by name: its ``own``, and others from outside."""
     found = names(problem, tuple(own))  # loads the extensions
-    COLLECTED.add(problem)
+    extensions.COLLECTED.add(problem)
     return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}
-
-
-@functools.cache
-def load_extensions() -> None:
-    """Import what the environment names; :class:`ExtensionError` where that fails."""
-    for module in filter(None, os.environ.get(EXTENSIONS, "").replace(",", " ").split()):
-        try:
-            importlib.import_module(module)
-        except Exception as error:
-            raise ExtensionError(f"{EXTENSIONS} names {module}, which cannot be imported "
-                                 f"({type(error).__name__}: {error}); correct it or leave it out") from error
 
 
 for _estimator in (

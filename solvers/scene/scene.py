@@ -18,7 +18,7 @@ import numpy as np
 
 from solvers.scene import registry
 from solvers.scene.defaults import SceneDefaults
-from solvers.scene.effects import ALL, EFFECTS
+from solvers.scene.effects import ALL, EFFECTS, effects_of
 from solvers.scene.option import option
 from solvers.scene.remedies import FROZEN
 from solvers.scene.remembered import Remembered
@@ -107,7 +107,7 @@ class Scene(SceneDefaults, ABC, Remembered):
         if name == "remedies":
             return cls.REMEDIES
         if name == "effects":
-            return *EFFECTS, *cls.OWN_EFFECTS
+            return effects_of(cls.problem, cls.OWN_EFFECTS)
         return cls.__dataclass_fields__[name].metadata.get("choices", ())
 
     @classmethod
@@ -239,6 +239,11 @@ class Scene(SceneDefaults, ABC, Remembered):
             return bool(self.active_estimators)
         kind = ALL[effect]
         return (self.solution_known or not kind.needs_solution) and (not kind.needs or any(map(self.has, kind.needs)))
+
+    @functools.cached_property
+    def active_effects(self) -> tuple[str, ...]:
+        """The effects that it has, in the order in which they are known."""
+        return tuple(filter(self.has, ALL))
 
     def to_dict(self) -> dict:
         """Every input with the defaults filled in, keyed as in the JSON contract."""

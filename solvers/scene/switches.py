@@ -33,7 +33,7 @@ class Switches(NamedTuple):
 def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
-                    tuple(effect for effect in ALL if scene.has(effect)), scene.active_estimators, scene.remedies,
+                    scene.active_effects, scene.active_estimators, scene.remedies,
                     getattr(scene, "motion", ""))
 
 

@@ -17,7 +17,7 @@ from solvers.kernels.kinds import Integer, Integers, Matrix, Quads, Real, Reals
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
-from solvers.solver.samples import ROWS, column_count
+from solvers.solver.samples import ROWS, columns
 
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector, of eight numbers
 REMEDY_TIME = 0.3  # tau c/h: how fast filter and coupling work, in the time that a wave takes through a cell
@@ -83,7 +83,7 @@ def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: di
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
             "estimate_intervals": np.array(intervals or [NEVER], np.int32), "memory": allocate_memory(hooks, scene),
-            "samples": np.full((ROWS, column_count(on.estimators, on.budget)), np.nan),
+            "samples": np.full((ROWS, len(columns(on.estimators, on.effects))), np.nan),
             "verdict": np.zeros(3, np.int32)}
 
 

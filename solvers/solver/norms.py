@@ -1,4 +1,4 @@
-"""Norms of errors over a run: summaries, the paper's error index, the pointwise distance, and the drift of the energy.
+"""Norms of errors over a run: summaries, the paper's error index and the pointwise distance.
 
 All take series (T,) over the sampled times of a run (``solvers.solver.samples``), mostly RMS norms over particles. A
 run that went bad leaves numbers up to the largest there are, and beyond: what they add up to may be no number, which is
@@ -6,7 +6,6 @@ None.
 """
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -92,22 +91,6 @@ class RunningIndex:
 
 def _over(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:
     return np.where(true_sums > 0, sums / true_sums, np.nan)
-
-
-@UNBOUNDED
-def energy_drift(series: Mapping[str, np.ndarray]) -> float | None:
-    """(E - W - E0)/E0 at the end, E kinetic plus strain energy, W the body force's work; None where it is unknown."""
-    total = series["kinetic"] + series["strain"]
-    return finite(float(total[-1] - series["work"][-1] - total[0]) / float(total[0])) if total[0] > 0 else None
-
-
-@UNBOUNDED
-def angular_momentum_drift(series: Mapping[str, np.ndarray], against: np.ndarray) -> float | None:
-    """What the angular momentum has gained at the end beyond what ``against`` (T,) has, over what it was at the
-    start."""
-    momentum = series["angular_momentum"]
-    gained = float(momentum[-1] - momentum[0]) - float(against[-1] - against[0])
-    return finite(gained / float(momentum[0])) if momentum[0] else None
 
 
 def finite(value: float) -> float | None:

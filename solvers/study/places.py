@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Protocol
 
-from solvers.scene.registry import EXTENSIONS
+from solvers.scene.extensions import EXTENSIONS
 from solvers.study.grid import Task
 from solvers.study.row import failed, measure
 from solvers.workers.pool import WorkerPool

@@ -4,8 +4,9 @@ Keys of a row::
 
     schema, key, problem, asked (the inputs as given), scene (all inputs, defaults filled in; null if refused), h,
     status ("ok", "unstable", "lost", "failed", "refused"), reason, t, steps, particles, particle_steps,
-    error, estimate, index, distance, not_valid (the last four keyed by estimator), grid_crossings, energy, effects,
-    soundness, life, budget, bytes, seconds, rate, arch, threads, plan, host, version,
+    error, estimate, index, distance, not_valid (the last four keyed by estimator),
+    what effects have found (grid_crossings, energy, ...), effects, soundness, life, budget,
+    bytes, seconds, rate, arch, threads, plan, host, version,
     solvers (the fingerprint of the source that measured it)
 
 ``seconds`` holds ``repeats`` (the bare method, run after run), ``min`` of them, ``full`` (the shortest of the runs that
@@ -22,7 +23,7 @@ from typing import Any
 
 from solvers.problems import PROBLEMS
 from solvers.running.result import Result
-from solvers.scene.effects import EFFECTS
+from solvers.scene.effects import ALL, EFFECTS
 from solvers.scene.rules import SceneError, field_key
 from solvers.scene.scene import Scene
 from solvers.solver.soundness import BROKEN, OK
@@ -79,8 +80,9 @@ def _measured(task: Task, scene: Scene) -> dict:
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
     each = {"estimate": full.estimate, "index": full.index, "distance": full.distance}
     row |= {kind: {name: values_of[name] for name in names} for kind, values_of in each.items()}
-    kept = ("rounding", "checked", "not_checked", "as_large_as_itself", "not_valid", "grid_crossings", "energy",
-            "soundness", "life", "effects", "bytes", "budget")
+    found = (ALL[name].json_key for name in scene.choices("effects") if ALL[name].numbers)
+    kept = ("rounding", "checked", "not_checked", "as_large_as_itself", "not_valid", *found, "soundness", "life",
+            "effects", "bytes", "budget")
     row |= {name: values[name] for name in kept}
     row |= {"seconds": {"repeats": seconds, "min": least, "full": fastest, "compile": full.seconds.compile,
                         "setup": full.seconds.setup, "estimators": prices, "effects": effects}}

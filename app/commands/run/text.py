@@ -1,8 +1,11 @@
 """The summary that ``mpm-lab run`` prints for people, made from the JSON object and nothing else."""
 
+from collections.abc import Iterator
+
 from app.words import QUANTITIES, per_cell, unit_of
 from solvers.problems import PROBLEMS
 from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.effects import ALL, EFFECTS, SHARE, Number, told
 
 NOTHING = "-"
 UNITS = {"x": "m", "v": "m/s", "F": "1"}
@@ -88,19 +91,31 @@ def take_away_table(values: dict) -> str:
                      *rows])
 
 
+def _effects(result: dict) -> Iterator[tuple[str, str]]:
+    """A line for each effect that has numbers; of those that only some problems have, where it is on."""
+    for name, line in told(lambda effect: effect.text).items():
+        effect, found = ALL[name], result[ALL[name].json_key]
+        if found is not None or name in EFFECTS:
+            values = found if isinstance(found, dict) else {"": found}
+            texts = {number.key: _number(values.get(number.key), number) for number in effect.numbers}
+            yield line.name, line.words.format(*texts.values(), **texts)
+
+
+def _number(value: float | None, number: Number) -> str:
+    if number.unit == SHARE:
+        return _share(value)
+    return formatted(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
+
+
 def _cost(result: dict) -> str:
-    energy, seconds, crossings = result["energy"], result["seconds"], result["grid_crossings"]
+    seconds = result["seconds"]
     estimators = "" if seconds["estimate"] is None else f"; estimators {seconds['estimate']:.3g} s of it"
-    drift, spin = energy and energy["drift"], result["angular_momentum"]
-    rows = [("grid crossings", formatted(crossings, ",")),
-            *([("angular momentum", f" off its balance by {_share(spin['drift'])}, off the exact one by "
-                f"{_share(spin['error'])}, of what it was at first")] if spin else []),
-            ("energy drift", _share(drift)),
+    rows = [*_effects(result),
             ("time", f"{seconds['run']:.3g} s{estimators}; and {seconds['compile']:.3g} s to compile"),
             ("rate", f"{result['rate']:.3g} million particle-steps/s on {result['arch']}, "
              f"{result['threads']} thread{'s' * (result['threads'] != 1)}, {result['plan']} plan"
              if result["rate"] else NOTHING)]
-    return "\n".join(f"{name:<16}{value}" for name, value in rows)
+    return "\n".join(f"{name:<15} {value}" for name, value in rows)
 
 
 def _columns(rows: list[tuple[str, ...]]) -> str:

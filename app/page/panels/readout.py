@@ -16,13 +16,13 @@ from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
+from solvers.scene.effects import ALL, SHARE, Line, Number, told
 from solvers.scene.registry import ESTIMATORS
-from solvers.solver.norms import angular_momentum_drift, energy_drift, nothing_but_rounding
+from solvers.solver.norms import nothing_but_rounding
 from solvers.solver.rounding import rounding
 from solvers.solver.soundness import UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
-ENERGY = (0.05, 0.5)  # shares of the largest energy out of balance: to look at, and to be alarmed at
 ROUNDED = "nothing but rounding"
 SHORT = 30  # characters of a reason that fit beside a name
 #: What a line of the readout means, for who rests on it.
@@ -33,8 +33,6 @@ HINTS = {
     "solver": "how fast the kernels run, waiting not counted, and on what",
     "speed": "periods of the vibration in a second of yours: reached, of those asked for",
     "shown": "an earlier frame, of those that the slider Look back goes through",
-    "energy": "kinetic and strain energy less the work of the body force, over the largest energy",
-    "turning": "angular momentum: beyond the torque of the body force, and beyond the exact, over that at the start",
     "unseen": "what the verdict does not rest on",
     "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
     "norm": "root of the mean square over the particles, now",
@@ -113,21 +111,36 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods"),
             ("shown", f"<b>{ago:.2f} periods back</b>, {rests}") if ago else
             ("speed", moves if report.playing else f"<b>{rests}</b>, {session.speed:.3g} periods/s asked")]
-    drift = energy_drift(series) if len(series.get("kinetic", ())) else None
-    if drift is not None:
-        rows.append(("energy", light(abs(drift), ENERGY) + f"out of balance by {_percent(drift)}"))
-    if scene.has("spin") and len(series.get("angular_momentum", ())):
-        off, wrong = (angular_momentum_drift(series, series[against])
-                      for against in ("torque", "exact_angular_momentum"))
-        rows.append(("turning", f"balance {_percent(off)}, error {_percent(wrong)}"))
+    lines = told(lambda effect: effect.readout)
+    rows += [(line.name, text) for name, line in lines.items()
+             if scene.has(name) and (text := _found(name, line, series))]
     if scene.has("margin"):
         rows.append(("step", _margin(margin)))
     rows += [("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
              ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
              *([("unseen", html.escape(report.not_checked))] if report.not_checked else []),
              ("region", html.escape(probed or "drag a rectangle on the stage"))]
-    return table("".join(f"<tr title=\"{HINTS[name]}\"><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows),
-                 "lab-run")
+    hints = {**{line.name: html.escape(line.hint) for line in lines.values()}, **HINTS}
+    return table("".join(f"<tr title=\"{hints[name]}\"><td>{html.escape(name)}</td>\n<td>{text}</td></tr>\n"
+                         for name, text in rows), "lab-run")
+
+
+def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
+    """What an effect has found so far, in html; nothing where nothing is known. Numbers with bounds have their lights
+    before."""
+    numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
+    if all(value is None for value in values.values()):
+        return ""
+    lights = "".join(light(abs(value), number.bounds) for number in numbers
+                     if number.bounds and (value := values[number.key]) is not None)
+    texts = {number.key: _said_number(values[number.key], number) for number in numbers}
+    return lights + html.escape(line.words).format(*texts.values(), **texts)
+
+
+def _said_number(value: float | None, number: Number) -> str:
+    if number.unit == SHARE or value is None:
+        return _percent(value)
+    return f"{value:,}" if number.kind is int else with_unit(value, number.unit) if number.unit else f"{value:.3g}"
 
 
 def light(size: float, bounds: tuple[float, float]) -> str:

@@ -58,7 +58,7 @@ class History(RunSeries):
 
     def _extend(self, rows: np.ndarray) -> None:
         scene = self.scene
-        new = samples.read(rows, scene.active_estimators, self._particles, scene.time_step, margin_unit(scene))
+        new = samples.read(rows, scene, self._particles, margin_unit(scene))
         for estimator, q, (ratio, norm) in product(scene.active_estimators, QUANTITIES, RATIOS.items()):
             name = f"{estimator}/{ratio}_{q}"
             new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding(

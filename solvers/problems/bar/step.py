@@ -10,9 +10,12 @@ from solvers.problems.bar.method import margin, remedies
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.method.samples import sample
 from solvers.problems.bar.state import HOOKS, BarState
+from solvers.scene.effects import samplers
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
+from solvers.solver.effect_samples import sample_effects
 from solvers.solver.loop import Phases, run_loop
 
+SAMPLERS = samplers("bar", {})
 FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
 
 
@@ -57,8 +60,9 @@ def one_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
-    """One row of samples: the method's, and the budget's."""
+    """One row of samples: the method's, the effects', and the budget's."""
     sample(bar, row, step, looks, on)
+    sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):
         sampling.sample(with_budget(bar), row, step, on)
 

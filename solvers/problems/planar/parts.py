@@ -34,7 +34,7 @@ class Measures(NamedTuple):
     node_acceleration_error: Callable  # (body, exact_at_step, on): mean squared error of the nodes' acceleration
     strain_energy: Callable  # (body, p): of a particle, in J
     look: Callable  # (body, row): for contradictions
-    more: Callable  # (body, row, step, on): samples that only this problem has
+    samplers: dict[str, Callable]  # what fills the columns of effects: see ``solvers.scene.effects.samplers``
 
 
 class SnapshotMeasures(NamedTuple):

@@ -19,7 +19,7 @@ from app.page.visit.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, si
 from solvers.engine.frames import FrameOptions, block_bytes, read, write
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
-from solvers.solver.samples import column_count
+from solvers.solver.samples import columns as columns_of
 from tests.app.frame.test_view import BAR, SIGNED, TRUE, arrays_of, report_of
 
 
@@ -152,7 +152,7 @@ def test_a_course_is_thinned_evenly_and_bounded():
 def test_the_latest_periods_stay_fine_however_long_the_run():
     """Each sample of two periods in a run whose whole course has become eight times as coarse."""
     scene, each = BAR, 100  # samples in a period
-    history, columns = History(scene, 20), column_count(scene.active_estimators)
+    history, columns = History(scene, 20), len(columns_of(scene.active_estimators, scene.active_effects))
     steps = np.arange(8 * MOST_ROWS) * scene.period / scene.time_step / each
     for few in np.split(steps, len(steps) // 8):
         history.add(np.pad(few[:, None], ((0, 0), (0, columns - 1))))

@@ -261,7 +261,7 @@ def test_differences_come_on_request(pool, scene):
     report, arrays = listener.frame(number, lambda r: r.step == steps)
     (sizes,) = arrays.difference.values()
     assert report.holds.differences and sizes.shape == (scene.particles, 4)
-    series = samples.read(report.rows, ("transport",), scene.particles, scene.time_step)
+    series = samples.read(report.rows, scene, scene.particles)
     norm = np.sqrt(np.mean(sizes.astype(float) ** 2, axis=0))
     for column, quantity in enumerate(("x", "v")):
         assert norm[column] == pytest.approx(series[f"transport/difference_{quantity}"][-1], rel=1e-5)

@@ -176,7 +176,7 @@ def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
     """Found at first, dropped once the estimator is found not to hold, and no later one is missed for it."""
     scene = replace(SCENE, estimators=("recovered",))
     solver = BarSolver(scene)
-    names = [*samples.BASE, *(f"recovered/{name}" for name in samples.EACH)]
+    names = samples.columns(scene.active_estimators, scene.active_effects)
     row = np.full((2, len(names)), np.nan)
     row[:, 0] = 10, 20
     row[0, names.index("recovered/estimate_x")] = 4 * SCENE.amplitude**2
@@ -229,7 +229,7 @@ def test_a_run_is_read_at_its_very_end(clock):
         rows.append(report.rows)
     every = np.concatenate(rows)
     assert report.step == scene.steps and every[-1, samples.column("step")] == scene.steps
-    errors = samples.read(every, scene.estimators, scene.particles, scene.time_step)["error_x"]
+    errors = samples.read(every, scene, scene.particles)["error_x"]
     assert errors[-1] == pytest.approx(plain[-1], rel=1e-12)
     assert (np.diff(every[:, samples.column("step")]) > 0).all()
 

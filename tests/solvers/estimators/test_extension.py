@@ -18,7 +18,7 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
-from solvers.scene.registry import EXTENSIONS
+from solvers.scene.extensions import EXTENSIONS
 from tests.paths import ROOT
 from tests.processes import HANG
 

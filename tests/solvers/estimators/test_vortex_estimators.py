@@ -74,7 +74,7 @@ def test_difference_and_truth_of_the_acceleration_begin_at_zero(estimator):
     """At the start nobody has computed an acceleration, and nobody can be wrong about it."""
     scene = replace(VORTEX, estimators=(estimator,))
     solver = build(scene)
-    series = samples.read(solver.measure(), scene.active_estimators, scene.particles, scene.time_step)
+    series = samples.read(solver.measure(), scene, scene.particles)
     assert np.abs(exact.acceleration(scene, solver.snapshot().material_position, 0.0)).max() > 0.1
     assert series["error_a"] == series[f"{estimator}/estimate_a"] == series[f"{estimator}/difference_a"] == 0
 

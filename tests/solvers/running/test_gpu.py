@@ -74,7 +74,7 @@ def taken(scene: Scene, steps: int) -> Taken:
     solver.compile()
     rows = np.concatenate([solver.measure(), solver.advance(steps), solver.measure()])
     shot = solver.snapshot()
-    series = samples.read(rows, scene.active_estimators, len(shot.position), scene.time_step)
+    series = samples.read(rows, scene, len(shot.position))
     return Taken(solver, shot, series, solver.not_valid())
 
 

@@ -163,7 +163,7 @@ def test_plans_agree(method):
                   for plan in ({}, {"plan": "parallel", "threads": 2}))
     assert (one.plan, other.plan, other.threads) == ("serial", "parallel", 2)
     assert np.abs(one.final.position - other.final.position).max() < 1e-12
-    for name in ("error_x", "work", "angular_momentum", "torque"):
+    for name in ("error_x", "work", "spin/momentum", "spin/torque"):
         np.testing.assert_allclose(other.series[name], one.series[name], rtol=1e-7, atol=1e-12)
     assert one.series["crossings"][-1] == other.series["crossings"][-1]
 
@@ -191,7 +191,7 @@ def test_angular_momentum_is_kept_without_a_force(method):
     result = run(replace(SHORT, method=method, body_force="none", effects=("spin",)), prices=False)
     spin = result.to_dict()["angular_momentum"]
     assert spin["error"] is None and abs(spin["drift"]) < 1e-2
-    assert not result.series["torque"].any()
+    assert not result.series["spin/torque"].any()
 
 
 def test_snapshots_and_samples_agree():

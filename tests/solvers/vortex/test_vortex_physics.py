@@ -43,7 +43,7 @@ def largest_errors(row: dict) -> dict[str, float]:
         solver._arrays.position_velocity[:, 2:] = exact.velocity(scene, solver._arrays.material_position, 0.0)
     rows = [solver.advance(min(500, scene.steps - done)) for done in range(0, scene.steps, 500)]
     assert solver.sound, solver.reason()
-    series = samples.read(np.concatenate(rows), (), len(solver._arrays.mass), scene.time_step)
+    series = samples.read(np.concatenate(rows), scene, len(solver._arrays.mass))
     return {name: largest(series[f"error_{name}"]) for name in ("x", "v", "sigma")}
 
 

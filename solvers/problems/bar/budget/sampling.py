@@ -4,7 +4,10 @@ the true error, or what the companion says of it."""
 import taichi as ti
 
 from solvers.problems.bar.method.samples import exact_now, true_error
-from solvers.solver.samples import budget_column
+from solvers.scene.causes import FIELDS
+from solvers.solver.samples import BUDGET, column
+
+EACH_FIELD = len(BUDGET) // len(FIELDS)  # columns
 
 
 @ti.func
@@ -34,7 +37,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
             square += e * e
             shared += e * causes
             own += causes * causes
-        at = ti.static(budget_column(on.estimators, f))
+        at = ti.static(column(BUDGET[0], on) + EACH_FIELD * f)
         out[row, at] = unit * unit * square
         for c in ti.static(range(4)):
             out[row, at + 1 + c] = unit * unit * shared[c]

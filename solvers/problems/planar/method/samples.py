@@ -9,6 +9,7 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.problems.planar.method.phases import TOTALS
+from solvers.solver.effect_samples import sample_effects
 from solvers.solver.samples import BASE, EACH, column
 
 
@@ -52,7 +53,7 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
         body.samples[row, q] = ti.math.nan
     if ti.static(on.energy):
         sample_energy(body, row, measures)
-    measures.more(body, row, step, on)
+    sample_effects(body, row, step, measures.samplers, on)
 
 
 @ti.func

@@ -8,6 +8,7 @@ from solvers.problems.ring.exact import C1, C2, C3, INNER
 from solvers.problems.ring.method.material import kirchhoff_stress
 from solvers.problems.ring.method.phases import GHOSTS
 from solvers.problems.ring.method.soundness import look
+from solvers.scene.effects import samplers
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
 
@@ -83,10 +84,5 @@ def strain_energy(ring: ti.template(), p):
         * (F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * log(J))
 
 
-@ti.func
-def nothing_more(ring: ti.template(), row, step, on: ti.template()):
-    """The ring has no samples of its own."""
-
-
 MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy, look,
-                    nothing_more)
+                    samplers("ring", {}))

@@ -13,6 +13,7 @@ from solvers.problems.planar.parts import Measures
 from solvers.problems.vortex.exact import BEND, INNER, MIDDLE, OUTER, RISE
 from solvers.problems.vortex.method.material import cauchy_stress, determinant
 from solvers.problems.vortex.method.soundness import look
+from solvers.scene.effects import samplers
 from solvers.solver.samples import column
 
 
@@ -96,21 +97,20 @@ def sample_angular_momentum(vortex: ti.template(), row, step, on: ti.template())
 
     Velocities belong to half a step before, and so does the exact angular momentum here: sum m R^2 alpha_t.
     """
-    if ti.static(on.spin):
-        momentum, expected, torque = 0.0, 0.0, 0.0
-        angle = vortex.angular_frequency * vortex.dt * (step - 0.5)
-        rate = vortex.amplitude * vortex.angular_frequency * cos(angle)
-        for p in range(vortex.particles):
-            q, known = vortex.position_velocity[p], vortex.radii[vortex.radius[p]]
-            momentum += vortex.mass[p] * (q[0] * q[3] - q[1] * q[2])
-            expected += vortex.mass[p] * known[0] * known[0] * known[1] * rate
-        for slab in range(vortex.slabs):
-            torque += vortex.totals[ti.static(TOTALS) * slab + 2]
-        vortex.samples[row, ti.static(column("angular_momentum"))] = momentum
-        vortex.samples[row, ti.static(column("torque"))] = torque
-        if ti.static(on.truth):
-            vortex.samples[row, ti.static(column("exact_angular_momentum"))] = expected
+    momentum, expected, torque = 0.0, 0.0, 0.0
+    angle = vortex.angular_frequency * vortex.dt * (step - 0.5)
+    rate = vortex.amplitude * vortex.angular_frequency * cos(angle)
+    for p in range(vortex.particles):
+        q, known = vortex.position_velocity[p], vortex.radii[vortex.radius[p]]
+        momentum += vortex.mass[p] * (q[0] * q[3] - q[1] * q[2])
+        expected += vortex.mass[p] * known[0] * known[0] * known[1] * rate
+    for slab in range(vortex.slabs):
+        torque += vortex.totals[ti.static(TOTALS) * slab + 2]
+    vortex.samples[row, ti.static(column("spin/momentum", on))] = momentum
+    vortex.samples[row, ti.static(column("spin/torque", on))] = torque
+    if ti.static(on.truth):
+        vortex.samples[row, ti.static(column("spin/exact_momentum", on))] = expected
 
 
 MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy, look,
-                    sample_angular_momentum)
+                    samplers("vortex", {"spin": sample_angular_momentum}))
