@@ -26,7 +26,7 @@ include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "assets/**.m
 exclude_patterns = [".*", "app", "solvers", "tests", "build", "dist", "assets/paper", "lessons/scripts"]
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "lesson_pages",
-              "formulas", "identity"]
+              "formulas", "tables", "identity"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3  # as a code host has them, so that a link to a heading works on both
 math_renderer = html_math_renderer = "latex2mathml"
