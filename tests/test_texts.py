@@ -87,8 +87,8 @@ def test_every_command_in_a_block_is_read_as_it_stands(asked, capsys):
     assert len(pieces) > 40
     for piece in pieces:
         (_, *words), _ = after_uv(texts.words(piece.text))
-        assert main(words) == 0, f"{piece}\n{capsys.readouterr().err}"
-    assert len(asked) == len(pieces)
+        assert main(words[:words.index(">")] if ">" in words else words) == 0, f"{piece}\n{capsys.readouterr().err}"
+    assert len(asked) == sum("--completion" not in piece.text for piece in pieces)  # which is no command
 
 
 def test_every_command_in_a_line_is_read_with_an_example_in_each_place(asked, capsys):
