@@ -58,7 +58,8 @@ EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
 #: Fields of a scene that say nothing of the run itself, or only together: the time step's.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Sizes of a scene, by their symbols.
-SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "initial_velocity": "v", "frequency": "B"}
+SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "initial_velocity": "v",
+           "frequency": "B"}
 #: Fields that some problems have, beside what moves them all.
 OF_SOME = ("motion", "stretch", "initial_velocity")
 #: What a scene's fields may be, in words, in the order in which they are offered.
@@ -90,24 +91,23 @@ def method_name(method: str) -> str:
 
 def moving(scene: Scene) -> str:
     """What moves the material, in few words: "A = 25 mm"; of a patch test its stretch and velocity."""
-    if scene.swings:
-        return f"A = {with_unit(scene.amplitude, unit_of(type(scene), 'amplitude'))}"
-    values = scene.to_dict()
-    return f"patch test, F = {values['stretch']:g}, v = {with_unit(values['initial_velocity'], 'm/s')}"
+    motion = scene.to_dict().get("motion")  # of a problem that has several
+    unusual = [CHOICES["motion"][motion]] if motion and motion != type(scene)().to_dict()["motion"] else []
+    return ", ".join([*unusual, _moved_by(scene)])
 
 
-def title(scene: Scene) -> str:
-    """What a scene is of: "vibrating bar", and "patch test of the bar" where nothing swings."""
-    return scene.TITLE if scene.swings else f"patch test of the {scene.problem}"
+def _moved_by(scene: Scene) -> str:
+    sizes = {field: (getattr(scene, field), unit_of(type(scene), field)) for field in scene.moved_by}
+    return ", ".join(f"{SYMBOLS[field]} = {with_unit(value, unit) if unit else f'{value:g}'}"
+                     for field, (value, unit) in sizes.items())
 
 
 def in_a_line(scene: Scene) -> str:
     """A run in a line: what every run says of itself, and what else is not as usual."""
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
     more = differing(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
-    motion = moving(scene).removeprefix("patch test, ")  # which the title says
-    return f"{title(scene).capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
-           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {motion}" + f", {more}" * bool(more)
+    return f"{scene.title.capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
+           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {_moved_by(scene)}" + f", {more}" * bool(more)
 
 
 def per_cell(problem: str, ppc: float) -> str:
@@ -173,7 +173,7 @@ def command_line(scene: Scene) -> str:
              f"--dt {AUTO}" if scene.dt == AUTO else f"--cfl {scene.courant_number:g}"]
     kind = type(scene)
     for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force", *OF_SOME):
-        idle = field == "body_force" and not scene.swings
+        idle = field == "body_force" and not scene.takes_force
         if field in kind.__dataclass_fields__ and not idle and getattr(scene, field) != getattr(kind, field):
             words.append(f"--{field_flag(field)} {getattr(scene, field)}")
     if scene.linearity_preserving:

@@ -16,7 +16,6 @@ from app.export.vocabulary import vocabulary
 from app.identity import ICON, MARK, faces
 from app.problems.views import VIEWS
 from app.templates import rendered
-from app.words import title
 
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
@@ -36,7 +35,7 @@ def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping
     one = planned(shown, (), quantities(shown))
     one = planned(one.state, lattice.around(one.scene, counts), one.quantities)
     recorded = record([one], processes, on_progress)
-    return assembled(title(one.scene).capitalize(), [one], recorded, None)
+    return assembled(one.scene.title.capitalize(), [one], recorded, None)
 
 
 def quantities(shown: state.State) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ def _bars(axes: Axes, taken: dict, field: str, named: bool) -> None:
 def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
-    swing = f"A = {scene.amplitude:g} m" if scene.swings else moving(scene)
+    swing = f"A = {scene.amplitude:g} m" if "amplitude" in scene.moved_by else moving(scene)
     said = [f"Who made this error? {scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
             f"· {swing} · body force {scene.body_force}"]
     values = result.budget

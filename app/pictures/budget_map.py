@@ -99,7 +99,7 @@ def _title(found: ErrorMap) -> str:
     scene = found.scene
     particle = found.particle
     whose = "RMS" if particle is None else f"particle {particle}, X = {with_unit(found.X[particle], 'm')}"
-    swing = f"A = {scene.amplitude:g} m" if scene.swings else moving(scene)
+    swing = f"A = {scene.amplitude:g} m" if "amplitude" in scene.moved_by else moving(scene)
     size = with_unit(abs(found.size), UNITS[found.field]).strip() if UNITS[found.field] else f"{found.size:.3g}"
     return (f"Where and when was the error of {found.field} at t = {with_unit(found.times[-1], 's')} made? ({whose}: "
             f"{size})\n{scene.problem.capitalize()}, {method_name(scene.method)} · {scene.cells} cells · "

@@ -74,7 +74,8 @@ def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
     layout = f" ({scene.layout} layout)" if hasattr(scene, "layout") else ""
-    swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if scene.swings else moving(scene)
+    swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if "amplitude" in scene.moved_by \
+        else moving(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {per_cell(scene.problem, scene.ppc)} particles per cell{layout}"
              f" · {swing}")

@@ -20,6 +20,7 @@ class SceneDefaults:
     #: Fields that only single runs and sweeps have, each with the reason why no other command has them.
     RUN_ONLY: ClassVar[Mapping[str, str]] = {}
     DIMENSIONS: ClassVar[int]
+    TITLE: ClassVar[str]  # what the problem is called, in the words of its command's help
     STRAIN_PER_AMPLITUDE: ClassVar[float]  # largest strain of the exact solution over its amplitude, 1/m
     amplitude: float
     modulus: float
@@ -83,6 +84,26 @@ class SceneDefaults:
     def for_gpu(self) -> bool:
         """Whether it is to run on a GPU, if there is one: what it may be does not depend on that."""
         return self.arch != "cpu" and self.DIMENSIONS > 1
+
+    @property
+    def title(self) -> str:
+        """What moves, in words."""
+        return self.TITLE
+
+    @property
+    def moved_by(self) -> tuple[str, ...]:
+        """The fields that say how it moves."""
+        return ("amplitude",)
+
+    @property
+    def takes_force(self) -> bool:
+        """Whether a body force may be chosen."""
+        return True
+
+    @property
+    def whole_per_cell(self) -> bool:
+        """Whether cells hold whole numbers of particles."""
+        return True
 
     @property
     def swings(self) -> bool:

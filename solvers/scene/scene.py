@@ -78,8 +78,7 @@ class Scene(SceneDefaults, ABC, Remembered):
     sample_every: int | None = option(None, "Steps between two samples of the errors",
                                       hint="about {scene.SAMPLES_A_PERIOD} samples a period")
 
-    TITLE: ClassVar[str]  # what the problem is called, in the words of its command's help
-    SETTING: ClassVar[str]  # and where it is
+    SETTING: ClassVar[str]  # where it is, in the words of its command's help
     EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.solver.samples``)
     #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
     VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}

@@ -11,7 +11,7 @@ from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, real
 from app.commands.output import Folder, json_text, say
 from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
-from app.words import per_cell, title
+from app.words import per_cell
 from solvers.judging.columns import column_names
 from solvers.outside.limits import LIMITS
 from solvers.problems import PROBLEMS
@@ -98,11 +98,11 @@ def page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> s
     """What the problem is, what each file holds, and how to be judged."""
     columns = {key: ", ".join(f"`{name}`" for name in column_names(key, scene.DIMENSIONS))
                for key in ("X", "x", "v", "F", "sigma")}
-    period = "A period of the motion is" if scene.swings else "Times are counted in periods of the vibrating bar,"
+    period = "A period of the motion is" if scene.swings else f"Times are counted in periods of the {scene.TITLE},"
     known = "the exact solution" if scene.solution_known else \
         "a spectral-element solution of the same problem (companion), for none is known exactly,"
     return rendered(
-        PAGE, **vars(texts), **columns, title=title(scene), problem=scene.problem, flags=_flags(scene),
+        PAGE, **vars(texts), **columns, title=scene.title, problem=scene.problem, flags=_flags(scene),
         solution=solution, known=known, times=len(times), cells=scene.cells, h=f"{scene.spacing:.6g}",
         per_cell=per_cell(scene.problem, scene.ppc), period_is=period, period=f"{scene.period:.15g}",
         wave_speed=f"{scene.wave_speed:.15g}", crossing=f"{scene.spacing / scene.wave_speed:.4g}")

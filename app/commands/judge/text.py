@@ -9,7 +9,7 @@ import numpy as np
 from app.lessons.markup import html
 from app.problems.views import VIEWS
 from app.templates import rendered
-from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, title, with_unit
+from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, with_unit
 from solvers.judging.checks.alone import NAMES
 from solvers.judging.checks.check import OFF
 from solvers.judging.measure import QUANTITIES as JUDGED
@@ -30,7 +30,7 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     """The report; pictures stand after the summary."""
     scene = judged.scene
     files = sorted({file for g in values["grids"] for file in g["files"]})
-    head = [f"# {title(scene).capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
+    head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
             f"{_said(values, judged)}, against the {values['against']}.", _summary(values, judged)]
     head += [_verdict(g, values) for g in values["grids"]]
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]

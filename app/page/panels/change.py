@@ -39,11 +39,11 @@ class RunWidgets:
             self._cells(gui)
         with part("ppc"):
             low, high = view.reach.ppc
-            step, hint = (1, "in each direction") if scene.swings else (0.5, "need not be whole here")
+            step, hint = (1, "in each direction") if scene.whole_per_cell else (0.5, "need not be whole here")
             mark(gui, words="how fine the material is")
             per_cell = gui.add_slider("Particles / cell", low, max(high, scene.ppc), step, scene.ppc, hint=hint)
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))
-        if scene.swings:
+        if "amplitude" in scene.moved_by:
             with part("amplitude"):
                 amplitude = Size("Amplitude A", words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
                                  default.amplitude, view.amplitude_hint, "how far it swings")

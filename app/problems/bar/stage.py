@@ -64,7 +64,7 @@ class BarStage(Stage[BarScene]):
     def _across(self, arrays: FrameArrays) -> np.ndarray:
         """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
         x = arrays.position[:, 0]
-        if self._drawn_scene is not None and not self._drawn_scene.swings:
+        if self._drawn_scene is not None:
             x = self._drawn_scene.within(x)
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax takes the number where one is none
 

@@ -29,7 +29,7 @@ def moments(scene: Any, times: np.ndarray) -> Moments:
     X = (np.arange(P) + 0.5) / P
     shapes = np.sin(2 * np.pi * np.outer((1, 2), X))  # (2, P)
     size = np.zeros((len(times), 2))
-    if scene.swings:
+    if not scene.is_patch:
         size[:, 0] = A * np.sin(w * times)
     if scene.body_force == "two-tone":
         own, tone = 4 * math.pi * scene.wave_speed, SECOND_FREQUENCY * w

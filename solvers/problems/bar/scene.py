@@ -81,6 +81,22 @@ class BarScene(Scene):
         return self.motion == PATCH
 
     @property
+    def title(self) -> str:
+        return "patch test of the bar" if self.is_patch else self.TITLE
+
+    @property
+    def moved_by(self) -> tuple[str, ...]:
+        return ("stretch", "initial_velocity") if self.is_patch else super().moved_by
+
+    @property
+    def takes_force(self) -> bool:
+        return not self.is_patch
+
+    @property
+    def whole_per_cell(self) -> bool:
+        return not self.is_patch
+
+    @property
     def swings(self) -> bool:
         return not self.is_patch
 
@@ -89,7 +105,7 @@ class BarScene(Scene):
         """The sine moves neighbours dX from each other by 2 A sin(pi dX) cos(2 pi X_m), X_m in their middle, and the
         mean of the two F says 2 pi dX A cos(pi dX) cos(2 pi X_m): 0.21 with four particles, 0.03 with eight."""
         half = math.pi / self.particles
-        return math.sqrt(0.5) * abs(2 * math.sin(half) - 2 * half * math.cos(half)) if self.swings else 0.0
+        return math.sqrt(0.5) * abs(2 * math.sin(half) - 2 * half * math.cos(half)) if not self.is_patch else 0.0
 
     @property
     def drift_speed(self) -> float:
@@ -103,7 +119,7 @@ class BarScene(Scene):
     def angular_frequency(self) -> float:
         """w of the exact solution: c pi/l with the body force (eq 32), the natural 2 c pi/l without; l = 1. In a patch
         test nothing swings but what goes wrong; its times are counted as those of the vibrating bar."""
-        return self.wave_speed * math.pi * (2 if self.body_force == "none" and self.swings else 1)
+        return self.wave_speed * math.pi * (2 if self.body_force == "none" and not self.is_patch else 1)
 
     @property
     def motion_amplitude(self) -> float:
@@ -116,7 +132,7 @@ class BarScene(Scene):
 
     def rms_of(self, quantity: str) -> float:
         """Half the largest, of what goes with sines in space and time; of a patch test, whose stress is even, that."""
-        return self.size_of(quantity) * (0.5 if self.swings else 1.0)
+        return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
     def lost_from(self) -> dict[str, float]:

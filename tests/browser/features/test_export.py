@@ -155,7 +155,7 @@ def test_whatever_is_looked_at_is_said_as_on_the_page(chromium, tmp_path, name):
     path.write_text(scene_page(text, 1, silent, {}), encoding="utf-8")
     with opened(chromium, path) as page:
         ended(page)
-        assert page.locator("h1").inner_text() == words.title(scene).capitalize()
+        assert page.locator("h1").inner_text() == scene.title.capitalize()
         for key in quantities(state.read(text)):
             no_truth = why_no_truth(scene, key)
             for estimator, magnified in zip(scene.estimators, words.MAGNIFICATIONS[1:], strict=False):

@@ -77,7 +77,8 @@ def details(run: NumberedRun) -> str:
 
 def whole(scene: Scene) -> str:
     """What an error is a part of."""
-    return "A" if scene.size_of("x") == scene.amplitude and scene.swings else "the largest displacement"
+    moved = "amplitude" in scene.moved_by and scene.size_of("x") == scene.amplitude
+    return "A" if moved else "the largest displacement"
 
 
 def percent(value: float | None) -> str:

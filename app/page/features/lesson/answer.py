@@ -95,7 +95,7 @@ class AnswerWidgets:
             at = float(self._slider.value)
             return float(f"{10**at:.3g}") if control in POWERS else round(at)
         scene = self._stage()
-        if control == "amplitude" and not scene.swings:
+        if control == "amplitude" and control not in scene.moved_by:
             return None
         found = scene.courant_number if control == "cfl" else getattr(scene, control)
         return None if found is None else float(found)

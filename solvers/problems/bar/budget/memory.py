@@ -67,7 +67,7 @@ def _companion(scene: BarScene, on: Switches) -> dict:
         X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
         motion[:, 0] = exact.velocity(scene, X, 0.0)
         slopes[:, 0] = 1.0
-        if scene.swings:
+        if not scene.is_patch:
             slopes[:, 1] = scene.motion_amplitude * scene.angular_frequency * exact.WAVENUMBER \
                 * np.cos(exact.WAVENUMBER * X)
     return {"reference_motion": motion, "reference_slopes": slopes,

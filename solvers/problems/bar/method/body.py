@@ -60,7 +60,7 @@ def body(scene: BarScene, on: Switches) -> dict:
     exact solution. A patch test counts F from its stretch on (``solvers.problems.bar.patch``)."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
-    swings, stretch = scene.swings, scene.initial_stretch
+    swings, stretch = not scene.is_patch, scene.initial_stretch
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     return {
