@@ -17,7 +17,7 @@ from tests.paths import ASSETS, LESSONS, ROOT
 
 #: What stands for something of the reader's, and an example of it.
 PLACES = {"FILE": "file", "FILES": "file", "DIR": "folder", "NN": "04", "NAME": "04", "LESSON": "04", "N": "3",
-          "TEXT": "bar;cells=40", "SCENE": "bar cells=40", "EPS": "1e-3", "PROBLEM": "bar"}
+          "TEXT": "bar;cells=40", "SCENE": "bar cells=40", "EPS": "1e-3", "PROBLEM": "bar", "COMMAND": "bench"}
 PLACE = re.compile(r"\b[A-Z]{1,7}\b")
 ALTERNATIVES = re.compile(r"\{([^{}]+\|[^{}]+)\}")
 SHELL = ("", "sh", "shell", "bash", "console")
@@ -88,8 +88,9 @@ def python_blocks() -> Iterator[Piece]:
 
 
 def words(text: str) -> list[str]:
-    """A command line as its words, as a shell has them."""
-    return shlex.split(text, comments=True)
+    """A command line as its words, as a shell has them, up to where it sends what is printed."""
+    found = shlex.split(text, comments=True)
+    return found[:next((k for k, word in enumerate(found) if word in (">", ">>", "|")), None)]
 
 
 def examples(text: str) -> Iterator[str]:
