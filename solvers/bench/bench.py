@@ -34,11 +34,15 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
         found[name].append(task())
     on_progress(1.0)
     flat = {name: [row for rows in found[name] for row in rows] for name in ("rates", "estimators", "effects")}
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
-    machine = {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count(), "load": load,
-               "python": ".".join(map(str, sys.version_info[:3])), "taichi": ".".join(map(str, runtime.ti.__version__))}
-    return {"schema": SCHEMA, "quick": quick, "machine": machine, "precision": "double", "threads": 1,
+    return {"schema": SCHEMA, "quick": quick, "machine": machine(), "precision": "double", "threads": 1,
             "arch": runtime.running_arch(), "unit": "million particle-steps per second of processor time",
             **flat, "off": found["off"], "start": found["start"][0], "example": found["example"][0],
             "gpu": found["gpu"][0],
             "seconds": time.perf_counter() - begun}
+
+
+def machine() -> dict[str, Any]:
+    """Where it is measured, and how busy that is now."""
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
+    return {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count(), "load": load,
+            "python": ".".join(map(str, sys.version_info[:3])), "taichi": ".".join(map(str, runtime.ti.__version__))}

@@ -6,8 +6,9 @@ from typing import Annotated, ClassVar
 
 import tyro
 
+from app.commands.bench.history import History, history_table
 from app.commands.bench.text import bench_table
-from app.commands.flags import NumberFlag, PathFlag, Switch, default_hint
+from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, default_hint
 from app.commands.output import json_target, put_result
 from app.commands.progress import working
 from solvers.scene.rules import require_number, require_whole
@@ -21,7 +22,8 @@ class Bench:
     """Measure how fast this machine is, and what estimators and effects cost on it.
 
     One thread of the processor, in its own time; takes less than a minute. Beside them stands the rate of Taichi's own
-    example mpm99. With --class, have so many visitors use the page on a server of this machine instead.
+    example mpm99. With --class, have so many visitors use the page on a server of this machine instead; with --history,
+    keep the rates as ratios to hand-written C++.
     Exit status: 0 ok, 1 could not run or write, 2 bad input.
     """
 
@@ -35,6 +37,8 @@ class Bench:
     """Visitors without a browser who come within five seconds and move sliders; says what each of them gets."""
     minutes: NumberFlag = 1
     """How long the class stays."""
+    history: Annotated[PathFlag, default_hint("no history")] = None
+    """File that gets a line with today's ratios to C++ that is compiled here, and a picture of all its lines beside."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar on standard error."""
 
@@ -43,8 +47,13 @@ class Bench:
         if self.visitors is not None:
             require_whole("class", self.visitors, 1, MOST_VISITORS)
             require_number("minutes", self.minutes, 0, MOST_MINUTES)
+            if self.history is not None:
+                raise BadInput("history", self.history, "goes without --class; give one of them")
+        history = None if self.history is None else History(self.history)
         with working(self.quiet) as show:  # imports here: bad input and --help must not wait for Taichi
-            if self.visitors is None:
+            if history:
+                values, table = history.add(self.quick, show), history_table
+            elif self.visitors is None:
                 from solvers.bench.bench import bench
                 values, table = bench(self.quick, COMMAND, show), bench_table
             else:
