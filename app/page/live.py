@@ -48,6 +48,8 @@ class LiveRun:
             pinned = None  # it goes with the next frame
         name = f"this run: {differing(scene, pinned.scene)}".removesuffix(": ") if pinned else ""
         picture = self._picture(report, arrays, look(report, arrays, *asked), name)
+        if not report.playing:  # while it moves, words that change with each frame could not be read
+            self._worst.look(report, arrays, picture.view, choice.quantity)
         return Sight(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
                      0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
                      self._beside(pinned, scene, asked) if pinned else None, self._worst.remarks(scene))

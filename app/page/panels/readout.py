@@ -20,7 +20,7 @@ from solvers.scene.effects import ALL, SHARE, Line, Number, told
 from solvers.scene.registry import ESTIMATORS
 from solvers.solver.norms import nothing_but_rounding
 from solvers.solver.rounding import rounding
-from solvers.solver.soundness import UNSTABLE
+from solvers.solver.soundness import OK, UNSTABLE
 
 CAPPED_BELOW = 0.9  # of the speed asked for
 ROUNDED = "nothing but rounding"
@@ -33,6 +33,7 @@ HINTS = {
     "solver": "how fast the kernels run, waiting not counted, and on what",
     "speed": "periods of the vibration in a second of yours: reached, of those asked for",
     "shown": "an earlier frame, of those that the slider Look back goes through",
+    "verdict": "a run is ok if its positions are; this is as wrong as it is large",
     "unseen": "what the verdict does not rest on",
     "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
     "norm": "root of the mean square over the particles, now",
@@ -118,6 +119,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
         rows.append(("step", _margin(margin)))
     rows += [("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
              ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
+             *([("verdict", html.escape(report.reason))] if report.status == OK and report.reason else []),
              *([("unseen", html.escape(report.not_checked))] if report.not_checked else []),
              ("region", html.escape(probed or "drag a rectangle on the stage"))]
     hints = {**{line.name: html.escape(line.hint) for line in lines.values()}, **HINTS}

@@ -3,6 +3,7 @@
 A region's error is the root of the mean square over its particles, so that one odd particle does not make it the worst.
 """
 
+import threading
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,9 +51,10 @@ class WorstRegion:
 
 
 class WorstRegions:
-    """Where one visitor's run is worst, by the estimate that is drawn and by the truth."""
+    """Where one visitor's run is worst, by the estimate that is drawn and by the truth. Any thread may look."""
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()
         self.scene: Scene | None = None  # of which they are
         self.by_estimate: WorstRegion | None = None
         self.by_truth: WorstRegion | None = None
@@ -64,7 +66,7 @@ class WorstRegions:
 
     def look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
         """Find both in a frame, of the errors of a quantity by its key."""
-        with np.errstate(all="ignore"):  # a run gone bad holds anything
+        with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
             self._look(report, arrays, view, quantity)
 
     def _look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:

@@ -26,9 +26,8 @@ class Notice:
                 f"{as_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
 
 
-def doubt(history: History, valid: tuple[str, ...], reason: str | None = None) -> Notice | None:
-    """A run may be sound and an estimate of it not, or its positions and nothing else (the ``reason`` says what), or
-    its scene may have surprises ahead."""
+def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
+    """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
     series, scene = history.series, history.scene
     if not len(series.get("error_x", ())):
         return None
@@ -37,7 +36,5 @@ def doubt(history: History, valid: tuple[str, ...], reason: str | None = None) -
         if index > BROKEN:
             return Notice("refused", f"The estimate {estimator} has broken down: it is {ratio(index)} times the "
                                      "true error of x. Do not trust it here.")
-    if reason:
-        return Notice("refused", f"{on_page(reason)}.")
     warnings = scene.warnings()
     return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

@@ -230,9 +230,8 @@ class Session:
             waiting = self.report is None or self.report.number < self._number
             urgent, history = self._urgent(waiting), self.history
             valid = self.report.valid_estimators if self.report else ()
-            reason = self.report.reason if self.report else None
         # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
-        return urgent or (None if waiting else doubt(history, valid, reason) or self._crowd())
+        return urgent or (None if waiting else doubt(history, valid) or self._crowd())
 
     def _urgent(self, waiting: bool) -> Notice | None:
         """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""

@@ -26,11 +26,14 @@ def watched(scene: BarScene) -> tuple[History, SimpleNamespace]:
     return history, SimpleNamespace(pinned=None, history=history, speed=1.0, ended=False)
 
 
-def test_a_run_that_is_ok_for_positions_alone_has_a_doubt():
-    history, _ = watched(BAR)
-    notice = doubt(history, ("companion",), NAMED)
-    assert notice is not None and (notice.kind, notice.sentence) == ("refused", f"{NAMED}.")
-    assert doubt(history, ("companion",), None) is None
+def test_a_run_that_is_ok_for_positions_alone_says_so_in_its_readout():
+    """The headline is of the quantity that one looks at, and nothing covers the stage for the others."""
+    history, session = watched(BAR)
+    for reason in (None, NAMED):
+        report = replace(report_of(BAR), reason=reason)
+        html = readout(session, history, report, "x", None, None, WorstRegions()).html
+        assert (NAMED in html) == (reason is not None)
+    assert doubt(history, ("companion",)) is None
 
 
 def test_what_nobody_looked_at_is_a_line_of_the_readout():
