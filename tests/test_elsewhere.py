@@ -72,7 +72,7 @@ def smoke():
             yield pytest.param(command, id=command, marks=slow)
 
 
-@pytest.mark.parametrize("command", smoke())
+@pytest.mark.parametrize("command", list(smoke()))
 def test_a_command_runs_without_them(command, elsewhere, tmp_path):
     done = subprocess.run([sys.executable, "-m", "app", *shlex.split(command)[1:]], cwd=tmp_path, env=elsewhere,
                           capture_output=True, timeout=HANG)

@@ -55,7 +55,7 @@ def test_the_example_of_a_command_can_be_typed(name):
         command.scene()  # raises where the numbers are not allowed
 
 
-@pytest.mark.parametrize("name", [(), *{known[:-1] for known in commands() if len(known) > 1}], ids=" ".join)
+@pytest.mark.parametrize("name", [(), *sorted({known[:-1] for known in commands() if len(known) > 1})], ids=" ".join)
 def test_the_overview_fits_a_terminal(name, wide, capsys):
     lines = helped(capsys, *name)
     assert max(map(len, lines)) <= WIDEST and lines[-1] == EVERYWHERE

@@ -22,7 +22,7 @@ SAID = Words(("Estimate", "Truth"), ("by recovered", "exact solution"), ("", "")
              "crosses an edge", "Alike?")
 
 
-@pytest.mark.parametrize(("problem", "seat", "room"), product(VIEWS, Seat, ROOMS))
+@pytest.mark.parametrize(("problem", "seat", "room"), list(product(VIEWS, Seat, ROOMS)))
 def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room):
     """But for names in the gutter, which are as high as the rest."""
     stage = VIEWS[problem].stage
