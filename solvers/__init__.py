@@ -39,6 +39,8 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
 
 
-# For Taichi, whoever imports it first: no announcement, and no asking a server for news at every start.
+# For Taichi, whoever imports it first: no announcement, no asking a server for news at every start, and no gathering of
+# what kernels print after each launch, which it does (and says so) in notebooks; ours print nothing.
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
+os.environ.setdefault("TI_ENABLE_PYBUF", "0")

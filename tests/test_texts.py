@@ -40,7 +40,7 @@ ON_A_GPU = "--arch"  # a size that only a GPU runs in minutes: tests/solvers/run
 BROKEN, SHOWN = 3, re.compile(r"\bpatch\b|\bmpm\b")
 NO_COMMAND = ("--completion", "--version")  # what is asked for in place of one
 #: Which package has a tool that is not called like it.
-PACKAGES = {"lint-imports": "import-linter", "sphinx-build": "sphinx"}
+PACKAGES = {"lint-imports": "import-linter", "sphinx-build": "sphinx", "jupyter": "jupyterlab"}
 
 
 def after_uv(words: list[str]) -> tuple[list[str], list[str]]:

@@ -9,11 +9,10 @@ from app.commands.flags import BadInput, NumberFlag, Switch, TextFlag, default_h
 from app.commands.lesson import lesson_called
 from app.commands.output import Target, say
 from app.commands.progress import working
+from app.export.lattice import within_reach
 from app.lessons.lesson import LessonError
 from app.state import StateError, begins, read
 from solvers.scene.rules import require_whole
-
-LONGEST_RUN = 2e9  # particle-steps: a minute or two
 
 
 @dataclass(frozen=True)
@@ -45,9 +44,8 @@ class Export:
                 scene = read(self.what).scene
             except StateError as error:
                 raise BadInput("", self.what, str(error)) from None
-            if (work := scene.particles * scene.steps) > LONGEST_RUN:
-                raise BadInput("", self.what, f"would take {work:.2g} particle-steps, too long to record; give fewer "
-                               f"cells, periods or a larger cfl, up to {LONGEST_RUN:.0e}")
+            if refusal := within_reach(scene):
+                raise BadInput("", self.what, refusal)
         name = self.what if is_scene else lesson_called(self.what)
         target = Target("out", self.out, ending=".html")
         with working(self.quiet) as show:  # imports here: bad input and --help must not wait for the page's

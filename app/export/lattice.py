@@ -23,6 +23,7 @@ FULL = {"cells": 5, "amplitude": 4, "method": 3}  # how many of each: sixty runs
 CONTROLS = {"Cells": "cells", "Amplitude A": "amplitude", "Method": "method", "CFL number": "cfl",
             "Particles / cell": "ppc", "Modulus E": "modulus"}
 MOST_WORK = 1.5e8  # particle-steps of a run that is recorded only so that a slider goes further
+LONGEST_RUN = 2e9  # and of one that is asked for: a minute or two
 _ACT = re.compile(r"\*\*(?P<control>[^*]+)\*\*(?: to)? `(?P<value>[^`]+)`")
 
 
@@ -33,6 +34,14 @@ class SliderAxis:
     field: str
     values: tuple[Any, ...]
     start: int
+
+
+def within_reach(scene: Scene) -> str | None:
+    """Why a run takes too long to record; None where it does not."""
+    if (work := scene.particles * scene.steps) <= LONGEST_RUN:
+        return None
+    return f"would take {work:.2g} particle-steps, too long to record; give fewer cells, periods or a larger cfl, " \
+           f"up to {LONGEST_RUN:.0e}"
 
 
 def around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:

@@ -11,7 +11,7 @@ from app import __version__, state
 from app.colours import tokens
 from app.export import lattice, plan
 from app.export.plan import Plan, described, planned
-from app.export.record import recordings
+from app.export.record import Wanted, recording, recordings
 from app.export.vocabulary import vocabulary
 from app.identity import ICON, MARK, faces
 from app.problems.views import VIEWS
@@ -36,6 +36,16 @@ def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping
     one = planned(one.state, lattice.around(one.scene, counts), one.quantities)
     recorded = record([one], processes, on_progress)
     return assembled(one.scene.title.capitalize(), [one], recorded, None)
+
+
+def recorded_page(shown: state.State) -> str:
+    """The page of a state and of no runs around it, recorded by this process itself."""
+    one = planned(shown, (), quantities(shown))
+    made: dict[Wanted, dict[str, Any]] = {}
+    for wanted in plan.wanted([one]).values():
+        made[wanted] = made.get(wanted) or recording(wanted)
+    return assembled(one.scene.title.capitalize(), [one],
+                     {key: made[wanted] for key, wanted in plan.wanted([one]).items()}, None)
 
 
 def quantities(shown: state.State) -> tuple[str, ...]:

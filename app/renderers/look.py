@@ -3,7 +3,9 @@
 Whoever draws imports this, and drawing is so from then on: the settings are matplotlib's own, for the whole process.
 """
 
+import io
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -25,7 +27,7 @@ FEW = 3  # lines of a grid, roughly
 for _name, _weight in (("Inter-Regular.otf", 400), ("Inter-SemiBold.otf", 700)):  # what bold is, here
     font_manager.fontManager.ttflist.append(
         font_manager.FontEntry(fname=str(FONTS / _name), name=FAMILY, weight=_weight))
-matplotlib.rcParams.update({
+SETTINGS: Any = {
     "font.family": [FAMILY, "DejaVu Sans"], "font.size": 11, "text.hinting": "none",
     "mathtext.fontset": "custom", "mathtext.rm": FAMILY, "mathtext.it": FAMILY, "mathtext.bf": f"{FAMILY}:bold",
     "mathtext.cal": FAMILY, "text.color": INK, "axes.labelcolor": INK2, "axes.labelsize": 10.5,
@@ -35,7 +37,8 @@ matplotlib.rcParams.update({
     "axes.axisbelow": True, "grid.color": LINE, "grid.linewidth": 0.9, "xtick.color": LINE2, "ytick.color": LINE2,
     "xtick.labelcolor": INK2, "ytick.labelcolor": INK2, "xtick.labelsize": 10, "ytick.labelsize": 10,
     "xtick.major.size": 4, "ytick.major.size": 0, "xtick.minor.size": 0, "ytick.minor.size": 0,
-    "legend.frameon": False, "legend.labelcolor": INK2, "legend.fontsize": 10, "lines.solid_capstyle": "round"})
+    "legend.frameon": False, "legend.labelcolor": INK2, "legend.fontsize": 10, "lines.solid_capstyle": "round"}
+matplotlib.rcParams.update(SETTINGS)
 
 
 class Sizes(Formatter):
@@ -109,8 +112,22 @@ def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: f
 
 
 
-def sheet(width: float, height: float, title: str) -> Figure:
+class Sheet(Figure):
+    """A figure that a notebook shows: what is not pyplot's, it would name and not draw. It looks the same whatever the
+    settings are when it is written."""
+
+    def savefig(self, *arguments: Any, **options: Any) -> None:
+        with matplotlib.rc_context(SETTINGS):
+            super().savefig(*arguments, **options)
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        self.savefig(picture, format="png")
+        return picture.getvalue()
+
+
+def sheet(width: float, height: float, title: str) -> Sheet:
     """An empty figure of so many inches, with a headline at its upper left."""
-    figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
+    figure = Sheet(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, linespacing=1.4)
     return figure

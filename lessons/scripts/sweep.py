@@ -20,7 +20,7 @@ rows = sweep("bar", method=methods, amplitude=amplitudes, cells=cells, periods=0
 figure = Figure()
 axes = figure.add_subplot(xscale="log", yscale="log", xlabel="A (m)", ylabel="largest RMS error of x over A")
 for method in methods:
-    relative = [row["error.x.max"] / row["scene.amplitude"] for row in rows if row["scene.method"] == method]
+    relative = (rows["error.x.max"] / rows["scene.amplitude"])[rows["scene.method"] == method]
     axes.plot(amplitudes, relative, "o-", label=method)
     print(f"{method:8} largest RMS error of x over A:", "  ".join(f"{value:.2g}" for value in relative))
 axes.axvline(1 / cells / 8, color="grey", label="h/8: the first crossing")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.running import saved
+from solvers.running import saved, views
 from solvers.running.by_estimator import ByEstimator
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
@@ -47,6 +47,12 @@ class Result:
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
 
+    def __repr__(self) -> str:
+        largest = self.error["x"]["max"]
+        error = "" if largest is None else f"; largest RMS error of x {largest:.3g} m"
+        run = f"{self.scene.problem}, {self.scene.method} with {self.scene.cells} cells"
+        return f"<Result of the {run}: {self.status} after {self.steps:,} steps, at t = {self.time:.6g} s{error}>"
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that this is, as arrays and lines of text by name (``solvers.running.saved``)."""
         return saved.arrays(vars(self))
@@ -71,6 +77,24 @@ class Result:
             Where there is none, or not one that can be believed: one sentence that says why.
         """
         return cls(**saved.read(os.fspath(path)))
+
+    def plot(self) -> Any:
+        """The picture of ``mpm-lab run --plot`` as a matplotlib figure, which a notebook shows: errors over time, true
+        and estimated, and the particles by both. ``result.plot().savefig("run.png")`` writes it.
+
+        Raises
+        ------
+        RuntimeError
+            Where mpm-lab is not installed, so that nothing says what draws it.
+        """
+        if (draw := views.view("plot")) is None:
+            raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
+        return draw(self)
+
+    def _repr_html_(self) -> str | None:
+        """The table that a notebook shows below a cell."""
+        table = views.view("table")
+        return table and table(self)
 
     @property
     def shown(self) -> Snapshot:

@@ -10,13 +10,14 @@ from typing import Any
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError, field_key, key_field, require_choice, require_whole
 from solvers.scene.scene import LISTS
+from solvers.study.columns import Rows
 from solvers.study.grid import MOST_ROWS, plan
 from solvers.study.places import Here, execute
 from solvers.study.summary import columns
 
 
 def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
-          on_progress: Callable[[float, dict], None] = lambda part, row: None, **inputs: Any) -> list[dict]:
+          on_progress: Callable[[float, dict], None] = lambda part, row: None, **inputs: Any) -> Rows:
     """Measure a problem for every combination of values: ``sweep("bar", cells=[20, 40], method=["mpm", "bspline"])``.
 
     Parameters
@@ -35,11 +36,12 @@ def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
 
     Returns
     -------
-    list of dict
-        A row for each combination, the last input varying fastest, with the columns of ``mpm-lab sweep``'s table.csv
-        in SI units: ``scene.cells``, ``h``, ``error.x.max`` (the largest RMS error over the run), ``index.NAME.x``,
-        ``seconds.min``, ``status`` ("ok", "unstable", "lost", "refused", "failed"), ``reason``, ... Whatever goes
-        wrong in a run is a row; None stands where a row has no such number.
+    Rows
+        A list with a row for each combination, the last input varying fastest; each is a dict with the columns of
+        ``mpm-lab sweep``'s table.csv in SI units: ``scene.cells``, ``h``, ``error.x.max`` (the largest RMS error over
+        the run), ``index.NAME.x``, ``seconds.min``, ``status`` ("ok", "unstable", "lost", "refused", "failed"),
+        ``reason``, ... ``rows["error.x.max"]`` is a column as an array, ``rows.columns`` names them all. Whatever goes
+        wrong in a run is a row; None, and NaN in a column of numbers, stands where a row has no such number.
 
     Raises
     ------
@@ -64,7 +66,7 @@ def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
 
     with contextlib.closing(Here(workers)) as place:
         execute(tasks, place, keep)
-    return columns([measured[task.key] for task in tasks])
+    return Rows(columns([measured[task.key] for task in tasks]))
 
 
 def _values(problem: str, name: str, given: Any) -> list:

@@ -40,7 +40,8 @@ def test_help_of_a_command(name, wide, capsys):
     """Usage, a sentence on one line, exit statuses, flags, an example; nothing beyond the width that everybody has."""
     lines = helped(capsys, *name)
     assert lines[0].startswith(f"usage: mpm-lab {' '.join(name)}") and max(map(len, lines)) <= WIDEST
-    assert re.fullmatch(r"[A-Z][^.]*[^.]\.", lines[2]) and not lines[3]
+    first = lines.index("") + 1  # after a usage that may take several lines
+    assert re.fullmatch(r"[A-Z][^.]*[^.]\.", lines[first]) and not lines[first + 1]
     assert sum("Exit status: 0" in line for line in lines) == 1
     assert lines[-3].startswith(f"Example:  mpm-lab {' '.join(name)}") and lines[-1] == EVERYWHERE
 

@@ -1,0 +1,97 @@
+"""The offline player below a cell: the page that ``mpm-lab export`` writes, in a frame that carries all of it.
+
+Nothing is served and nothing is fetched, so it plays wherever a notebook shows HTML, and in one that is sent around.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from app.export.lattice import within_reach
+from app.export.page import recorded_page, scene_page
+from app.state import State, write
+from app.words import QUANTITIES, in_a_line
+from solvers.running.result import Result
+from solvers.scene.rules import SceneError, require_choice, require_whole
+from solvers.scene.scene import Scene
+
+HEIGHT = 640  # pixels: readout, stage and time of a bar without scrolling, where the cell is 800 wide
+LEAST_HEIGHT, MOST_HEIGHT = 200, 4000
+#: What the page in the frame may do: run its own scripts and save a file. It is of no origin, so it reads nothing of
+#: the notebook's.
+SANDBOX = "allow-scripts allow-downloads"
+
+
+@dataclass(frozen=True, repr=False)
+class Player:
+    """A recorded run as one HTML page, which a notebook shows in a frame; ``save`` writes it to a file."""
+
+    scene: Scene
+    page: str
+    height: int = HEIGHT
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page, as ``mpm-lab export`` does: it plays from disk, without a network."""
+        Path(path).write_text(self.page, encoding="utf-8")
+
+    def __repr__(self) -> str:
+        return f"<player of {in_a_line(self.scene)}; seen in a notebook, or in a browser after .save(\"run.html\")>"
+
+    def _repr_html_(self) -> str:
+        return (f"<iframe srcdoc=\"{escape(self.page)}\" title=\"{escape(in_a_line(self.scene))}\" "
+                f"sandbox=\"{SANDBOX}\" style=\"display: block; width: 100%; height: {self.height}px; border: 0\">"
+                "</iframe>")
+
+
+def show(what: Scene | Result, *, beside: Scene | Result | None = None, error_of: str = "x", sliders: bool = False,
+         height: int = HEIGHT, processes: int = 2,
+         on_progress: Callable[[float, str], None] = lambda part, doing: None) -> Player:
+    """Record a run and play it below the cell: particles by estimated and by true error, numbers, time to scrub.
+
+    Parameters
+    ----------
+    what
+        A scene, or the result of a run: its scene is run once more, for a result keeps the particles of its end, and a
+        recording needs them all the way. One that says no end is recorded for one period, or less where its problem's
+        own end comes sooner.
+    beside
+        Another of the same problem, which plays beside it on the same scale.
+    error_of
+        The quantity whose error is coloured: "x", "v", "sigma" or "a".
+    sliders
+        Whether other cells, amplitudes and methods are recorded around it as well: up to sixty runs, by so many
+        ``processes``, which know no estimator that only the notebook has registered. It takes half a minute or so.
+    height
+        Of the frame, in pixels.
+    on_progress
+        Told the part done (0 to 1) and what is being done.
+
+    Raises
+    ------
+    SceneError
+        For what is no scene or result, a quantity that there is not, two problems, and a run too long to record.
+    """
+    scene, other = _scene("show", what), None if beside is None else _scene("beside", beside)
+    require_choice("error_of", error_of, tuple(QUANTITIES))
+    require_whole("height", height, LEAST_HEIGHT, MOST_HEIGHT)
+    require_whole("processes", processes, 1, 64)
+    if other is not None and other.problem != scene.problem:
+        raise SceneError("beside", other.problem, f"is another problem; give one of the {scene.problem}")
+    for one in (scene, other):
+        if one is not None and (refusal := within_reach(one)):
+            raise SceneError("scene", in_a_line(one), refusal)
+    shown = State(scene, quantity=error_of, pinned=other)
+    page = scene_page(write(shown), processes, on_progress) if sliders else recorded_page(shown)
+    return Player(scene, page, height)
+
+
+def _scene(name: str, given: object) -> Scene:
+    if isinstance(given, Result):
+        return given.scene
+    if isinstance(given, Scene):
+        return given
+    raise SceneError(name, given, "is neither a scene, such as BarScene(), nor the result of a run")

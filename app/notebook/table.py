@@ -1,0 +1,61 @@
+"""A result as the table that a notebook shows below a cell."""
+
+from collections.abc import Iterator
+from html import escape
+
+from app.words import NOTHING, QUANTITIES, in_a_line, ratio, with_unit
+from solvers.running.result import Result
+from solvers.solver.soundness import OK
+
+CELL = "padding: 2px 12px; text-align: {}; font-variant-numeric: tabular-nums"
+
+
+def result_table(result: Result) -> str:
+    """The largest true error of each quantity over the run, and what each estimator says of it; where one does not
+    hold, why. In colours of the notebook's own, be they light or dark."""
+    names = list(result.estimate.estimators)
+    valid = [name for name in names if name not in result.not_valid]
+    head = ["largest RMS error", "true", *(part for name in valid for part in (f"by {name}", "index", "distance"))]
+    rows = [[str(quantity), *_numbers(result, key, quantity.unit, valid)] for key, quantity in QUANTITIES.items()]
+    lines = "".join(_row("td", row) for row in rows)
+    return (f"<div><p>{escape(in_a_line(result.scene))}: <b>{escape(_ended(result))}</b></p>"
+            f"<table><thead>{_row('th', head)}</thead><tbody>{lines}</tbody></table>"
+            + "".join(f"<p>{escape(line)}</p>" for line in _notes(result)) + "</div>")
+
+
+def _numbers(result: Result, key: str, unit: str, names: list[str]) -> Iterator[str]:
+    yield _size(result.error[key]["max"], unit)
+    for name in names:
+        yield _size(result.estimate[name][key]["max"], unit)
+        yield _ratio(result.index[name][key])
+        yield _ratio(result.distance[name][key])
+
+
+def _ended(result: Result) -> str:
+    return f"{result.status} after {result.steps:,} steps, at {with_unit(result.time, 's')}"
+
+
+def _notes(result: Result) -> Iterator[str]:
+    """Why it is not ok, and what has no number for which reason."""
+    if result.reason:
+        yield result.reason
+    if result.status == OK and result.verdict["not_checked"]:
+        yield result.verdict["not_checked"]
+    for name, why in result.not_valid.items():
+        yield f"{name}: {why}"
+    for key, why in result.rounding.items():
+        yield f"no index of {QUANTITIES[key]}: {why}"
+
+
+def _size(value: float | None, unit: str) -> str:
+    return NOTHING if value is None else with_unit(value, unit)
+
+
+def _ratio(value: float | None) -> str:
+    return NOTHING if value is None else ratio(value)
+
+
+def _row(kind: str, cells: list[str]) -> str:
+    places = ("left", *("right" for _ in cells[1:]))
+    return "<tr>" + "".join(f"<{kind} style=\"{CELL.format(place)}\">{escape(cell)}</{kind}>"
+                            for place, cell in zip(places, cells, strict=True)) + "</tr>"
