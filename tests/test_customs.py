@@ -15,6 +15,7 @@ from itertools import chain
 import pytest
 import yaml
 
+from app import __version__
 from app.commands.dispatch import commands
 from tests.paths import ROOT
 
@@ -112,3 +113,13 @@ def test_links_of_the_customs_lead_somewhere(name):
     text = (GITHUB / name).read_text(encoding="utf-8")
     places = [place for place in re.findall(r"\]\(([^)]+)\)", text) if "://" not in place]
     assert places and [place for place in places if not (GITHUB / place).exists()] == []
+
+
+def test_the_version_is_the_same_wherever_it_stands():
+    """In the code, in what is cited, at the top of the changelog with its day, and in the line that tags it."""
+    texts = {name: (ROOT / name).read_text(encoding="utf-8")
+             for name in ("CITATION.cff", "CHANGELOG.md", "CONTRIBUTING.md")}
+    cited = yaml.safe_load(texts["CITATION.cff"])
+    number, day = re.findall(r"^## (\d+\.\d+\.\d+), (\d{4}-\d\d-\d\d)$", texts["CHANGELOG.md"], re.M)[0]
+    assert (number, day) == (__version__, str(cited["date-released"])) and cited["version"] == __version__
+    assert f"git tag -a v{__version__} -m \"mpm-lab {__version__}\"" in texts["CONTRIBUTING.md"]
