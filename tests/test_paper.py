@@ -1,4 +1,4 @@
-"""The draft of a paper: what it cites is in its bibliography, and its numbers are those of the texts that measured them."""
+"""The draft of a paper: what it cites is in its bibliography, its numbers are those of texts that measured them."""
 
 from __future__ import annotations
 
