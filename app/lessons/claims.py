@@ -31,6 +31,7 @@ from solvers.scene.registry import ESTIMATORS
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
 _NORMS = ("final", "max", "mean")
+Vocabulary = Mapping[str, tuple[tuple[str, ...], ...]]
 _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.Pow: lambda base, power: float(base) ** power}  # of whole numbers it might not end
@@ -42,7 +43,7 @@ _RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
 
 
 @functools.cache
-def paths() -> dict[str, tuple[tuple[str, ...], ...]]:
+def paths() -> Vocabulary:
     """The paths of a result: what may stand after each word, level by level."""
     load_extensions()
     estimators = tuple(name.replace("-", "_") for name in ESTIMATORS)
@@ -75,10 +76,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Scope:
-    """What names mean: outcomes by the names of their runs, and which is meant where none is named."""
+    """What names mean: outcomes by the names of their runs, which is meant where none is named, and the paths of an
+    outcome where they are not those of a run."""
 
     outcomes: Mapping[str, Outcome]
     main: str = ""
+    vocabulary: Vocabulary | None = None
 
 
 @dataclass(frozen=True)
@@ -122,22 +125,22 @@ def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scop
     return ClaimResult(low <= found <= high, said(found))
 
 
-def check_claim(claim: str, runs: Mapping[str, Any], main: str) -> None:
+def check_claim(claim: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
     """Raise :class:`ClaimError` for a claim that no result can decide. ``runs`` are known by their names."""
     parts = _split(claim)
     for part in (parts[0], *(part for part in parts[1:] if part not in _COMPARISONS)):
-        check_expression(part, runs, main)
+        check_expression(part, runs, main, vocabulary)
 
 
-def check_expression(text: str, runs: Mapping[str, Any], main: str) -> None:
+def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
     """Raise :class:`ClaimError` for an expression that has no value, whatever the results."""
     for node in ast.walk(_parsed(text)):
         if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
                                            or len(node.args) != 1 or node.keywords):
             raise ClaimError(f"{ast.unparse(node)}: give {', '.join(f'{name}(…)' for name in FUNCTIONS)}")
     for path in _paths(_parsed(text)):
-        name, rest = _run_of(path, runs, main)
-        _check_path(rest)
+        name, rest = _run_of(path, runs, main, vocabulary or paths())
+        _check_path(rest, vocabulary or paths())
         if not name:
             raise ClaimError(f"{'.'.join(path)}: no run comes before this; name one of {', '.join(runs) or 'a run'}")
 
@@ -146,7 +149,7 @@ def needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
     """The names of the runs that a claim or an expression is about."""
     found = _split(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
     parts = [part for part in found if part not in _COMPARISONS]
-    return {_run_of(path, runs, main)[0] for part in parts for path in _paths(_parsed(part))}
+    return {_run_of(path, runs, main, paths())[0] for part in parts for path in _paths(_parsed(part))}
 
 
 def said(found: float | str) -> str:
@@ -197,21 +200,22 @@ def _path(node: ast.expr) -> tuple[str, ...]:
     raise ClaimError(f"{ast.unparse(node)} is no path; give one such as error.x.max")
 
 
-def _run_of(path: tuple[str, ...], runs: Mapping[str, Any], main: str) -> tuple[str, tuple[str, ...]]:
+def _run_of(path: tuple[str, ...], runs: Mapping[str, Any], main: str,
+            vocabulary: Vocabulary) -> tuple[str, tuple[str, ...]]:
     """The run that a path is about and what it asks of its result."""
     if path[0] in runs:
         return path[0], path[1:]
-    if path[0] not in paths():
-        known = ", ".join((*runs, *paths()))
+    if path[0] not in vocabulary:
+        known = ", ".join((*filter(None, runs), *vocabulary))
         raise ClaimError(f"{'.'.join(path)}: {path[0]} is neither a run nor part of a result; give one of {known}")
     return main, path
 
 
-def _check_path(path: tuple[str, ...]) -> None:
-    if not path or path[0] not in paths():
+def _check_path(path: tuple[str, ...], vocabulary: Vocabulary) -> None:
+    if not path or path[0] not in vocabulary:
         raise ClaimError(f"{'.'.join(path) or 'a run alone'} is no part of a result; begin with one of "
-                         f"{', '.join(paths())}")
-    levels = paths()[path[0]]
+                         f"{', '.join(vocabulary)}")
+    levels = vocabulary[path[0]]
     for level, allowed in enumerate(levels, 1):
         if level >= len(path) or path[level] not in allowed:
             raise ClaimError(f"{'.'.join(path)}: after {'.'.join(path[:level])} give one of {', '.join(allowed)}")
@@ -235,7 +239,7 @@ def _evaluate(node: ast.expr, scope: Scope) -> Any:
     path = _path(node)
     if len(path) == 1 and path[0] in WORDS and path[0] not in scope.outcomes:
         return WORDS[path[0]]
-    name, rest = _run_of(path, scope.outcomes, scope.main)
+    name, rest = _run_of(path, scope.outcomes, scope.main, scope.vocabulary or paths())
     outcome = scope.outcomes[name]
     values = [_lookup(result, rest) for result in outcome.results]
     return values if outcome.varied else values[0]
@@ -245,7 +249,8 @@ def _call(node: ast.Call, scope: Scope) -> float:
     name, argument = node.func.id, node.args[0]  # type: ignore[attr-defined]  # has been checked
     values = _evaluate(argument, scope)
     if name == "order":
-        runs = [scope.outcomes[_run_of(path, scope.outcomes, scope.main)[0]] for path in _paths(argument)]
+        named = (_run_of(path, scope.outcomes, scope.main, scope.vocabulary or paths()) for path in _paths(argument))
+        runs = [scope.outcomes[run] for run, _ in named]
         varied = [outcome for outcome in runs if outcome.varied]
         if not varied or not isinstance(values, list) or len(values) < 2:
             raise ClaimError(f"{ast.unparse(node)}: needs a run with several values of one field, such as "

@@ -1,0 +1,66 @@
+"""``mpm-lab judge --expect``: a judgement as a test in somebody's own CI."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.cli import main
+from app.commands.judge.expected import VOCABULARY
+from app.lessons.claims import check_claim
+from solvers import BarScene, run
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Saved runs on two grids, 10 and 20 cells."""
+    folder = tmp_path_factory.mktemp("files")
+    paths = [str(folder / f"{cells}.npz") for cells in (10, 20)]
+    for path, cells in zip(paths, (10, 20), strict=True):
+        run(BarScene(method="bspline", cells=cells, amplitude=0.001, periods=0.5, estimators=())).save(path)
+    return paths
+
+
+def judged(files, tmp_path, capsys, *claims):
+    """Exit status and what standard error says."""
+    expect = [word for claim in claims for word in ("--expect", claim)]
+    out = str(tmp_path / f"out{len(list(tmp_path.iterdir()))}")
+    status = main(["judge", "bar", *files, "--no-compare", "--quiet", "--out", out, *expect])
+    return status, capsys.readouterr().err
+
+
+def test_what_is_expected_is_held_against_the_report(files, tmp_path, capsys):
+    status, said = judged(files, tmp_path, capsys, "order.x in 1.5..2.5", "error.x.max < 1e-3",
+                          "order(error.x.max) in 1.5..2.5", "index.companion.x in 0.99..1.01", "contradictions == 0",
+                          "last(error.x.max) < first(error.x.max) / 2")
+    assert (status, said.count("holds ("), said.count("DOES NOT")) == (0, 6, 0)
+
+
+@pytest.mark.parametrize("claim", ["error.x.max < 1e-9", "order.x > 3", "first(error.x.max) < last(error.x.max)",
+                                   "contradictions > 0", "distance.companion.v > 1", "scene.cells == 10"])
+def test_what_does_not_hold_is_the_line_that_failed(files, tmp_path, capsys, claim):
+    status, said = judged(files, tmp_path, capsys, "error.x.max > 0", claim)
+    lines = [line for line in said.splitlines() if "DOES NOT HOLD" in line]
+    assert status == 1 and len(lines) == 1 and f"expected {claim}: DOES NOT HOLD (" in lines[0]
+    assert (tmp_path / "out0" / "report.json").exists()  # the report is there all the same
+
+
+def test_what_has_no_value_here_does_not_hold(files, tmp_path, capsys):
+    status, said = judged(files[:1], tmp_path, capsys, "order.x > 1")
+    assert status == 1 and "expected order.x > 1: DOES NOT HOLD (" in said
+
+
+@pytest.mark.parametrize(("claim", "names"), [
+    ("fine", "claims nothing"), ("order.y > 1", "after order give one of x, v, sigma"),
+    ("error.x < 1", "give one of final, max, mean"),
+    ("budget.v.crossings > 0.8", "give one of grids, error, order"),
+    ("__import__('os') == 1", "means nothing here"), ("error.x.max < \x1b[31m1", "cannot be read"), ("", "claims nothing")])
+def test_what_no_judgement_can_decide_is_refused_before_anything_is_read(claim, names, tmp_path, capsys):
+    status = main(["judge", "bar", "not-there.npz", "--out", str(tmp_path / "out"), "--expect", claim])
+    said = capsys.readouterr().err
+    assert status == 2 and "--expect" in said and names in said and "\x1b" not in said
+    assert said.count("\n") == 1 and not (tmp_path / "out").exists()
+
+
+def test_every_path_can_be_asked_for():
+    for first, levels in VOCABULARY.items():
+        check_claim(f"{'.'.join([first, *(level[0] for level in levels)])} > 0", {"grids": None}, "grids", VOCABULARY)
