@@ -40,7 +40,11 @@ def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
     notes: dict[int, list[str]] = {}
     steps: dict[int, float | None] = {}
     for k, raw in enumerate(files):
-        count = raw.cells if raw.cells is not None else (cells or [scene.cells])[k if len(cells) > 1 else 0]
+        asked = (cells or [scene.cells])[k if len(cells) > 1 else 0]
+        if raw.cells not in (None, asked) and asked != type(scene)().cells:
+            raise FileError(raw.file, f"says that it has {raw.cells} cells, and --cells says {asked}; give what was "
+                                      "run, or nothing of it")
+        count = asked if raw.cells is None else raw.cells
         own = _scene_of(raw.file, scene, count)
         found, said = _frames(raw, own, reference, times[k] if times else None)
         frames.setdefault(count, []).extend(found)

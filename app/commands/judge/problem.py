@@ -21,6 +21,7 @@ from solvers.scene.scene import Scene
 
 PAGE = Path(__file__).parent / "problem.md"
 TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
+FIRST_STEP = 0.1  # of the time that a wave takes through a cell
 QUARTERS = 4  # of a period: the times of the exact solution where none are asked for
 
 
@@ -105,7 +106,8 @@ def page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> s
         PAGE, **vars(texts), **columns, title=scene.title, problem=scene.problem, flags=_flags(scene),
         solution=solution, known=known, times=len(times), cells=scene.cells, h=f"{scene.spacing:.6g}",
         per_cell=per_cell(scene.problem, scene.ppc), period_is=period, period=f"{scene.period:.15g}",
-        wave_speed=f"{scene.wave_speed:.15g}", crossing=f"{scene.spacing / scene.wave_speed:.4g}")
+        wave_speed=f"{scene.wave_speed:.15g}", crossing=f"{scene.spacing / scene.wave_speed:.4g}",
+        first_step=f"{FIRST_STEP * scene.spacing / scene.wave_speed:.4g}")
 
 
 def _flags(scene: Scene) -> str:

@@ -53,7 +53,8 @@ def test_what_has_no_value_here_does_not_hold(files, tmp_path, capsys):
     ("fine", "claims nothing"), ("order.y > 1", "after order give one of x, v, sigma"),
     ("error.x < 1", "give one of final, max, mean"),
     ("budget.v.crossings > 0.8", "give one of grids, error, order"),
-    ("__import__('os') == 1", "means nothing here"), ("error.x.max < \x1b[31m1", "cannot be read"), ("", "claims nothing")])
+    ("__import__('os') == 1", "means nothing here"), ("error.x.max < \x1b[31m1", "cannot be read"),
+    ("", "claims nothing")])
 def test_what_no_judgement_can_decide_is_refused_before_anything_is_read(claim, names, tmp_path, capsys):
     status = main(["judge", "bar", "not-there.npz", "--out", str(tmp_path / "out"), "--expect", claim])
     said = capsys.readouterr().err

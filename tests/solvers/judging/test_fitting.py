@@ -17,6 +17,7 @@ from solvers.judging.reading import read
 from solvers.judging.verdict import judge
 from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
+from solvers.problems.bar.scene import BarScene
 from solvers.running.scene_text import LONGEST, SCHEMA, line
 
 OURS = ["--cells", "12", "--estimator", "none", "--quiet", "--json"]
@@ -210,3 +211,11 @@ def test_what_is_said_reads_back_as_the_scene(tmp_path):
             own = judge(PROBLEMS[scene.problem].scene(), raw).grids[0].scene
             assert (own.ppc, own.amplitude, own.body_force) == (scene.ppc, scene.amplitude, scene.body_force)
             assert own.particles == scene.particles
+
+
+def test_a_flag_that_contradicts_the_cells_of_a_file_is_refused(tmp_path):
+    """Also where the file says nothing but its cells; a flag at its default contradicts nothing."""
+    file = {"X": (np.arange(40) + 0.5) / 40, "x": (np.arange(40) + 0.5) / 40, "t": 0.0, "cells": 10}
+    with pytest.raises(FileError, match="says that it has 10 cells, and --cells says 20; give what was run"):
+        judge(BarScene(cells=20), file, cells=[20])
+    assert judge(BarScene(), file).grids[0].scene.cells == judge(BarScene(cells=10), file).grids[0].scene.cells == 10
