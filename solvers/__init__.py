@@ -11,6 +11,8 @@ import importlib
 import os
 from typing import TYPE_CHECKING
 
+from solvers.kernels import caches
+
 if TYPE_CHECKING:
     from solvers.judging.verdict import judge
     from solvers.outside.file_error import FileError
@@ -42,3 +44,4 @@ def __dir__() -> list[str]:
 # For Taichi, whoever imports it first: no announcement, and no asking a server for news at every start.
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
+caches.find_room()
