@@ -11,6 +11,8 @@ import importlib
 import os
 from typing import TYPE_CHECKING
 
+from solvers.kernels import caches
+
 if TYPE_CHECKING:
     from solvers.judging.verdict import judge
     from solvers.outside.file_error import FileError
@@ -44,3 +46,4 @@ def __dir__() -> list[str]:
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
+caches.find_room()

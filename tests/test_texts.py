@@ -48,6 +48,8 @@ def after_uv(words: list[str]) -> tuple[list[str], list[str]]:
     groups = []
     while words and re.fullmatch(r"\w+=\S*", words[0]):
         words = words[1:]
+    if words[:3] == ["python3", "-m", "uv"]:  # where the shell does not find it
+        words = words[2:]
     if words[:2] == ["uv", "run"]:
         words = words[2:]
         while words and words[0].startswith("-"):

@@ -60,8 +60,10 @@ def _completed(hint: Any) -> Any:
         return None
     others = [mark for mark in marks if mark is not spec]
     if spec.metavar in FILES:
-        return Annotated[(Path | None, *others)]
+        file: Any = (Path | None, *others)
+        return Annotated[file]
     if spec.metavar.startswith("{"):
         words = tuple(spec.metavar.partition("}")[0][1:].split(","))
-        return Annotated[(Any, replace(spec, choices=words), *others)]
+        word: Any = (Any, replace(spec, choices=words), *others)
+        return Annotated[word]
     return None

@@ -9,7 +9,6 @@ import math
 import re
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
-from typing import Self
 
 from app.words import QUANTITIES, brief, per_cent, ratio, with_unit
 from solvers.scene.scene import Scene
@@ -38,7 +37,7 @@ class Said:
     moment: Hashable = None  # what it is of: another one is worth being read aloud
 
     @classmethod
-    def of(cls, headline: str, *facts: str, **places: str) -> Self:
+    def of(cls, headline: str, *facts: str, **places: str) -> "Said":
         """With texts in the headline's places, and without facts that are empty."""
         return cls(tuple(spans(headline, places)), tuple(filter(None, facts)))
 

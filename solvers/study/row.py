@@ -95,9 +95,9 @@ def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
     """Seconds that each effect of the scene adds to the bare run when it is switched on alone; one that needs another
     is compared with that one alone. An estimator's price is in the result."""
     wanted = [name for name in PRICED if scene.has(name)]
-    sets = dict.fromkeys([(), *((*PRICED[name], name) for name in wanted)])
-    least = {effects: min(time_bare(scene, repeats, effects)[0]) for effects in sets}
-    return {name: least[(*PRICED[name], name)] - least[PRICED[name]] for name in wanted}
+    sets = {name: (*PRICED[name], name) for name in wanted}
+    least = {effects: min(time_bare(scene, repeats, effects)[0]) for effects in dict.fromkeys([(), *sets.values()])}
+    return {name: least[effects] - least[PRICED[name]] for name, effects in sets.items()}
 
 
 def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tuple[list[float], Result]:

@@ -22,9 +22,10 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, cast
 
-START = ("import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-         "import solvers.workers.processes as p; p.serve(sys.argv[2])")
-
+#: What such a process does first: it looks for modules where it is told to, and takes these ones from their own place.
+HOME = Path(__file__).resolve().parents[2]
+START = ("import sys; sys.path[:] = sys.argv[2:]; import solvers.workers.processes as p; del sys.path[0]; "
+         "p.serve(sys.argv[1])")
 
 GOODBYE = 1.5  # seconds that a process may take to put away what it has compiled
 LINUX = sys.platform == "linux"
@@ -63,10 +64,11 @@ class WorkerProcess:
             raise ProcessDied("was closed")
         if self.process_id is None:
             self._end()
-            paths = json.dumps([path or os.getcwd() for path in sys.path])
+            paths = [path or os.getcwd() for path in sys.path]
             self._process = subprocess.Popen(
-                [sys.executable, "-c", START, paths, self._work], env={**os.environ, **(self._environment or {})},
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+                [sys.executable, "-c", START, self._work, str(HOME), *paths],
+                env={**os.environ, **(self._environment or {})}, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL, text=True)
             if self._closed:  # meanwhile
                 self._process.kill()
         return cast(subprocess.Popen, self._process)

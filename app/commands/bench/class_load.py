@@ -7,7 +7,6 @@ import os
 import random
 import statistics
 import subprocess
-import sys
 import threading
 from bisect import bisect_right
 from collections import deque
@@ -18,6 +17,7 @@ from itertools import pairwise
 from time import monotonic
 from typing import Any
 
+from app.commands.bench.itself import ITSELF
 from app.viewer.client import connected
 from solvers.workers.processes import LINUX, descendants, free_port, proportional_bytes
 
@@ -152,7 +152,7 @@ class Visitor:
 def serving(*arguments: str) -> Iterator[tuple[str, int]]:
     """A server of the page in a process of its own: its address (host:port) and the number of the process."""
     port = free_port()
-    command = [sys.executable, "-m", "app", "serve", "--port", str(port), *arguments]
+    command = [*ITSELF, "serve", "--port", str(port), *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert process.stderr
     try:

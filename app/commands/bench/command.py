@@ -1,19 +1,18 @@
 """``mpm-lab bench``: how fast it is here."""
 
-import sys
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import tyro
 
 from app.commands.bench.history import History, history_table
+from app.commands.bench.itself import ITSELF
 from app.commands.bench.text import bench_table
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, default_hint
 from app.commands.output import json_target, put_result
 from app.commands.progress import working
 from solvers.scene.rules import require_number, require_whole
 
-COMMAND = (sys.executable, "-m", "app", "--version")
 MOST_VISITORS, MOST_MINUTES = 200, 600
 
 
@@ -55,7 +54,7 @@ class Bench:
                 values, table = history.add(self.quick, show), history_table
             elif self.visitors is None:
                 from solvers.bench.bench import bench
-                values, table = bench(self.quick, COMMAND, show), bench_table
+                values, table = bench(self.quick, (*ITSELF, "--version"), show), bench_table
             else:
                 from app.commands.bench.class_load import Load, class_load, class_table
                 values, table = class_load(Load(self.visitors, 60 * self.minutes), show), class_table

@@ -1,0 +1,42 @@
+"""Where compiled kernels are kept when the home folder takes nothing: read only, or not there, as in many containers.
+
+Taichi writes them below ``XDG_CACHE_HOME``, by default ``~/.cache``, when it ends; where it cannot, its process ends in
+a segmentation fault, with its cache switched off too, and without a ``HOME`` it does not even start. Matplotlib keeps
+its list of fonts there.
+"""
+
+import atexit
+import os
+import shutil
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+HOME, KERNELS, PICTURES = "XDG_CACHE_HOME", "TI_OFFLINE_CACHE_FILE_PATH", "MPLCONFIGDIR"
+
+
+def find_room() -> None:
+    """Have this process and those that it starts keep what they compile in a folder that goes with this process, where
+    the usual one takes nothing. Call before Taichi is imported; does nothing where all is well."""
+    if os.name == "nt" or (_takes(_usual()) and _takes(os.environ.get(KERNELS))):
+        return  # Windows has another place, and no home that is read only
+    with suppress(OSError):  # there is no room anywhere: let Taichi say so
+        folder = tempfile.mkdtemp(prefix="mpm-lab-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)  # before Taichi is imported: after it has written
+        os.environ[HOME] = folder
+        os.environ.pop(KERNELS, None)
+        os.environ.setdefault(PICTURES, folder)
+
+
+def _usual() -> str | None:
+    if HOME in os.environ:
+        return os.environ[HOME]
+    return os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""
+
+
+def _takes(folder: str | None) -> bool:
+    """Whether it can be written to, or made; None is no wish."""
+    if folder is None:
+        return True
+    there = next((place for place in (Path(folder), *Path(folder).parents) if place.exists()), Path())
+    return bool(folder) and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
