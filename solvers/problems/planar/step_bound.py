@@ -79,8 +79,8 @@ def body_bound(fine: PlanarScene, body_of: Callable[[PlanarScene], Body]) -> Ste
 
     All moments are looked at on so few cells that it is quick: a finer grid meets the particles in the same ways, and
     its bound is as much shorter as its cells are. But which node at a rim is emptiest, and how empty it is, depends on
-    the cells themselves. So the hardest moment, and where the motion begins and has its middle, are looked at again on
-    the scene's own, and if they bear less there, all moments do.
+    the cells themselves. So the hardest moment, and another where weights move, are looked at again on the scene's own,
+    and if they bear less there, all moments do.
     """
     parts = moments(fine)
     few = _look(coarsened(fine, MOST_PARTICLES), body_of, parts)
@@ -88,7 +88,7 @@ def body_bound(fine: PlanarScene, body_of: Callable[[PlanarScene], Body]) -> Ste
     whole, share = coarsened(fine, MOST_AT_FEW_MOMENTS), 1.0
     by_circles = _by_circles(few, hardest)
     if whole.cells > few.scene.cells:
-        again = _look(whole, body_of, parts[sorted({0, len(parts) // 2, hardest})])
+        again = _look(whole, body_of, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
         larger, least = few.scene.spacing / whole.spacing, int(np.argmin(again.limits))
         share = larger * float(again.limits[least] / few.limits[hardest])
         if share < 1:
