@@ -166,6 +166,16 @@ def test_moved_particles_are_found_with_their_place(problem, tmp_path):
     assert grid["worst"]["x"]["X"] in X[moved].tolist()
 
 
+def test_a_particle_is_named_by_its_id_and_not_by_its_line(tmp_path):
+    """Rows backwards, and particle 7 off by a twentieth of a cell."""
+    scene = scene_of("bar")
+    columns = {name: values[::-1].copy() for name, values in table(X=None).items()}
+    columns["x"][columns["id"] == 7] += 0.05 * scene.spacing
+    [grid] = judge(scene, csv_file(tmp_path, columns)).to_dict()["grids"]
+    worst, X = grid["worst"]["x"], handout.start(scene).material_position
+    assert worst["particle"] == grid["neighbour_gap"]["particle"] == 7 and worst["X"] == X[7].tolist()
+
+
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_exact_particles_have_no_error_in_any_form(problem, tmp_path):
     scene = scene_of(problem)
