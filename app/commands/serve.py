@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
 from app.commands.lesson import lesson_called
-from app.doors.address import is_name
+from app.doors.address import is_ip, is_name
 from app.doors.code import LONGEST, SHORTEST, plain
 from solvers.scene.rules import require_number, require_whole
 
@@ -41,11 +41,11 @@ class Serve:
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
     def execute(self) -> int:
-        if not self.host:
+        if not (is_name(self.host) or is_ip(self.host)):
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
-        if self.code.strip() and not SHORTEST <= len(plain(self.code)) <= LONGEST:
+        if self.code.strip() and not (self.code.isprintable() and SHORTEST <= len(plain(self.code)) <= LONGEST):
             raise BadInput("code", self.code, f"give {SHORTEST} to {LONGEST} letters and digits, or none")
         for name in self.name:
             if not is_name(name):

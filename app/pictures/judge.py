@@ -28,9 +28,7 @@ def norms_figure(judged: Judgement) -> Figure:
         for k, g in enumerate(judged.grids):
             _draw_norms(axes, g, q, k, len(judged.grids))
         axes.set_title(f"Error of {QUANTITIES[q]}" + ", RMS over particles" * (q == JUDGED[0]))
-        if not axes.lines:
-            axes.set_yticks([])
-            say(axes, "not in the files, or zero")
+        if _says_nothing(axes):
             continue
         axes.set_yscale("log")
         in_sizes(axes.yaxis, QUANTITIES[q].unit)
@@ -40,6 +38,15 @@ def norms_figure(judged: Judgement) -> Figure:
     figure.axes[-1].set_xlabel("time t")
     in_sizes(figure.axes[-1].xaxis, "s", few=False)
     return figure
+
+
+def _says_nothing(axes: Axes) -> bool:
+    """Whether nothing that is drawn can stand on a logarithmic axis, which is then said."""
+    if any(np.isfinite(line.get_ydata()).any() for line in axes.lines):
+        return False
+    axes.set_yticks([])
+    say(axes, "not in the files, or zero")
+    return True
 
 
 def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> None:
@@ -110,7 +117,11 @@ def order_figure(judged: Judgement) -> Figure | None:
             axes.plot(*zip(*at, strict=True), marker=METHOD_MARKS[method], color=METHOD_COLOURS[method], linewidth=1,
                       markersize=5, linestyle="--" if lp else "-", alpha=0.8,
                       label=f"our {method_name(method)}{', linearity preserving' * lp}")
-        axes.set(xscale="log", yscale="log", xlabel="cell size h", title=f"Largest error of {QUANTITIES[q].symbol}")
+        axes.set(xlabel="cell size h", title=f"Largest error of {QUANTITIES[q].symbol}")
+        if _says_nothing(axes):
+            axes.set_xticks([])
+            continue
+        axes.set(xscale="log", yscale="log")
         axes.grid(axis="both")
         if len(set(h)) == 1:
             axes.set_xlim(h[0] / 1.5, h[0] * 1.5)

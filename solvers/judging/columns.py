@@ -105,7 +105,9 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{key} has {n}" for key, n in lengths.items())
         raise FileError(path, f"has columns of several lengths ({told}); give a row for each particle in all of them")
-    if not columns.keys() - {"mass", "volume"} or not next(iter(lengths.values())):
+    if 0 in lengths.values():
+        raise FileError(path, "holds no particles: its columns are empty; give a row for each particle in all of them")
+    if not columns.keys() - {"mass", "volume"}:
         some = ", ".join(quoted(name, 30) for name in list(named)[:8]) or "nothing"
         raise FileError(path, f"holds no particles that are known by name, but {some}; give columns such as id, x, vx")
     if "t" in columns:

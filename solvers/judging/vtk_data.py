@@ -54,7 +54,7 @@ class Source:
             part = self.read(place + begin, min(AT_ONCE, length - begin))
             if len(part) < min(AT_ONCE, length - begin):
                 raise NotVTK("data that end too early")
-            content += base64.b64decode(part) if self.in_letters else part
+            content += _decoded(part) if self.in_letters else part
         del content[size:]
         if len(content) < size:
             raise NotVTK("data that end too early")
@@ -120,6 +120,13 @@ class Encoding:
 
     def _sizes(self, content: bytes | bytearray) -> list[int]:
         return np.frombuffer(content, self.size).tolist()
+
+
+def _decoded(letters: bytes) -> bytes:
+    try:
+        return base64.b64decode(letters)
+    except ValueError:
+        raise NotVTK("letters that are no base64") from None
 
 
 def _ends(source: Source, place: int) -> bool:

@@ -62,7 +62,7 @@ class SceneDefaults:
     @property
     def lattice_gap(self) -> float:
         """By how much, as RMS in amplitudes, the exact motion at its largest moves neighbours otherwise than the mean
-        of their deformation says, because they are few."""
+        of their deformation says, and one that is half wrong does, because they are few."""
         return 0.0
 
     @property

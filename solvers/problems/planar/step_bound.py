@@ -17,7 +17,8 @@ from solvers.scene.linear_stability import Configurations, Fields, Links, limits
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, bounded, circles, moments, stencil
 
-MOST_PARTICLES = 500  # of a quarter of the body that are looked at
+#: Particles of a quarter of the body that are looked at: at every moment, and at a few.
+MOST_PARTICLES, MOST_AT_FEW_MOMENTS = 500, 6000
 REST = np.eye(2)
 
 
@@ -63,28 +64,63 @@ class Body:
     stiff: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray | None]]
 
 
-def coarsened(scene: PlanarScene) -> PlanarScene:
-    """The scene on so few cells that its particles are quickly looked at: a finer one meets the grid in the same ways,
-    and its bound is as much shorter as its cells are."""
-    while scene.particles * 0.5 * np.pi / scene.ANGLE > MOST_PARTICLES and scene.cells > scene.FEWEST_CELLS:
+class Look(NamedTuple):
+    """Moments of a body on some cells: the weights and F (n, P, 2, 2) at each, and the longest steps (n,) in s."""
+
+    scene: PlanarScene
+    body: Body
+    found: list[Weights]
+    F: np.ndarray
+    limits: np.ndarray
+
+
+def body_bound(fine: PlanarScene, body_of: Callable[[PlanarScene], Body]) -> StepBound:
+    """The bound of a scene, of whose kind ``body_of`` gives the bodies.
+
+    All moments are looked at on so few cells that it is quick: a finer grid meets the particles in the same ways, and
+    its bound is as much shorter as its cells are. But which node at a rim is emptiest, and how empty it is, depends on
+    the cells themselves. So the hardest moment, and another where weights move, are looked at again on the scene's own,
+    and if they bear less there, all moments do.
+    """
+    parts = moments(fine)
+    few = _look(coarsened(fine, MOST_PARTICLES), body_of, parts)
+    hardest = int(np.argmin(few.limits))
+    whole, share = coarsened(fine, MOST_AT_FEW_MOMENTS), 1.0
+    by_circles = _by_circles(few, hardest)
+    if whole.cells > few.scene.cells:
+        again = _look(whole, body_of, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
+        larger, least = few.scene.spacing / whole.spacing, int(np.argmin(again.limits))
+        share = larger * float(again.limits[least] / few.limits[hardest])
+        if share < 1:
+            by_circles = larger * _by_circles(again, least)
+    finer, first = few.scene.spacing / fine.spacing, few.found[0]
+    crossed = any(np.any(one.i[:, 0] != first.i[:, 0]) or np.any(one.j[:, 0] != first.j[:, 0]) for one in few.found)
+    return bounded(few.scene, min(1.0, share) * few.limits, few.body.seconds * finer, few.body.stretch, by_circles,
+                   crossed).on_cells(1 / finer)
+
+
+def coarsened(scene: PlanarScene, most: int) -> PlanarScene:
+    """The scene on so few cells that a quarter of its body has no more particles."""
+    while scene.particles * 0.5 * np.pi / scene.ANGLE > most and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
 
 
-def body_bound(fine: PlanarScene, scene: PlanarScene, body: Body) -> StepBound:
-    """The bound of a scene, from the ``body`` of one that is coarser."""
-    finer = scene.spacing / fine.spacing
-    found = [weights(scene, *body.deformed(part), body.edges) for part in moments(scene)]
-    F = np.stack([body.deformed(part)[1] for part in moments(scene)])
-    each = limits(_side_by_side(scene, body, found, F))
-    hardest = int(np.argmin(each))
-    stiffness, metric = body.stiff(F[hardest])
-    one = found[hardest]
+def _look(scene: PlanarScene, body_of: Callable[[PlanarScene], Body], parts: np.ndarray) -> Look:
+    body = body_of(scene)
+    deformed = [body.deformed(part) for part in parts]
+    found = [weights(scene, *one, body.edges) for one in deformed]
+    F = np.stack([F for _, F in deformed])
+    return Look(scene, body, found, F, limits(_side_by_side(scene, body, found, F)))
+
+
+def _by_circles(look: Look, moment: int) -> float:
+    """What Gershgorin's circles say of a moment, in s."""
+    body, one = look.body, look.found[moment]
+    stiffness, metric = body.stiff(look.F[moment])
     number = body.images(one.i, one.j).number
-    mass = np.bincount(number.ravel(), (scene.density * body.volume[:, None] * one.S).ravel())
-    by_circles = circles(number, _sizes(one.x, one.y, metric), stiffness, mass)
-    crossed = any(np.any(one.i[:, 0] != found[0].i[:, 0]) or np.any(one.j[:, 0] != found[0].j[:, 0]) for one in found)
-    return bounded(scene, each, body.seconds * finer, body.stretch, by_circles, crossed).on_cells(1 / finer)
+    mass = np.bincount(number.ravel(), (look.scene.density * body.volume[:, None] * one.S).ravel())
+    return circles(number, _sizes(one.x, one.y, metric), stiffness, mass)
 
 
 def _side_by_side(scene: PlanarScene, body: Body, found: Sequence[Weights], F: np.ndarray) -> Configurations:

@@ -8,14 +8,18 @@ import numpy as np
 
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.step_bound import Body, Images, body_bound, coarsened
+from solvers.problems.planar.step_bound import Body, Images, body_bound
 from solvers.problems.ring import exact
 from solvers.scene.step_bound import StepBound
 
 
-def critical_time_step(fine: PlanarScene) -> StepBound:
+def critical_time_step(scene: PlanarScene) -> StepBound:
     """The longest step along the ring's motion from one extreme to the other."""
-    scene = coarsened(fine)
+    return body_bound(scene, body_of)
+
+
+def body_of(scene: PlanarScene) -> Body:
+    """What of the ring its bound is made of."""
     layout, mu, row = particle_layout(scene), 0.5 * scene.modulus, 2 * scene.cells
     X, R = layout.position, layout.radii[layout.radius]
     w, slope, _ = exact.shape(R)
@@ -38,5 +42,5 @@ def critical_time_step(fine: PlanarScene) -> StepBound:
         return mu * (1 + (1 / b[:, 0] if scene.frozen else b[:, 1])) * layout.volume, None
 
     stretch = 1 + scene.amplitude * float(np.abs([slope, w / R]).max())
-    return body_bound(fine, scene, Body(layout.volume, layout.edges, deformed, (0.0, mu), 0.5 * scene.period, stretch,
-                                        images, lambda number: (number % row == 0, number < row), stiff))
+    return Body(layout.volume, layout.edges, deformed, (0.0, mu), 0.5 * scene.period, stretch, images,
+                lambda number: (number % row == 0, number < row), stiff)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.step_bound import Body, Images, body_bound, coarsened
+from solvers.problems.planar.step_bound import Body, Images, body_bound
 from solvers.problems.vortex import exact
 from solvers.scene.step_bound import StepBound
 
@@ -24,9 +24,13 @@ from solvers.scene.step_bound import StepBound
 SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
-def critical_time_step(fine: Any) -> StepBound:
+def critical_time_step(scene: Any) -> StepBound:
     """The longest step along the motion from rest to the largest turn; the other way is its mirror."""
-    scene = coarsened(fine)
+    return body_bound(scene, body_of)
+
+
+def body_of(scene: Any) -> Body:
+    """What of the vortex its bound is made of: a quarter of it."""
     layout, (lam, mu) = particle_layout(scene), exact.lame(scene)
     kept = a_quarter(layout.position)
     X, volume = layout.position[kept], layout.volume[kept]
@@ -44,9 +48,9 @@ def critical_time_step(fine: Any) -> StepBound:
 
     F = deformed(1.0)[1]
     stretch = float(np.sqrt(np.linalg.eigvalsh(F @ F.transpose(0, 2, 1)).max()))
-    return body_bound(fine, scene, Body(
-        volume, layout.edges[kept], deformed, (lam, mu), 0.25 * scene.period, stretch,
-        lambda i, j: images_in_a_quarter(i, j, scene.cells), lambda number: (np.zeros(len(number), bool),) * 2, stiff))
+    return Body(volume, layout.edges[kept], deformed, (lam, mu), 0.25 * scene.period, stretch,
+                lambda i, j: images_in_a_quarter(i, j, scene.cells), lambda number: (np.zeros(len(number), bool),) * 2,
+                stiff)
 
 
 def a_quarter(X: np.ndarray) -> np.ndarray:

@@ -150,6 +150,9 @@ def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys,
     (["serve", "--max-sessions", "0"], "--max-sessions 0: give a whole number"),
     (["serve", "--frames", "0"], "--frames 0: give a number above 0 and up to 60"),
     (["serve", "--host", ""], "--host (no value):"),
+    *((["serve", "--host", host], "give the name or the address of this machine") for host in (
+        "\x1b[31mevil\u202e", "two words", "x\x00y")),
+    (["serve", "--code", "wave\x1b[31m4711"], "give 6 to 64 letters and digits, or none"),
 ])
 def test_bad_commands_are_one_line(words, says, capsys):
     assert main(words) == 2

@@ -166,6 +166,16 @@ def test_moved_particles_are_found_with_their_place(problem, tmp_path):
     assert grid["worst"]["x"]["X"] in X[moved].tolist()
 
 
+def test_a_particle_is_named_by_its_id_and_not_by_its_line(tmp_path):
+    """Rows backwards, and particle 7 off by a twentieth of a cell."""
+    scene = scene_of("bar")
+    columns = {name: values[::-1].copy() for name, values in table(X=None).items()}
+    columns["x"][columns["id"] == 7] += 0.05 * scene.spacing
+    [grid] = judge(scene, csv_file(tmp_path, columns)).to_dict()["grids"]
+    worst, X = grid["worst"]["x"], handout.start(scene).material_position
+    assert worst["particle"] == grid["neighbour_gap"]["particle"] == 7 and worst["X"] == X[7].tolist()
+
+
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_exact_particles_have_no_error_in_any_form(problem, tmp_path):
     scene = scene_of(problem)
@@ -259,6 +269,15 @@ def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):
     assert "data:image/png;base64" in page and "<script" not in page and "http" not in page.replace("http-equiv", "")
 
 
+@pytest.mark.parametrize("cells", [(20,), (20, 30)], ids=["one grid", "two"])
+def test_particles_that_miss_nothing_have_their_pictures(cells, tmp_path, capsys):
+    """The start, and no other time: all errors are zero, and so are those of our methods beside."""
+    files = [csv_file(tmp_path, writing.table([handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0)]), f"{n}.csv")
+             for n in cells]
+    assert main(["judge", "bar", *files, "--cells", *map(str, cells), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    assert (tmp_path / "out" / "order.png").exists() and not capsys.readouterr().err
+
+
 def test_times_between_our_steps_are_met(tmp_path):
     """At times that no step of ours ends at, ours is interpolated: its error is that of its neighbours in time."""
     from solvers.judging.ours import compared
@@ -346,6 +365,9 @@ CONTENTS = {
     "latin.csv": (b"id,x\xff\n1,2\n", "is no text"),
     "no.npz": (b"nothing", "is no .npz of plain numbers"),
     "no.vtu": (b'<VTKFile type="UnstructuredGrid">', "cannot be read as .vtu ("),
+    "letters.vtu": (b'<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="1"><Points><DataArray '
+                    b'type="Float64" NumberOfComponents="3" format="binary">A=======</DataArray></Points></Piece>',
+                    "cannot be read as .vtu (letters that are no base64)"),
     "no.vtk": (b"nothing", "cannot be read as .vtk ("),
     "no.vtp": (b'<VTKFile type="UnstructuredGrid"/>', "is no PolyData"),
     "no.xyz": (b"1", "is of no kind that is known; give a file that ends in .csv, .npz"),
@@ -368,6 +390,7 @@ def test_a_pickle_is_not_opened(tmp_path):
 @pytest.mark.parametrize("arrays, said", [
     ({"x": np.zeros((3, 8, 1)), "t": np.arange(2.0)}, "has 2 times and positions of the shape"),
     ({"x": np.zeros((3, 8, 1)), "t": np.arange(3.0), "v": np.zeros((2, 8, 1))}, "has v of the shape (2, 8, 1)"),
+    ({"x": np.zeros(0), "id": np.zeros(0), "t": 1.0}, "holds no particles: its columns are empty"),
     ({"x": np.zeros(4), "v": np.zeros(3), "t": 1.0}, "has columns of several lengths"),
     ({"x": np.zeros(4), "F": np.zeros((4, 5)), "t": 1.0}, "has F of the shape (4, 5)"),
     ({"x": np.zeros(4), "v": np.array(list("abcd")), "t": 1.0}, "has no numbers in v"),

@@ -14,6 +14,7 @@ from solvers.problems.ring import exact as ring_exact
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex import exact as vortex_exact
 from solvers.problems.vortex.scene import VortexScene
+from solvers.scene.balance import Moments
 from solvers.solver.soundness import balance_gap
 
 BLIND = ("soundness",)
@@ -49,6 +50,17 @@ def test_the_gap_is_a_lower_bound_of_the_error_and_close_to_it(scene, simulate):
     assert looked.sum() > 5
     gap, error = gap[looked], result.series["error_x"][looked]
     assert (gap <= error + MISSED * A).all() and (gap >= 0.95 * error - MISSED * A).all()
+
+
+def test_what_no_function_has_part_in_counts_by_its_size():
+    """Displacements along (1, 0, 1, 0) and, of the run, 3 and -4 along the others, of which no function knows: two
+    particles' worth of 0.5 within, and 5 outside less the motion's 2."""
+    known = Moments(np.array([[2.0]]), np.array([2.0 + 4.0]), np.array([[0.5]]), 4, np.array([True]))
+    run = np.array([1.5, 3.0, 1.5, -4.0])
+    gap = known.distance(np.array([[run[0] + run[2]]]), np.array([run @ run]))
+    assert gap == pytest.approx(np.sqrt((2 * 0.5**2 + (5 - 2) ** 2) / 4), rel=1e-12)
+    assert known.distance(np.array([[2.0]]), np.array([6.0])) == 0
+    assert np.isnan(known._replace(trusted=np.array([False])).distance(np.array([[2.0]]), np.array([6.0])))
 
 
 @pytest.mark.parametrize("scene", [BarScene(body_force="two-tone", periods=2), BarScene(body_force="none", periods=2),

@@ -36,7 +36,8 @@ from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
-WAVE_CFL = 0.7  # H c over the shortest side of an element; stable to 0.9 while little is compressed
+WAVE_CFL = 0.7  # H c over the shortest side of an element, where the run's own step is shorter
+MOST_CFL = {"mirror": 0.72, "periodic": 0.8}  # the same where it is not: beyond .74 and .84 the reference breaks down
 
 MEMORY = {
     "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
@@ -275,12 +276,14 @@ def lines(scene):
     """The lattice's lines, around and across the ring, with elements a cell wide at the inner rim.
 
     With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
+    None is narrower than the reference's step bears, which is no shorter than the run's.
     """
     width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
     turn, across, counts = scene.ANGLE, scene.OUTER - scene.INNER, scene.polar_counts(scene.cells, scene.ppc)
     ends = "periodic" if turn >= 2 * np.pi else "mirror"
-    return (Line(counts[0], max(3, round(turn * scene.INNER / width)), turn, ends),
-            Line(counts[1], max(1, round(across / width)), across, "free"))
+    narrowest = scene.wave_speed * scene.time_step / MOST_CFL[ends]
+    around, radial = (min(round(length / width), int(length / narrowest)) for length in (turn * scene.INNER, across))
+    return Line(counts[0], max(3, around), turn, ends), Line(counts[1], max(1, radial), across, "free")
 
 
 def allocate(scene, initial_velocity, steps):
