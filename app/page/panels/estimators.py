@@ -78,7 +78,7 @@ class Judges:
 def _card(name: str, problem: str) -> str:
     """A card, which the browser fills from runs of the problem. The price is what an estimator adds to the rest."""
     estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
-    cost = "" if price is None else f"+{price / (1 - price):.0%}"
+    cost = "" if price is None else f"+{100 * price / (1 - price):.0f}\N{NO-BREAK SPACE}%"
     idea = escape(IDEAS.get(name, estimator.summary))
     return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}' data-problem='{escape(problem)}'>"
             f"<button type='button' class='lab-judge-name' title='put it on the stage: {escape(estimator.summary)}'>"
