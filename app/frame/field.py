@@ -217,7 +217,9 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     are ``magnified``, and a remark."""
     box, room = places.field, places.room
     beside = box.left > 0 or room.gutter > 0  # else there is room for the upper number alone, within the plot
-    for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "0", 0.0)):
+    left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
+    crowded = left and 1.2 * room.extent(words.name)[0] + room.extent(" 0")[0] > room.gutter
+    for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
     yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
                 box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",

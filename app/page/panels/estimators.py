@@ -20,7 +20,7 @@ IDEAS = {"recovered": "smooths the particles' motion", "transport": "the method'
          "companion": "a hidden, finer solve beside it", "two-grid": "the same run on wider cells"}
 HEADING = ("<h2 class='lab-h2'>Who judges the run?<small title='error index: estimated over true, summed over the run "
            "so far; price: the running time that it adds to the usual scene'>index, 1 is perfect · price</small></h2>"
-           f"<div class='lab-judge-true'>{sample(TRUE)} <b>{TRUE}</b> <span>norm</span> <strong></strong></div>")
+           f"<div class='lab-judge-true'>{sample(TRUE)} <b>{TRUE}</b> <span>norm now</span> <strong></strong></div>")
 
 
 class Judges:

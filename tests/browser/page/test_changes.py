@@ -25,7 +25,8 @@ def test_no_part_of_the_page_changes_with_every_frame(server, chromium):
         page = chromium.new_page(viewport={"width": 900, "height": 640})
         try:
             page.goto(f"{address}/?fixedDpr=0.25{HOME}")
-            until(lambda: page.locator("#lab-clock").count() and steps(page) > 100, "a run under way")
+            until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+            until(lambda: steps(page) > 100, "a run under way")
             page.wait_for_timeout(3000)  # for what settles after the first picture
             page.evaluate(CHANGES)
             until(lambda: page.evaluate("window.changes['#lab-clock childList '] > 15"), "the clock going on")
