@@ -107,12 +107,18 @@ def in_a_line(scene: Scene) -> str:
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
     more = differing(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
     return f"{scene.title.capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
-           f"{per_cell(scene.problem, scene.ppc)} particles per cell, {_moved_by(scene)}" + f", {more}" * bool(more)
+           f"{particles_per_cell(scene.problem, scene.ppc)}, {_moved_by(scene)}" + f", {more}" * bool(more)
 
 
 def per_cell(problem: str, ppc: float) -> str:
     """Particles per cell, which are counted along each direction: 4, 2 × 2, 2.5."""
     return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)
+
+
+def particles_per_cell(problem: str, ppc: float) -> str:
+    """The same in words: 1 particle per cell, 2 × 2 particles per cell."""
+    said = per_cell(problem, ppc)
+    return f"{said} particle{'s' * (said != '1')} per cell"
 
 
 def on_page(sentence: str) -> str:

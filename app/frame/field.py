@@ -22,6 +22,7 @@ SLACK = 0.4  # of its height that values must fall below before it does
 MOST_STEMS = 2000  # particles whose errors are drawn as lengths: more would be a grey mass
 #: Pixels across: of a particle, of one of many, of one that crossed a cell boundary, and of the ground around that.
 DOT, MANY_DOTS, CROSSED, HALO = 3.4, 2.8, 6.5, 9.5
+MOST_LARGE, CROWDED = 30, 0.66  # as many that crossed are so large; more, this much smaller, do not hide the rest
 CURVE_WIDTH = 6.0
 MANY = 300
 BELOW = np.array([0, 0, 0.002], np.float32)
@@ -125,8 +126,9 @@ class FieldPlot:
         yield Dots("field/particles", self._dots, self._ink[0], (DOT if len(values) <= MANY else MANY_DOTS) * pixel)
         over = self._dots[crossed]
         over[:, 2] = 0.016
-        yield Dots("field/around", over - BELOW, self._ink[1], HALO * pixel)
-        yield Dots("field/crossed", over, self._ink[2], CROSSED * pixel)
+        crowd = CROWDED if len(over) > MOST_LARGE else 1.0
+        yield Dots("field/around", over - BELOW, self._ink[1], crowd * HALO * pixel)
+        yield Dots("field/crossed", over, self._ink[2], crowd * CROSSED * pixel)
 
     def places(self, particles: slice, count: int) -> np.ndarray:
         """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
@@ -215,12 +217,16 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     are ``magnified``, and a remark."""
     box, room = places.field, places.room
     beside = box.left > 0 or room.gutter > 0  # else there is room for the upper number alone, within the plot
-    for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "0", 0.0)):
+    left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
+    crowded = left and 1.2 * room.extent(words.name)[0] + room.extent(" 0")[0] > room.gutter
+    for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
     yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
                 box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
                 "number")
     below, written = box.below or 0.0, box.below is not None
+    if room.extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
+        ends = f"{ends[0].rpartition(' ')[0]}–{ends[1]}", ""
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
     x, y, anchor = box.magnified or box.remark
@@ -230,7 +236,8 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"
-    yield Label("field/name", words.name if box.at else "", x, y, "center-left", role, 1.1, bold=True)
+    size = 1.1 if box.keys or x >= 0 else 1.0  # without keys it stands beside the axis's numbers
+    yield Label("field/name", words.name if box.at else "", x, y, "center-left", role, size, bold=True)
     keys: tuple[tuple[str, Tone, Sign], ...] = (PARTICLES, "plain", "dot"), (CURVE if exact else "", "truth", "line")
     for row, (text, tone, sign) in enumerate(keys, 1):
         yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * room.line, "center-left",

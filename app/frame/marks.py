@@ -5,6 +5,7 @@ The stage is a plane in which x goes from 0 to 1 along the colour bar and y from
 """
 
 import textwrap
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal, Protocol
@@ -128,6 +129,16 @@ class Room:
     def letters(self, length: float, size: float = 1.0) -> int:
         """How many letters of a size there is room for in a length of the stage."""
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
+
+    def fitting(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
+        """The first of some texts that there is room for in a box of the stage, none of whose words is broken, and how
+        many letters its lines have; an empty one where there is none."""
+        letters = self.letters(width)
+        for text in texts:
+            lines = wrapped(text, letters).split("\n")
+            if max(map(len, text.split()), default=0) <= letters and len(lines) * self.line <= height:
+                return text, letters
+        return "", letters
 
     def extent(self, text: str, size: float = 1.0) -> np.ndarray:
         """Width and height (2,) that a text of this size takes on the stage, about."""

@@ -89,7 +89,9 @@ def _above(words: Words, places: PlanarPlaces) -> Iterator[Label]:
     for name, title, at, anchor in _sides(words.titles, x, reach, True):
         yield Label(f"{name}-title", title, at, up, anchor, "title", tone=name, bold=True)
     by = x - reach + 1.25 * room.extent(words.titles[0])[0] + 6 * room.pixel
-    yield Label("estimate-by", words.by[0], by, up, "bottom-left", "note")
+    free = x + reach - by - 1.25 * room.extent(words.titles[1])[0] - room.extent(" ")[0]  # between the two titles
+    text, _ = room.fitting((words.by[0], words.by[0].rpartition(" ")[2]), free, room.line)
+    yield Label("estimate-by", text, by, up, "bottom-left", "note")
     yield Label("truth-by", "", x, up, "bottom-left", "title")
     yield from _inside(words, places)
     for other in ("alike", "size-note", "run"):
@@ -126,8 +128,8 @@ def _inside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
     room, (x, y) = places.room, places.middle
     sides: tuple[Anchor, Anchor] = ("center-right", "center-left")
     for name, silence, anchor, apart in zip(HALVES, words.silences, sides, (-4, 4), strict=True):
-        yield Label(f"{name}-silence", silence, x + apart * room.pixel, y, anchor, "silence",
-                    width=room.letters(0.55 * places.radius))
+        text, width = room.fitting((silence, brief(silence)), 0.55 * places.radius, 1.1 * places.radius)
+        yield Label(f"{name}-silence", text, x + apart * room.pixel, y, anchor, "silence", width=width)
 
 
 def _crossings(words: Words, places: PlanarPlaces) -> Label:

@@ -18,7 +18,7 @@ from app.pictures.budget import draw_budget, name_causes
 from app.problems.views import VIEWS
 from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet
 from app.renderers.picture import positive, say, styled
-from app.words import QUANTITIES, method_name, moving, per_cell, unit_of
+from app.words import QUANTITIES, method_name, moving, particles_per_cell, unit_of
 from solvers.running.result import Result
 from solvers.scene.causes import FIELDS
 from solvers.solver import budget
@@ -77,7 +77,7 @@ def _title(result: Result) -> str:
     swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if "amplitude" in scene.moved_by \
         else moving(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
-             f"(h = {scene.spacing:.3g} m) · {per_cell(scene.problem, scene.ppc)} particles per cell{layout}"
+             f"(h = {scene.spacing:.3g} m) · {particles_per_cell(scene.problem, scene.ppc)}{layout}"
              f" · {swing}")
     second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · body "
               f"force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to t = {result.time:.4g} s")

@@ -94,7 +94,8 @@ def work(ran: Ran) -> float:
 
 def fell(ran: Ran) -> Answer:
     """What has become of the error with cells half as wide."""
-    by, hint = ran.ratio, f"Second order would give 0.25. It costs {number(work(ran))} times the particle steps."
+    by, hint = ran.ratio, "In the first period. Second order: 0.25, " \
+        f"at {number(work(ran))} times the particle steps."
     if not math.isfinite(by):
         return "Nobody knows: there is no true error to compare.", hint
     if by >= 1 + SAME:

@@ -9,7 +9,7 @@ import numpy as np
 from app.lessons.markup import html
 from app.problems.views import VIEWS
 from app.templates import rendered
-from app.words import NOTHING, QUANTITIES, method_name, moving, per_cell, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
 from solvers.judging.checks.alone import NAMES
 from solvers.judging.checks.check import OFF
 from solvers.judging.measure import QUANTITIES as JUDGED
@@ -52,7 +52,7 @@ def _said(values: dict, judged: Judgement) -> str:
     more = [f"{name} {scene[key]:g}{unit}" for key, name, unit in OF_SOME if key in scene]
     return (f"{values['problem'].capitalize()}: {moving(judged.scene)}, E = {scene['modulus']:g} Pa, density "
             f"{scene['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {scene['body_force']}, "
-            f"{per_cell(values['problem'], scene['ppc'])} particles per cell unless files say which they are")
+            f"{particles_per_cell(values['problem'], scene['ppc'])} unless files say which they are")
 
 
 def _summary(values: dict, judged: Judgement) -> str:

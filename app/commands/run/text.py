@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from app.words import QUANTITIES, per_cell, unit_of
+from app.words import QUANTITIES, particles_per_cell, unit_of
 from solvers.problems import PROBLEMS
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.effects import ALL, EFFECTS, SHARE, Number, told
@@ -39,8 +39,8 @@ def budget_table(budget: dict) -> str:
 
 def _heading(result: dict) -> str:
     scene = result["scene"]
-    per = per_cell(scene["problem"], scene["ppc"])
-    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} particles per cell "
+    per = particles_per_cell(scene["problem"], scene["ppc"])
+    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} "
             f"({result['particles']:,}), {_moving(scene)}, cfl {scene['cfl']:.3g}\n"
             f"{result['status']}{_doubts(result)}: {result['steps']:,} steps to t = {result['t']:.6g} s"
             + f"\n{result['not_checked']}" * bool(result["not_checked"]))

@@ -40,7 +40,7 @@ class RunWidgets:
         with part("ppc"):
             low, high = view.reach.ppc
             step, hint = (1, "in each direction") if scene.whole_per_cell else (0.5, "need not be whole here")
-            mark(gui, words="how fine the material is")
+            mark(gui, words="how fine the body is")
             per_cell = gui.add_slider("Particles / cell", low, max(high, scene.ppc), step, scene.ppc, hint=hint)
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))
         if "amplitude" in scene.moved_by:

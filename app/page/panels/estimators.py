@@ -20,7 +20,7 @@ IDEAS = {"recovered": "smooths the particles' motion", "transport": "the method'
          "companion": "a hidden, finer solve beside it", "two-grid": "the same run on wider cells"}
 HEADING = ("<h2 class='lab-h2'>Who judges the run?<small title='error index: estimated over true, summed over the run "
            "so far; price: the running time that it adds to the usual scene'>index, 1 is perfect · price</small></h2>"
-           f"<div class='lab-judge-true'>{sample(TRUE)} <b>{TRUE}</b> <span>norm</span> <strong></strong></div>")
+           f"<div class='lab-judge-true'>{sample(TRUE)} <b>{TRUE}</b> <span>norm now</span> <strong></strong></div>")
 
 
 class Judges:
@@ -78,7 +78,7 @@ class Judges:
 def _card(name: str, problem: str) -> str:
     """A card, which the browser fills from runs of the problem. The price is what an estimator adds to the rest."""
     estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
-    cost = "" if price is None else f"+{price / (1 - price):.0%}"
+    cost = "" if price is None else f"+{100 * price / (1 - price):.0f}\N{NO-BREAK SPACE}%"
     idea = escape(IDEAS.get(name, estimator.summary))
     return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}' data-problem='{escape(problem)}'>"
             f"<button type='button' class='lab-judge-name' title='put it on the stage: {escape(estimator.summary)}'>"

@@ -173,7 +173,8 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
                drawn: str | None) -> str:
     """A line for the truth, each estimator and a pinned run: its norm now, its index and its distance so far."""
     unit = QUANTITIES[key].unit
-    heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("norm", "index", "distance"))
+    heads = (f"<span title=\"{HINTS[head]}\">{head}{said}</span>" for head, said in
+             (("norm", " now"), ("index", " so far"), ("distance", " so far")))
     rows = [row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
     for name, silence in silences(report, series, key).items():
         if len(silence) > SHORT:

@@ -4,12 +4,12 @@ beside a pinned run, for each of the two a plot with its lanes below."""
 from dataclasses import dataclass
 
 from app.frame.field import ROOM
-from app.frame.layout import Box, Places, Seat, rectangle, top
+from app.frame.layout import Box, Places, Seat, Spot, rectangle, top
 from app.frame.marks import Room
 
 #: In pixels: what stands above the upper and below the lower lane; the least lane and gap, that of a strip, and between
-#: two runs; half of a plot that has room for keys.
-BRACKET, LEAST_LANE, LEAST_GAP, STRIP, APART, KEYS = 26.0, 26.0, 20.0, 14.0, 10.0, 44.0
+#: two runs; half of a plot that has room for keys; and what the number at the end of its axis takes.
+BRACKET, LEAST_LANE, LEAST_GAP, STRIP, APART, KEYS, END = 26.0, 26.0, 20.0, 14.0, 10.0, 44.0, 36.0
 LANE, MOST_LANE, GAP = 0.155, 96.0, 0.62  # of the height below the numbers; in pixels; of a lane
 
 
@@ -40,10 +40,11 @@ def _alone(room: Room) -> BarPlaces:
     high = truth - 0.5 * lane - BRACKET * pixel - 0.4 * room.line
     half = 0.5 * (high - low) / ROOM
     middle = 0.5 * (high + low)
-    at = (-room.gutter, middle + 1.55 * room.line) if room.gutter else None
+    keys = half > KEYS * pixel  # of what is drawn, below its name; beside the axis's numbers, wherever it stands
+    at = (-room.gutter, middle + 1.55 * room.line * keys) if room.gutter else None
     below = low - 2 * pixel
-    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), (0.78, below, "top-center"), at,
-              half > KEYS * pixel)
+    remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
+    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
     return BarPlaces(room, Seat.ALONE, rectangle(room.high), box, estimate, truth, lane,
                      0.5 * (estimate + truth), end - room.line)
 

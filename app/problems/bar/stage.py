@@ -10,10 +10,12 @@ from app.frame.layout import HALVES, Seat
 from app.frame.marks import Anchor, Dots, Label, Lines, Mark, Room, Tone, faded, in_plane, joined
 from app.frame.stage import TOUCH, Stage, Words, Worst
 from app.problems.bar.places import BarPlaces, bar_places
+from app.words import brief
 from solvers.engine.frames import FrameArrays
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 
+LONGEST, WIDEST_LINE = 0.96, 90  # of a lane, and in letters: a line within it
 LANE_POINTS = 2000  # points that a lane may be made of
 WIDEST, STRETCHED = 0.016, 1.25  # the largest of them on the stage; widths of a particle at rest that it takes
 NONE = np.empty((0, 3), np.float32)
@@ -39,9 +41,9 @@ class BarStage(Stage[BarScene]):
 
     @staticmethod
     def labels(words: Words, places: BarPlaces) -> Iterator[Label]:
-        for name, text, lane in zip(HALVES, words.silences, (places.estimate, places.truth),
-                                    strict=True):
-            yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=90)
+        for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
+            text, width = places.room.fitting((silence, brief(silence)), LONGEST, places.lane)
+            yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
         yield from (_names if places.seat == Seat.ALONE else _pair_names)(words, places)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
@@ -108,10 +110,25 @@ class BarStage(Stage[BarScene]):
                 corners = in_plane(ends[[0, 0, 1, 1]], np.array([y, high, high, y]), 0.02)
                 segments.append(joined(corners[:-1], corners[1:]))
                 text, y = f"worst: {found.size}", high + up * 2 * room.pixel
-                beside = 0.55 * room.extent(text)[0]
-                x = float(np.clip(ends.mean(), beside, 1 - beside))
+                beside = 1.1 * room.extent(text)[0]
+                x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))
             yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
+            taken = (x - 0.5 * beside, x + 0.5 * beside) if text else (0.0, 0.0)
+        if places.seat == Seat.ALONE:
+            yield _alike(self._words.alike, places, taken)  # where the last of them, the truth's, has left room
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
+
+
+def _alike(text: str, places: BarPlaces, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
+    """What lanes that are alike mean: below the lower one at its right end, or at its left one where from ``taken[0]``
+    to ``taken[1]`` something else is written."""
+    room, below = places.room, places.truth - 0.5 * places.lane - 8 * places.room.pixel
+    wide = room.extent(text + "  ")[0]
+    right = taken[1] < 1 - wide
+    fits = room.gutter > 0 and (right or taken[0] > wide)
+    x: float = 1.0 if right else 0.0
+    anchor: Anchor = "top-right" if right else "top-left"
+    return Label("alike", text if fits else "", x, below, anchor, "note", tone="faint")
 
 
 def _names(words: Words, places: BarPlaces) -> Iterator[Label]:
@@ -124,8 +141,10 @@ def _names(words: Words, places: BarPlaces) -> Iterator[Label]:
             yield Label(f"{name}-title", title, left, y + 0.1 * room.line, "bottom-left", "gutter", 1.1, tone=name,
                         bold=True)
             yield Label(f"{name}-by", by, left, y - 0.1 * room.line, "top-left", "gutter")
-        yield Label("crossings-note", words.crossings, left, places.crossings or 0.0, "center-left", "gutter",
-                    tone="crossing", sign="dot")
+        note, _ = room.fitting((words.crossings, words.crossings.partition(" ")[0]),
+                               room.gutter - room.extent("key")[0], room.line)
+        yield Label("crossings-note", note, left, places.crossings or 0.0, "center-left", "gutter", tone="crossing",
+                    sign="dot")
     else:
         off = half + 4 * room.pixel
         sides: tuple[tuple[float, Anchor], ...] = (off, "bottom-left"), (-off, "top-left")
@@ -134,7 +153,7 @@ def _names(words: Words, places: BarPlaces) -> Iterator[Label]:
             yield Label(f"{name}-by", by, 1.25 * room.extent(title)[0] + 6 * room.pixel, y + up, anchor, "note")
         yield Label("crossings-note", words.crossings, 1.0, below + 4 * room.pixel, "top-right", "note",
                     tone="crossing", sign="dot")
-    yield Label("alike", words.alike if room.gutter else "", 1.0, below, "top-right", "note", tone="faint")
+    yield _alike(words.alike, places)
     yield Label("run", "", 0.0, places.heading, "bottom-left", "name")
 
 
@@ -149,8 +168,10 @@ def _pair_names(words: Words, places: BarPlaces) -> Iterator[Label]:
                         "gutter")
         else:
             yield Label(f"{name}-by", by, 1.0, places.heading, "bottom-right", "note")
-    run = words.run[:1].upper() + words.run[1:]
-    yield Label("run", run, 0.0, places.heading, "bottom-left", "name", 1.1, 90, tone="plain" if first else "faint",
+    parts = (words.run[:1].upper() + words.run[1:]).split(", ")
+    beside = 0.0 if room.gutter else 1.3 * room.extent(words.by[0] + "  ")[0]
+    run, _ = room.fitting((", ".join(parts[:k]) for k in range(len(parts), 0, -1)), (1 - beside) / 1.2, room.line)
+    yield Label("run", run, 0.0, places.heading, "bottom-left", "name", 1.1, tone="plain" if first else "faint",
                 bold=True)
     note = words.crossings if first else ""
     yield Label("crossings-note", note if room.gutter else "", 1.0, places.heading, "bottom-right", "note",

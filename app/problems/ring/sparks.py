@@ -12,10 +12,10 @@ BREAKING = 0.25  # m, of A: hat functions lose it in the second period
 
 def _ask_transport(state: State) -> Offer:
     judges = state.scene.estimators
-    if "transport" in judges and state.estimator == "transport":
+    if (state.estimator or next(iter(judges), None)) == "transport":
         raise NotNow("it is on the stage")
     changed = asked(state, {"estimators": (*judges, *({"transport"} - set(judges)))}, pinned=False)
-    return Offer("Ask transport, too", "the method's own equations as a judge", replace(changed, estimator="transport"))
+    return Offer("Ask transport, too", "the method's own equations", replace(changed, estimator="transport"))
 
 
 def _says(ran: Ran) -> Answer:

@@ -10,7 +10,7 @@ FEWEST_CELLS = 24
 def _widen(state: State) -> Offer:
     if state.scene.cells < 2 * FEWEST_CELLS:
         raise NotNow(f"{FEWEST_CELLS} cells are the fewest here")
-    return Offer("Double the cells' width", "the textbook says: four times as wrong",
+    return Offer("Double the cells' width", "the textbook: 4 times as wrong",
                  asked(state, {"cells": state.scene.cells // 2}))
 
 
@@ -22,7 +22,7 @@ def _widened(ran: Ran) -> Answer:
 def _staircase(state: State) -> Offer:
     if getattr(state.scene, "layout", "") == "cartesian":
         return Offer("Rims that are round", "particles along circles", asked(state, {"layout": "polar"}))
-    return Offer("Rims like a staircase", "particles along the grid, not along circles",
+    return Offer("Rims like a staircase", "particles along the grid",
                  asked(state, {"layout": "cartesian"}))
 
 

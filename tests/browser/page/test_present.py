@@ -8,6 +8,7 @@ from app.words import in_a_line
 from solvers.problems import PROBLEMS
 from tests.browser.conftest import visit
 from tests.browser.driving import click, row, scene, stage_box, until
+from tests.browser.page.test_room import cut_off, fitted, written_over
 
 LAPTOP, PROJECTOR, OLD, UPRIGHT = (1280, 720), (1920, 1080), (1024, 768), (800, 1100)
 #: Words that are seen, with how high their letters are on the screen in pixels.
@@ -78,6 +79,20 @@ def test_a_talk(own_page):
     keys_drive_it(page, shown)
     page.keyboard.press("Escape")
     until(lambda: not presented(page) and row(page, "Method").first.is_visible(), "the page as it was")
+
+
+def test_nothing_in_a_talk_lies_over_anything_else(server, chromium):
+    """Letters for the last row take a lot of room, and what has none is left out: on a bar and on a ring."""
+    for talk in ("bar;estimators=recovered", "ring;estimators=companion"):
+        with visit(chromium, server[0], f"&present#{talk}") as page:
+            until(lambda: presented(page) and page.locator("#lab-stage .lab-label").count() > 5, "words on the stage")
+            for size in (LAPTOP, PROJECTOR, OLD, UPRIGHT):
+                resize(page, size)
+                until(lambda: fitted(page), f"the stage in {size}")
+                try:
+                    until(lambda: written_over(page) == [] and cut_off(page) == [], "room for all words")
+                except AssertionError:
+                    raise AssertionError(f"{talk} in {size}: {written_over(page)}, {cut_off(page)}") from None
 
 
 def keys_drive_it(page, shown):

@@ -6,7 +6,7 @@ from html import escape
 
 from app.page.features.cost.jobs import CostStatus
 from app.page.features.cost.runs import MOST_RUNS, NumberedRun
-from app.words import NOTHING, method_name, moving, on_page, per_cell, power_text, with_unit
+from app.words import NOTHING, method_name, moving, on_page, particles_per_cell, per_cell, power_text, with_unit
 from solvers.outside import numerals, quoting
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
@@ -45,7 +45,7 @@ def setting(scene: Scene) -> str:
     called = " and ".join(REMEDIES[name].label for name in scene.remedies)
     remedies = f" with {called}" * bool(called)
     return (f"{preserving}{method_name(scene.method)}{remedies}, {scene.cells} cells, "
-            f"{per_cell(scene.problem, scene.ppc)} particles per cell, CFL {scene.courant_number:.3g}")
+            f"{particles_per_cell(scene.problem, scene.ppc)}, CFL {scene.courant_number:.3g}")
 
 
 def sentence(run: NumberedRun) -> str:

@@ -55,7 +55,7 @@ def step_html(step: Step, number: int, numbers: Numbers, before: str, teacher: b
     if step.stage and acts.PUT not in text:
         text += f"<p>The run that this is about:</p>{acts.PUT}"
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{step.kind.capitalize()}</span>"
-    return f"<div class='lab-lesson' data-step='{number}'>{kind}<h3>{escape(filled(step.title, numbers))}</h3>" \
+    return f"<div class='lab-lesson' data-step='{number}'>{kind}<h2>{escape(filled(step.title, numbers))}</h2>" \
            f"{before}{text}{_notes(step.notes, teacher)}</div>"
 
 
@@ -103,7 +103,7 @@ def end_html(table: str, missing: int) -> str:
     """The end: all answers, and what to do with them."""
     left = f"<p>{missing} question{'s are' if missing > 1 else ' is'} still open; go back to answer." \
            "</p>" if missing else ""
-    return f"<div class='lab-lesson'><h3>The end</h3>{left}{table}<p><b>Hand in</b> saves a file with your answers " \
+    return f"<div class='lab-lesson'><h2>The end</h2>{left}{table}<p><b>Hand in</b> saves a file with your answers " \
            "and times, and your name if you have given one. Nothing is sent to anybody.</p></div>"
 
 

@@ -30,8 +30,8 @@
     const foot = document.querySelector("[data-lab~=lab-estimates-foot]");
     if (foot) {
       const root = foot.parentElement;
-      root.dataset.lab = "lab-root";
-      root.parentElement.parentElement.dataset.lab = "lab-around";  // it hides what is beyond it, and nothing sticks in it
+      set(root, "data-lab", "lab-root");
+      set(root.parentElement.parentElement, "data-lab", "lab-around");  // it hides what is beyond it, and nothing sticks in it
     }
   }
 

@@ -62,7 +62,7 @@
   new MutationObserver(() => {
     const said = document.querySelector("i.lab-named")?.dataset.scene || "", now = presenting();
     if (scene.textContent !== said) scene.textContent = said;
-    scene.hidden = !now;
+    if (scene.hidden === now) scene.hidden = !now;
     body.classList.toggle("lab-slowly", now && slow());
     if (now && !was) {
       seen();

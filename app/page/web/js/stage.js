@@ -6,11 +6,20 @@
 
   // Widgets stand where the labels would that say what they are set to: to the gutter, or to a place of the stage.
   const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity", "/field/magnified": "magnify"};
+  // Where nobody judges the run, somebody is offered.
+  const NOBODY = "no estimator is chosen", JUDGE = "companion";
+  function offer() {
+    const button = Object.assign(document.createElement("button"), {className: "lab-offer", textContent: `Switch on ${JUDGE}`});
+    button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {judge: JUDGE}})));
+    return button;
+  }
+
   const UP = {top: "0px", center: "50%", bottom: "100%"}, ASIDE = {left: "0px", center: "50%", right: "100%"};
   function lay(widget, label, vertical, horizontal, element) {
     const left = label.role === "gutter" ? "var(--pad)" : `calc(var(--stage-left) + (${1.03 * label.x} - 0.015) * var(--u))`;
     const top = `calc(var(--stage-top) + ${label.y} * var(--lab-high) * var(--u))`;
     if (label.text === "error × 1") element.textContent = "";
+    document.body.classList.toggle(`lab-${widget}-aside`, horizontal === "right");
     element.classList.add("lab-laid", `lab-under-${widget}`);
     for (const [name, value] of [["left", left], ["top", top], ["up", `-${UP[vertical]}`], ["aside", `-${ASIDE[horizontal]}`]])
       document.body.style.setProperty(`--${widget}-${name}`, value);
@@ -28,6 +37,7 @@
     element.className = `lab-label lab-role-${label.role} lab-tone-${label.tone || "plain"} lab-${vertical} lab-to-${horizontal}`
       + (label.bold ? " lab-bold" : "") + (label.sign ? ` lab-sign-${label.sign}` : "");
     element.textContent = label.text;
+    if (label.text === NOBODY && label.name.endsWith("/estimate-silence")) element.append(offer());
     const place = Object.keys(LAID).find(end => label.name.endsWith(end));
     if (place) lay(LAID[place], label, vertical, horizontal, element);
     element.style.left = `${100 * label.x}%`;

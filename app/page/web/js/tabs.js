@@ -12,7 +12,8 @@
     first = tabs[0];
     if (anew && open && tabs.some(tab => name(tab) === open)) wanted ||= open;
     if (selected && (!wanted || name(selected) === wanted)) {
-      document.body.dataset.tab = open = name(selected);
+      open = name(selected);
+      if (document.body.dataset.tab !== open) document.body.dataset.tab = open;
       wanted = null;
     }
     document.body.classList.toggle("lab-cost-open", open === "Cost");  // its chart takes the stage's place

@@ -10,20 +10,26 @@
   lost.hidden = now.hidden = true;
   let ticks = [], said = "", held = false, waiting = null;
 
+  const say = (element, text) => { if (element.textContent !== text) element.textContent = text; };
+
   function write(at) {
     const [from, to] = at.reach;
-    [top.textContent, begin.textContent, zero.textContent] = [at.top[1], at.start, "0"];
+    [[top, at.top[1]], [begin, at.start], [zero, "0"]].forEach(([element, text]) => say(element, text));
     top.style.top = percent(at.top[0]);
     while (ticks.length > at.ticks.length) ticks.pop().remove();
     while (ticks.length < at.ticks.length) ticks.push(make("tick"));
-    at.ticks.forEach(([part, text], k) => { ticks[k].style.left = percent(part); ticks[k].textContent = text; });
+    at.ticks.forEach(([part, text], k) => {
+      ticks[k].style.left = percent(part);
+      say(ticks[k], text);
+      ticks[k].classList.toggle("lab-last", part > 0.97);  // within the axis
+    });
     Object.assign(reach.style, {left: percent(from), width: percent(to - from)});
-    reach.textContent = to - from > 0.09 ? "look back" : "";
+    reach.dataset.says = to > 0.12 ? "look back" : "";
     now.style.left = percent(at.now);
     now.hidden = false;
     lost.hidden = at.lost === null;
     if (at.lost !== null) lost.style.left = percent(at.lost);
-    lost.textContent = at.says;
+    lost.dataset.says = at.says;
     lost.classList.toggle("lab-late", at.lost > 0.6);
     const step = 100 / 120;
     strip.style.background = at.strip && `linear-gradient(to right, ${[...at.strip].map((shade, k) =>
@@ -32,7 +38,7 @@
     read.textContent = at.read.join("\n");
     read.hidden = !at.read.length;
     const heading = at.symbol && `Error norm of ${at.symbol}`;
-    if (title.textContent !== heading) title.innerHTML = heading.replace("norm ", "<i>norm </i>");  // left out where narrow
+    if (title.textContent !== heading) title.innerHTML = heading.replace("norm of ", "<i>norm </i><em>of </em>");  // where narrow without
     clock.textContent = at.clock;
     document.body.classList.toggle("lab-playing", at.playing);
     document.body.classList.toggle("lab-lost", at.lost !== null);
