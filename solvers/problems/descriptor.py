@@ -72,4 +72,12 @@ class Problem(ABC):
         Raises:
             SceneError: a field, a particle or a scene that has no map.
         """
-        raise SceneError("problem", self.scene.problem, "has no map of its error; the bar has one")
+        raise _no_map(self.scene)
+
+    def check_map(self, scene: Any, field: str, particle: int | None) -> None:
+        """:class:`~solvers.scene.rules.SceneError` for what ``error_map`` refuses."""
+        raise _no_map(self.scene)
+
+
+def _no_map(scene: type[Scene]) -> SceneError:
+    return SceneError("problem", scene.problem, "has no map of its error; the bar has one")

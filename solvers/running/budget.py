@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,13 +29,14 @@ class BudgetResult:
 
     def take_away(self) -> dict | None:
         """RMS over particles and samples of the errors of x (m), v (m/s) and F: ``before``, ``predicted`` by the budget
-        without the cause, and ``again``, of the run without it; None where nothing was taken away."""
+        without the cause, and ``again``, of the run without it; None where nothing was taken away. Where one of the
+        runs has gone bad, all three are of the time that both have."""
         if self.again is None:
             return None
-        series = self.result.series
-        return {"class": self.cause, "before": {field: budget.rms(series, field) for field in FIELDS},
-                "predicted": {field: budget.rms(series, field, without=self.cause) for field in FIELDS},
-                "again": {field: budget.rms(self.again.series, field) for field in FIELDS}}
+        before, after = _in_common(self.result.series, self.again.series)
+        return {"class": self.cause, "before": {field: budget.rms(before, field) for field in FIELDS},
+                "predicted": {field: budget.rms(before, field, without=self.cause) for field in FIELDS},
+                "again": {field: budget.rms(after, field) for field in FIELDS}}
 
     def to_dict(self) -> dict:
         """The object of ``mpm-lab budget --json``."""
@@ -62,7 +63,8 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Callable[[float], 
     result = run(replace(scene, take_away=NOTHING), show, prices=False)
     again = None
     if cause != NOTHING:
-        again = run(replace(scene, take_away=cause), lambda part: show(part, 1), prices=False, mid_run=False)
+        again = _named(run(replace(scene, take_away=cause), lambda part: show(part, 1), prices=False, mid_run=False),
+                       cause)
     return BudgetResult(result, cause, again)
 
 
@@ -85,8 +87,23 @@ def _run_on_demand(budget: OnDemand, scene: Any, cause: str,
         status, reason, broken_at = solver.status(None)
         if solver.sound and solver.step < steps[-1]:
             status, broken_at = LOST, solver.time
-            reason = (f"the run without {CAUSES[cause]} is lost from t = {solver.time:.4g} s on: what a particle "
-                      "stands for has turned inside out or left the grid")
-        again = replace(result, series={"time": plain.series["time"], **series}, status=status, reason=reason,
-                        broken_at=broken_at)
+            reason = (f"the run is lost from t = {solver.time:.4g} s on: what a particle stands for has turned inside "
+                      "out or left the grid")
+        again = _named(replace(result, series={"time": plain.series["time"], **series}, status=status, reason=reason,
+                               broken_at=broken_at), cause)
     return BudgetResult(result, cause, again)
+
+
+def _named(again: Result, cause: str) -> Result:
+    """A run without a cause, whose trouble says which of the two it was."""
+    return again if again.reason is None else replace(again, reason=f"without {CAUSES[cause]} {again.reason}")
+
+
+def _in_common(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> tuple[dict, dict]:
+    """Of two runs' series the samples that both have, with numbers in them."""
+    _, *places = np.intersect1d(first["time"], second["time"], return_indices=True)
+    both = [{name: values[at] for name, values in series.items() if name.startswith("budget/")}
+            for series, at in zip((first, second), places, strict=True)]
+    known = np.all([np.isfinite(series[f"budget/error_{field}"]) for series in both for field in FIELDS], axis=0)
+    before, after = ({name: values[known] for name, values in series.items()} for series in both)
+    return before, after

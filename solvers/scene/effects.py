@@ -17,6 +17,7 @@ import numpy as np
 
 from solvers.scene import extensions
 from solvers.scene.causes import COLUMNS
+from solvers.scene.rules import SceneError
 
 SHARE = "%"  # the unit of a number that is told in per cent
 Series = Mapping[str, np.ndarray]
@@ -82,6 +83,8 @@ class Effect:
         How ``mpm-lab run`` and the page tell them, where not all of them behind the label.
     samplers
         Of problems that do not have it themselves, by name, what fills the columns: see :func:`samplers`.
+    elsewhere
+        What a problem without it has in its place, ``{problem}`` its name.
     """
 
     name: str
@@ -96,6 +99,7 @@ class Effect:
     text: Line | None = None
     readout: Line | None = None
     samplers: Mapping[str, Callable] = field(default_factory=dict)
+    elsewhere: str = ""
 
     @property
     def json_key(self) -> str:
@@ -168,7 +172,8 @@ OWN: dict[str, Effect] = {effect.name: effect for effect in (
                         "force, and beyond the exact, over that at the start")),
     Effect("budget", "error budget", "divide the error between its causes: crossings, the coarse grid, the body force "
            "and the time step; against the exact solution, or without it against the estimator companion",
-           needs=("truth", "estimate"), columns=COLUMNS),
+           needs=("truth", "estimate"), columns=COLUMNS,
+           elsewhere="its budget is found on demand, by mpm-lab budget {problem}"),
 )}
 ALL = {**EFFECTS, **OWN}
 
@@ -188,6 +193,16 @@ def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
     extensions.load_extensions()
     return tuple(name for name, effect in ALL.items()
                  if name in EFFECTS or name in own or problem in effect.samplers)
+
+
+def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
+    """Refuse, with a :class:`SceneError`, an effect that other problems have and this has not."""
+    for name in chosen if isinstance(chosen, tuple) else ():
+        effect = ALL.get(name) if isinstance(name, str) else None
+        if effect and name not in offered:
+            instead = f" ({effect.elsewhere.format(problem=problem)})" if effect.elsewhere else ""
+            raise SceneError("effects", name, f"is no effect of the {problem}{instead}; give one of "
+                             f"{', '.join((*offered, 'none'))}")
 
 
 def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from solvers.scene import registry
+from solvers.scene import effects, registry
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS, effects_of
 from solvers.scene.option import option
@@ -259,6 +259,7 @@ class Scene(SceneDefaults, ABC, Remembered):
 
     def _check_choices(self) -> None:
         registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))
+        effects.require_offered(self.effects, type(self).problem, self.choices("effects"))
         for name in self.__dataclass_fields__:
             if name in LISTS:
                 require_names(name, getattr(self, name), self.choices(name))

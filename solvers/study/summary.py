@@ -72,6 +72,8 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
     for row in rows:
         values = row["scene"] or row["asked"]
         index, budget = row.get("index") or {}, row.get("budget") or {}
+        if budget.get("not_valid"):
+            budget = {}  # shares say nothing there
         lines.append([*(_cell(values.get(name)) for name in names), _status(row),
                       *(_number(error_of(row, q), ".3e") for q in SHOWN),
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),

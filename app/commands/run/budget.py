@@ -42,10 +42,11 @@ class Budget(SceneFlags):
         if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
         places = self._map_target(target, picture)
-        for sentence in () if self.quiet else scene.warnings():
-            say(f"warning: {sentence}")
         with working(self.quiet) as show:
             from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
+            self._check(scene, bool(places))  # what is refused needs no warning
+            for sentence in () if self.quiet else scene.warnings():
+                say(f"warning: {sentence}")
             traced = places and self._error_map(scene, show)
             found = run_budget(scene, self.take_away, show)
         put_result(found.to_dict() | ({"map": traced.to_dict()} if traced else {}), target, _tables)
@@ -72,6 +73,9 @@ class Budget(SceneFlags):
     def _map_target(self, *others: Target | None) -> Target | None:
         """Where a map goes, tried now; None without one."""
 
+    def _check(self, scene: Any, mapped: bool) -> None:
+        """Refuse a scene that has no budget or, where that is to be ``mapped``, no map."""
+
     def _error_map(self, scene: Any, show: Any) -> Any:
         """The map, where there is one."""
 
@@ -93,12 +97,15 @@ class BudgetOfEffect(Budget):
 
     def _scene(self) -> Any:
         """The scene with the budget switched on, whatever other effects it has."""
-        scene = self.scene()
-        scene = replace(scene, effects=tuple(dict.fromkeys((*scene.effects, "budget"))))
-        if not scene.has("budget"):
-            raise BadInput("effects", " ".join(scene.effects), "a budget needs the effect truth and an exact solution, "
-                           "or the effect estimate and --estimator companion")
-        return scene
+        asked = self.scene()
+        scene = replace(asked, effects=tuple(dict.fromkeys((*asked.effects, "budget"))))
+        if scene.has("budget"):
+            return scene
+        if "truth" in asked.effects:
+            raise BadInput("body-force", scene.body_force, "has no exact solution to compare the bar with, so that a "
+                           "budget needs the effect estimate and --estimator companion")
+        raise BadInput("effects", " ".join(asked.effects) or "none", "a budget needs the effect truth and an exact "
+                       "solution, or the effect estimate and --estimator companion")
 
     def _map_target(self, *others: Target | None) -> Target | None:
         """Where the map goes, tried now."""
@@ -112,9 +119,16 @@ class BudgetOfEffect(Budget):
             raise BadInput("map", self.map, "is the file of another flag too; give each its own")
         return target
 
+    def _check(self, scene: Any, mapped: bool) -> None:
+        if mapped:
+            PROBLEMS[scene.problem].check_map(replace(scene, take_away=NOTHING), self._field, self.particle)
+
     def _error_map(self, scene: Any, show: Any) -> Any:
-        return PROBLEMS[scene.problem].error_map(
-            replace(scene, take_away=NOTHING), "x" if self.field is None else self.field, self.particle, show)
+        return PROBLEMS[scene.problem].error_map(replace(scene, take_away=NOTHING), self._field, self.particle, show)
+
+    @property
+    def _field(self) -> str:
+        return "x" if self.field is None else self.field
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,6 +138,11 @@ class BudgetOnDemand(Budget):
     HELP: ClassVar[str] = Budget.HELP.replace("Exit status", """The run is taken a step at a time, against the exact
     solution; the body force acts at material points and makes no error.
     Exit status""")
+
+    def _check(self, scene: Any, mapped: bool) -> None:
+        found = PROBLEMS[scene.problem].budget
+        assert found is not None  # else the command is that of an effect
+        found.check(scene, self.take_away)
 
 
 def _tables(values: dict) -> str:

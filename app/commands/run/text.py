@@ -29,12 +29,11 @@ def run_table(result: dict) -> str:
 
 
 def budget_table(budget: dict) -> str:
-    """Each cause's share of the error, and whose error it is."""
+    """Each cause's share of the error, and whose error it is; or why shares say nothing."""
     rows = [(cause, *(formatted(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
     whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} says the error is"
     text = _columns([("share of the error of", *FIELDS), *rows])
-    return text + f"\nshares of {whose} over the run, adding up to 1" \
-        + (f"\n{budget['not_valid']}" if budget["not_valid"] else "")
+    return f"{text}\n{budget['not_valid'] or f'shares of {whose} over the run, adding up to 1'}"
 
 
 def _heading(result: dict) -> str:

@@ -45,3 +45,8 @@ class BarProblem(Problem):
         from solvers.problems.bar.error_map.trace import error_map
 
         return error_map(scene, field, particle, on_progress)
+
+    def check_map(self, scene: BarScene, field: str, particle: int | None) -> None:
+        from solvers.problems.bar.error_map.trace import check_map
+
+        check_map(scene, field, particle)

@@ -45,14 +45,36 @@ def test_words_and_picture(capfd, tmp_path):
 
 
 @pytest.mark.parametrize(("arguments", "said"), [
-    (("--effects", "none"), "a budget needs the effect truth"),
-    (("--body-force", "two-tone"), "--estimator companion"),
+    (("--effects", "none"), "--effects none: a budget needs the effect truth"),
+    (("--body-force", "two-tone"), "--body-force two-tone: has no exact solution"),
     (("--take-away", "gravity"), "coarse_grid"),
     (("--plot", "budget.pdf"), "ends in .png")])
 def test_what_it_cannot_do_it_refuses(arguments, said, capfd):
     assert main(["budget", "bar", *QUICK, *arguments]) == 2
     told = capfd.readouterr().err
     assert said in told and told.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [
+    ("ring", "--body-force", "none"), ("vortex", "--body-force", "two-tone"),
+    ("bar", "--map", "map.png", "--body-force", "two-tone", "--estimator", "companion")], ids=" ".join)
+def test_what_is_refused_is_not_warned_of_too(arguments, capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["budget", *arguments, "--cells", "12"]) == 2
+    told = capfd.readouterr().err
+    assert "solution" in told and told.count("\n") == 1
+
+
+def test_where_it_is_no_effect_a_run_says_where_to_find_it(capfd):
+    assert main(["run", "ring", "--effects", "truth,budget"]) == 2
+    told = capfd.readouterr().err
+    assert "mpm-lab budget ring" in told and told.count("\n") == 1
+
+
+def test_a_table_claims_no_sum_where_shares_say_nothing(capfd):
+    assert main(["budget", "bar", *QUICK, "--motion", "patch"]) == 0
+    said = capfd.readouterr().out
+    assert "no more than round-off" in said and "adding up to 1" not in said
 
 
 @pytest.mark.parametrize("problem", ["ring", "vortex"])
@@ -86,3 +108,5 @@ def test_rows_and_their_summary_have_the_shares():
     assert "budget.v.crossings" in csv_text([row]).splitlines()[0].split(",")
     assert "crossings: share of v" in summary("bar", [row]) and "0.250" in summary("bar", [row])
     assert "share of" not in summary("bar", [{**row, "budget": None}])
+    silent = summary("bar", [{**row, "budget": {**row["budget"], "not_valid": "not valid here: they cancel"}}])
+    assert "crossings: share of v" in silent and "0.250" not in silent

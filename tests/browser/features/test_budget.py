@@ -20,6 +20,13 @@ from tests.browser.page.test_room import serious
 
 QUARTER = "bar;method=mpm;cells=20;ppc=2;estimators=none;effects=all;periods=0.25;stops;speed=0.5"
 RING = "ring;method=ugimp;cells=12;ppc=2;periods=0.3;estimators=none"
+HELD = """
+    addEventListener("lab-tell", event => {
+        if (event.detail.budget !== true || event.detail.late) return;
+        event.stopImmediatePropagation();
+        setTimeout(() => dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true, late: true}})), 5000);
+    });
+"""
 LONG = 90.0  # seconds of patience for what is compiled, and takes a period
 HATS = "bar;method=mpm;cells=20;ppc=2;estimators=recovered;periods=1;stops;speed=0.5;error-of=v"
 
@@ -72,6 +79,17 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         page.get_by_role("button", name="Put it back").click()
         until(lambda: scene(page)["take_away"] == "nothing", "the scene as it is")
         until(lambda: chart.count() == 1 and not page.locator(".lab-outcome").count(), "one chart", LONG)
+
+
+@pytest.mark.parametrize(("link", "script"), [(HATS, HELD), (QUARTER, "")], ids=["late", "there"])
+def test_who_asks_has_the_chart_before_him(server, chromium, link, script):
+    """One that comes late too: the press is held back, as by a kernel that has to be compiled, longer than the fold is
+    waited for. One that is there already is in a fold that grows."""
+    with visit(chromium, server[0], f"#{link}", script) as page:
+        page.locator(".lab-who").click()
+        shares = page.locator(".lab-causes")  # below the chart
+        until(shares.count, "the chart", LONG)
+        until(lambda: (box := shares.bounding_box()) and box["y"] + box["height"] < 720, "all of it in the window")
 
 
 def test_where_and_when_is_a_picture_over_the_page(server, chromium):

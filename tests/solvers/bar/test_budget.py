@@ -229,6 +229,19 @@ def test_a_run_gone_bad_still_has_a_result():
     assert "too large" in budget.not_valid(gone) and budget.rms(gone, "x", without="crossings") is None
 
 
+def test_of_runs_gone_bad_the_time_that_both_have_is_compared():
+    """Each by itself would be over a time of its own; and the reason says which of the two it is of."""
+    found = run_budget(replace(SCENE, method="mpm", amplitude=0.14, periods=2), "crossings")
+    taken, again = found.take_away(), found.again
+    assert taken is not None and again is not None and again.status == found.result.status == "unstable"
+    ends = [result.series["time"][-1] for result in (found.result, again)]
+    assert again.reason.startswith("without crossings the run went unstable") and abs(ends[0] - ends[1]) > 0.1
+    for key, result in (("before", found.result), ("again", again)):
+        errors = result.series["budget/error_x"][result.series["time"] < min(ends)]  # the last sample is where it broke
+        assert taken[key]["x"] == pytest.approx(np.sqrt(np.mean(errors**2)))
+    assert budget.rms(found.result.series, "x") > 1.5 * taken["before"]["x"]
+
+
 def test_the_prediction_is_what_is_left_of_every_particle():
     """(e - e_c)^2 out of e^2, e_c e and e_c^2: two causes of +3 and -1 leave 2, and then 3 or -1."""
     series = {"budget/error_x": np.array([2.0]), "budget/part_x_crossings": np.array([3.0]),

@@ -1,8 +1,9 @@
 // Who made this error? A press below the judges' cards, or in a lesson, asks for the budget, opens its fold and goes there.
-// What opens makes room only when the page has it: so it is looked for a while. A map that has been asked for opens over
-// the page as soon as it is there.
+// What opens makes room only when the page has it: so it is looked for a while. A chart that has to be waited for is gone
+// to when it comes, if the visitor has not gone elsewhere meanwhile. A map that has been asked for opens over the page as
+// soon as it is there.
 (() => {
-  const ROOM = 150, PATIENCE = 20, LONG = 1400;  // milliseconds between two looks, and how many
+  const ROOM = 150, PATIENCE = 20, LATE = 200, LONG = 1400;  // milliseconds between two looks, and how many
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   const head = () => document.querySelector("[data-lab~=lab-budget] + div .mantine-Paper-root[style*='cursor: pointer']");
 
@@ -10,6 +11,13 @@
   function wait(found, act, left = PATIENCE) {
     const element = found(left);
     if (element) act(element); else if (left) setTimeout(() => wait(found, act, left - 1), ROOM);
+  }
+
+  // Until the visitor scrolls, presses or types: what asks later is told no.
+  function whileStill(act) {
+    const moved = new AbortController(), options = {signal: moved.signal, capture: true, passive: true};
+    for (const kind of ["wheel", "pointerdown", "touchmove", "keydown"]) addEventListener(kind, () => moved.abort(), options);
+    act(() => !moved.signal.aborted);
   }
 
   function open(map) {
@@ -22,12 +30,21 @@
     if (event.target.closest(".lab-who, .lab-act[data-act=budget]")) {
       dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
       let opened = false;  // once: a busy page is slow to open it, and another press would close it again
+      let height = 0;
+      const drawn = () => {  // and not growing any more: one goes no further than there is room
+        const fold = head(), before = height;
+        height = fold?.parentElement.querySelector(".lab-budget-chart figure") ? fold.parentElement.offsetHeight : 0;
+        return height && height === before ? fold : null;
+      };
       wait(left => {
         const fold = head();
         if (!opened && fold?.getAttribute("aria-expanded") === "false") fold.click();
         opened ||= Boolean(fold);
-        return left && !fold?.parentElement.querySelector(".lab-budget-chart figure") ? null : fold;
-      }, fold => show(fold, "start"));
+        return drawn() || (left ? null : fold);
+      }, fold => {
+        show(fold, "start");
+        if (!height) whileStill(later => wait(() => later() && drawn(), found => show(found, "start"), LATE));
+      });
     }
     const pressed = event.target.closest("[data-lab~=lab-budget] + div button");
     if (pressed?.textContent.trim() === "Where and when?")
