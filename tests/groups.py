@@ -7,7 +7,8 @@ import pytest
 
 #: What is imported from each group of ``pyproject.toml``.
 MODULES = {"browser": ("playwright", "axe_playwright_python"), "cluster": ("distributed",),
-           "notebook": ("jupyterlab", "jupytext", "nbclient", "ipykernel"), "docs": ("sphinx", "myst_parser", "furo")}
+           "notebook": ("jupyterlab", "jupytext", "nbclient", "nbformat", "ipykernel"),
+           "docs": ("sphinx", "myst_parser", "furo")}
 HOW = "no {} found, of the dependency group {}: `uv run --all-groups pytest` brings it and runs these tests"
 
 

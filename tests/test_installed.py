@@ -96,3 +96,21 @@ def test_alone_it_has_its_names_for_all(builds, tmp_path):
     done = environment.run("python", "-c", "from solvers import run\nimport mpm_lab, app.cli, solvers.scene.registry\n"
                                            "print(run is mpm_lab.run, mpm_lab.HOME.name)", cwd=tmp_path)
     assert done.stdout.split() == ["True", "packages"], done.stderr
+
+
+SHOWN = """
+import mpm_lab
+result = mpm_lab.run(mpm_lab.BarScene(cells=8, periods=0.1))
+print(len(result.plot().axes) > 3, "<table" in result._repr_html_(), "<iframe" in mpm_lab.show(result)._repr_html_())
+"""
+
+
+def test_results_are_drawn_beside_another_app(crowded, tmp_path):
+    done = crowded.run("python", "-c", SHOWN, cwd=tmp_path)
+    assert done.stdout.split() == ["True"] * 3, done.stderr
+
+
+def test_where_another_app_has_the_place_a_picture_says_so(crowded, tmp_path):
+    code = "import app" + SHOWN.replace("result.plot()", "(print(result._repr_html_()) or result.plot())")
+    done = crowded.run("python", "-c", code, cwd=tmp_path)
+    assert done.stdout.split() == ["None"] and "another package called app" in done.stderr.splitlines()[-1]

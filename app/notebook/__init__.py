@@ -1,7 +1,6 @@
 """In a notebook: a run that plays below its cell (:func:`show`), and the table of a result.
 
-    from app.notebook import show
-    from solvers import BarScene
+    from mpm_lab import BarScene, show
 
     show(BarScene(method="mpm", amplitude=0.0034, periods=0.25), error_of="sigma")
 """

@@ -26,9 +26,7 @@
 from dataclasses import replace
 
 import matplotlib.pyplot as plt
-
-from app.notebook import show
-from solvers import BarScene, run, sweep
+from mpm_lab import BarScene, run, show, sweep
 
 cells = 40
 h = 1 / cells

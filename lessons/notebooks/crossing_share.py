@@ -26,8 +26,7 @@ from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
-
-from solvers import BarScene, run, sweep
+from mpm_lab import BarScene, run, sweep
 
 amplitudes = np.geomspace(1e-3, 0.0562, 8)  # m
 grids = [20, 40, 80]

@@ -26,9 +26,7 @@
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
-
-from app.notebook import show
-from solvers import BarScene, judge
+from mpm_lab import BarScene, judge, show
 
 A, c = 0.025, 2.0  # m, m/s
 w = np.pi * c

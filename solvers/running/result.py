@@ -4,6 +4,7 @@ import functools
 import math
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -86,15 +87,19 @@ class Result:
         ------
         RuntimeError
             Where mpm-lab is not installed, so that nothing says what draws it.
+        ImportError
+            Where another package called ``app`` has its place in this process.
         """
         if (draw := views.view("plot")) is None:
             raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
         return draw(self)
 
     def _repr_html_(self) -> str | None:
-        """The table that a notebook shows below a cell."""
-        table = views.view("table")
-        return table and table(self)
+        """The table that a notebook shows below a cell; None where nothing that is installed makes one."""
+        with suppress(ImportError):
+            if (table := views.view("table")) is not None:
+                return table(self)
+        return None
 
     @property
     def shown(self) -> Snapshot:

@@ -1,0 +1,21 @@
+"""What draws a result, as pyproject names it to ``solvers.running.views``, whatever else is called ``app``."""
+
+from typing import Any
+
+from mpm_lab import take
+
+
+def plot(result: Any) -> Any:
+    """The picture of a result, a matplotlib figure."""
+    take("app")
+    from app.notebook.picture import result_picture
+
+    return result_picture(result)
+
+
+def table(result: Any) -> str:
+    """The table of a result, HTML."""
+    take("app")
+    from app.notebook.table import result_table
+
+    return result_table(result)
