@@ -339,7 +339,8 @@ def test_a_lesson_goes_to_who_made_the_error(chromium, tmp_path):
     """What it tells to press is there, and the chart that it speaks of is before the reader then."""
     said = '- Press **On the stage**.\n- Press **Who made this error?**\n\n```run\nstage = '
     run = '"bar method=mpm cells=8 periods=0.25 estimators=none effects=truth,budget stops"\n```\n'
-    lesson, file = parse(TEXT[:TEXT.index("## Predict")] + f"## Run: Ask\n\n{said}{run}", "99-who"), tmp_path / "who.html"
+    lesson = parse(TEXT[:TEXT.index("## Predict")] + f"## Run: Ask\n\n{said}{run}", "99-who")
+    file = tmp_path / "who.html"
     file.write_text(lesson_page(lesson, 1, silent, {}), encoding="utf-8")
     with opened(chromium, file) as page:
         page.get_by_role("button", name="Next").click()
