@@ -39,7 +39,8 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
                           "more": sentence.MORE, "all": sentence.ALL_OF_IT, "not_counted": silences.NOT_COUNTED},
             "budget": {"causes": {name: {"words": said, "meaning": budget.MEANINGS[name], "colour": CAUSES[name].light}
                                   for name, said in causes.CAUSES.items()}, "fields": causes.FIELDS,
-                       "units": budget.UNITS, "seen": budget.SEEN, "caption": budget.CAPTION},
+                       "units": budget.UNITS, "seen": budget.SEEN, "caption": budget.CAPTION,
+                       "question": budget.QUESTION},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
             "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)}}

@@ -37,7 +37,15 @@ function written(html) {
     table.replaceWith(scroll);
     scroll.append(table);
   }
+  for (const asked of box.querySelectorAll("li strong")) if (asked.textContent === DATA.budget.question) asked.replaceWith(budgetButton());
   return box;
+}
+
+// As on the live page; the chart is here with the run, below the readout.
+function budgetButton() {
+  const button = element("button", DATA.budget.question, {type: "button"});
+  button.addEventListener("click", () => document.getElementById("budget").scrollIntoView());
+  return button;
 }
 
 function introduction() {

@@ -61,6 +61,8 @@ pens.moveTo = function(...at) { path.push(at); moveTo.apply(this, at); };
 pens.lineTo = function(...at) { path.push(at); lineTo.apply(this, at); };
 pens.stroke = function() { drawn.lines.push([this.strokeStyle, this.lineWidth, path]); stroke.call(this); };
 """
+#: Of the shares of the causes.
+BOTTOM = "document.getElementById('causes').getBoundingClientRect().bottom"
 
 
 @contextmanager
@@ -331,3 +333,20 @@ def test_who_made_the_error_is_in_the_file_where_the_run_has_it(chromium, tmp_pa
     file.write_text(scene_page(text.replace(",budget", ""), 1, silent, {}), encoding="utf-8")
     with opened(chromium, file) as page:
         assert not page.locator("#budget").is_visible()
+
+
+def test_a_lesson_goes_to_who_made_the_error(chromium, tmp_path):
+    """What it tells to press is there, and the chart that it speaks of is before the reader then."""
+    said = '- Press **On the stage**.\n- Press **Who made this error?**\n\n```run\nstage = '
+    run = '"bar method=mpm cells=8 periods=0.25 estimators=none effects=truth,budget stops"\n```\n'
+    lesson = parse(TEXT[:TEXT.index("## Predict")] + f"## Run: Ask\n\n{said}{run}", "99-who")
+    file = tmp_path / "who.html"
+    file.write_text(lesson_page(lesson, 1, silent, {}), encoding="utf-8")
+    with opened(chromium, file) as page:
+        page.get_by_role("button", name="Next").click()
+        page.get_by_role("button", name="On the stage").click()
+        shares = page.locator("#causes")
+        shares.wait_for()
+        assert page.evaluate(BOTTOM) > SIZE["height"]
+        page.get_by_role("button", name="Who made this error?").click()
+        assert page.evaluate(BOTTOM) <= SIZE["height"]
