@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -137,6 +138,17 @@ def test_other_tools_and_the_files_that_they_take_are_there():
         else:
             assert PACKAGES.get(tool, tool) in packages, piece
     assert seen > 10
+
+
+def test_links_to_elsewhere_are_whole():
+    """Encrypted, but to this machine, with the name of a host; and no space or bracket within."""
+    found = [piece for piece in texts.links() if urlsplit(piece.text).scheme]
+    assert found
+    for piece in found:
+        parts = urlsplit(piece.text)
+        assert parts.scheme == "https" or parts.hostname in ("127.0.0.1", "localhost"), piece
+        assert re.fullmatch(r"[\w-]+(\.[\w-]+)+", parts.hostname), piece
+        assert re.fullmatch(r"[^\s<>\"{}|^`]+", piece.text), piece
 
 
 def test_files_that_a_text_names_are_there():

@@ -81,6 +81,14 @@ def spans() -> Iterator[Piece]:
                 yield Piece(str(path.relative_to(ROOT)), token.map[0] + 1, token.content)
 
 
+def links() -> Iterator[Piece]:
+    """Where links and pictures lead."""
+    for path in pages():
+        for token in _tokens(path):
+            if target := token.attrGet({"link_open": "href", "image": "src"}.get(token.type, "")):
+                yield Piece(str(path.relative_to(ROOT)), (token.map or [0])[0] + 1, str(target))
+
+
 def python_blocks() -> Iterator[Piece]:
     """Blocks of Python: by their language, or by an import at their beginning."""
     yield from (block for language, block in blocks()

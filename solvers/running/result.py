@@ -170,6 +170,13 @@ class Result:
         """The numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
         return ALL[effect].found(self.series) if self.scene.has(effect) else None
 
+    def __getattr__(self, name: str) -> Any:
+        """What an effect without a property of its own has found, by its key in the JSON object."""
+        for effect in ALL.values():
+            if effect.numbers and effect.json_key == name:
+                return self.found(effect.name)
+        raise AttributeError(f"a result has no {name}")
+
     @property
     def energy(self) -> dict | None:
         """Kinetic plus strain energy E in J (``initial``, ``final``) and its ``drift`` (E - W - E0)/E0, W the work of

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import subprocess
 import sys
 
@@ -59,6 +61,13 @@ def test_a_result_is_called_as_its_json():
     assert result.verdict.items() <= values.items() and result.time == values["t"]
     assert result.index["x"] == pytest.approx(1, abs=0.01) and result.index["companion"] == result.index
     assert run(BarScene(cells=20, periods=0.1, estimators=())).index == dict.fromkeys(values["index"])
+
+
+def test_what_a_result_has_not_is_an_attribute_error():
+    result = run(BarScene(cells=8, periods=0.1))
+    with pytest.raises(AttributeError, match="a result has no eror"):
+        _ = result.eror
+    assert pickle.loads(pickle.dumps(result)).error == copy.copy(result).error == result.error
 
 
 def test_an_estimator_that_the_run_has_not_had_is_named():

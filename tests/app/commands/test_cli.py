@@ -176,6 +176,7 @@ def test_an_extension_that_is_not_there_is_one_line(arguments):
     done = command(*arguments, env={**os.environ, "MPM_LAB_EXTENSIONS": "no_such_module"})
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert "MPM_LAB_EXTENSIONS names no_such_module, which cannot be imported" in done.stderr
+    assert "name its folder in PYTHONPATH" in done.stderr
 
 
 def test_what_a_problem_has_not_is_not_a_flag(capsys):

@@ -34,6 +34,7 @@ for name, problem in PROBLEMS.items():
     values = json.loads(json.dumps(result.to_dict()))
     line = told(lambda effect: effect.readout)["strain"]
     found[name] = {"offered": [problem.estimators, scene.choices("effects")], "result": values,
+                   "asked": result.strain,
                    "text": run_table(values), "readout": _found("strain", line, result.series) if name == "bar" else "",
                    "seen": max(abs(result.final.deformation_gradient.ravel() - 1)) if name == "bar" else 0.0}
 scope = claims.Scope({"it": claims.Outcome([found["bar"]["result"]])}, "it")
@@ -68,6 +69,8 @@ def test_a_number_declared_once_is_told_everywhere(found):
     bar, largest = found["bar"], found["bar"]["result"]["strain"]["largest"]
     assert 0 < largest == pytest.approx(bar["seen"]) and bar["result"]["strain"]["samples"] >= 2
     assert found["ring"]["result"]["strain"] is found["vortex"]["result"]["strain"] is None
+    assert {name: found[name]["asked"] for name in found if "asked" in found[name]} == {
+        name: found[name]["result"]["strain"] for name in ("bar", "ring", "vortex")}
     line = f"largest {largest:.4g}, samples {bar['result']['strain']['samples']}"
     assert f"largest strain  {line}\n" in bar["text"] and "strain" not in found["ring"]["text"]
     assert bar["readout"] == f"largest {largest:.3g}, samples {bar['result']['strain']['samples']}"
