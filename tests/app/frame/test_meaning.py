@@ -59,6 +59,20 @@ def test_each_error_is_shown_where_its_name_stands(problem):
     assert (colours[left] == ESTIMATED).all() and (colours[~left] == TRUE).all()
 
 
+def test_a_rectangle_on_any_quarter_of_the_ring_holds_the_particles_that_are_drawn_there():
+    """A particle has four images: a small rectangle about any of them holds it, and so does the quarter's."""
+    scene = PROBLEMS["ring"].scene(cells=12, periods=1)
+    arrays, stage = engine_frame(build(scene)), VIEWS["ring"].stage(Sheet(), TwoColours())
+    sizes = np.zeros(len(arrays.position))
+    stage.draw(scene, arrays, sizes, sizes, 0.0, 1.0)
+    middle, far = np.array(stage._places.middle), np.array([10.0, 10.0])
+    for image, side in zip(stage.images(arrays, slice(5, 6))[:4, 0, :2], stage.MIRRORS, strict=True):
+        assert (np.sign(image - middle) == side).all()
+        assert np.flatnonzero(stage.region(tuple(image - 1e-4), tuple(image + 1e-4), arrays)).tolist() == [5]
+        ends = np.sort([middle, middle + side * far], axis=0)
+        assert stage.region(tuple(ends[0]), tuple(ends[1]), arrays).all()
+
+
 @pytest.mark.parametrize("problem", PROBLEMS)
 @pytest.mark.parametrize("known", [(True, False), (False, True)], ids=["no truth", "no estimate"])
 def test_a_half_of_which_nothing_is_known_has_no_colour_of_the_other(problem, known):
