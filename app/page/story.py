@@ -59,7 +59,7 @@ class Story:
         if report is None or report.scene != OPENING.scene:
             return
         self._restarts, periods = restarts, report.time / report.scene.period
-        if self._opened and session.ended:
+        if self._opened and session.ended and self._both_there():
             self._opened = False
             session.open_end()
             self._hurry()
@@ -70,6 +70,14 @@ class Story:
         elif self.beat == LAST and self._clock() > self._since + BEAT:
             self._end()
         self._show()
+
+    def _both_there(self) -> bool:
+        """Whether the pinned run has come to the quarter, too, or will not. One that is compiled late begins both anew,
+        and they would stand at t = 0 if the first were paused."""
+        pinned = self._session.pinned
+        if pinned is None or pinned.shortfall():
+            return True
+        return pinned.last is not None and pinned.last[0].step >= pinned.scene.steps
 
     def said(self, frame: Frame | None) -> Said:
         """What the present beat says of the runs; nothing where none is told."""

@@ -33,8 +33,9 @@ class Visit:
     def __init__(self):
         self.now, self.asked, self.report, self.ended = 0.0, [], None, False
         self.moves = None, 0
+        self.compiled = True  # the pinned run
         self.scene = OPENING.scene
-        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None)
+        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None, shortfall=lambda: None)
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
         self.story = Story(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),
@@ -47,6 +48,9 @@ class Visit:
         """The frame after so many periods."""
         shown = frame(self.scene, periods)
         self.report, self.ended = shown[0], periods >= QUARTER
+        if self.pinned and self.compiled:
+            step, last = round(periods / QUARTER * OPENING.pinned.steps), self.pinned.last
+            self.pinned.last = replace(shown[0], step=step), last and last[1]
         self.story.follow(True)
         return str(self.story.said(shown))
 
@@ -117,6 +121,28 @@ def test_it_can_be_left_and_anything_else_ends_it():
     lesson.story.follow(False)
     assert lesson.story.beat == 0
     lesson.story.hear({"no": "word"})
+
+
+def test_it_does_not_pause_before_the_pinned_run_is_there():
+    """That begins both anew once it is compiled: paused before, they would stand at t = 0 for good."""
+    visit = Visit()
+    visit.compiled = False
+    visit.story.hear("play")
+    visit.at(0.01)
+    visit.story.hear("skip")
+    visit.at(QUARTER)
+    assert visit.asked == ["open", "hurry"]
+    visit.compiled = True
+    visit.at(0.01)
+    visit.ended = True  # as the frame before said
+    visit.story.follow(True)
+    assert visit.asked == ["open", "hurry"]
+    visit.at(QUARTER)
+    assert visit.asked[2:] == ["no end", "hurry"]
+    failed = Visit()
+    failed.compiled, failed.pinned.shortfall = False, lambda: "it could not be compiled"
+    failed.at(QUARTER)
+    assert failed.asked == ["no end", "hurry"]
 
 
 def test_without_a_story_it_pauses_at_its_quarter_all_the_same():
