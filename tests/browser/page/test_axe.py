@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import pytest
 
-from tests.browser.conftest import SIZE, axe_finds
+from tests.browser.conftest import HOME, SIZE, axe_finds
 from tests.browser.driving import click, unfold, until
 from tests.browser.page.test_room import STATES
 
@@ -90,3 +90,20 @@ def test_axe_finds_nothing_in_any_state(server, chromium, scheme):
     finally:
         page.close()
     assert found == {state: [] for state in AXED}
+
+
+def test_signs_are_seen_in_the_browsers_own_colours(server, chromium):
+    """Forced colours take away the grounds by which signs are drawn: these keep one, and what is chosen has a rim."""
+    page = chromium.new_page(viewport=SIZE, forced_colors="active")
+    try:
+        page.goto(f"{server[0]}/?fixedDpr=0.5{HOME}")
+        until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+        grounds = page.evaluate("""() => {
+            const ground = (e, part) => getComputedStyle(e, part).backgroundColor;
+            return [...document.querySelectorAll("[data-lab~=lab-at-run] + div button")]
+                .map(button => [ground(button), ground(button, "::before")]); }""")
+        chosen = page.locator(".lab-method.lab-chosen").evaluate("e => getComputedStyle(e).outlineStyle")
+    finally:
+        page.close()
+    assert [sign for ground, sign in grounds if ground != "rgb(0, 0, 0)"] == ["rgb(0, 0, 0)"] * 4
+    assert chosen == "solid"
