@@ -15,8 +15,8 @@ STEPS = 30
 @pytest.mark.parametrize("problem, changes", [
     ("ring", {"cells": 12, "amplitude": 0.1}), ("vortex", {"cells": 16, "ppc": 2, "amplitude": 0.5})])
 def test_what_a_step_adds_up(problem, changes):
-    """Work is the force by how far a particle goes at the velocity in the middle of the step, (x' - x) - dt (v' - v)/2; the
-    torque's impulse dt (x f_y - y f_x), before the step; crossings are of lines in x and in y. Step by step."""
+    """Work is the force by how far a particle goes at the velocity in the middle of the step, (x' - x) - dt (v' - v)/2;
+    the torque's impulse dt (x f_y - y f_x), before the step; crossings are of lines in x and in y. Step by step."""
     kind, reference = PROBLEMS[problem].scene, PROBLEMS[problem].reference
     spin = kind.OWN_EFFECTS == ("spin",)
     scene = kind(**changes, cfl=0.3, periods=0.3, estimators=(),
