@@ -148,6 +148,8 @@ def test_domains_are_kept_where_they_are_asked_for():
     one, scene = Wanted("ring cells=12 periods=0.1", 3, 1000, ("x",), domains=True), state.read("ring cells=12").scene
     found = decoded(recording(one))
     half = found["edges"][0].reshape(2, 2, -1)
+    edges = VIEWS["ring"].stage.domain_edges(scene, np.tile(np.eye(2), (scene.particles, 1, 1)))  # (P, edge, x or y)
+    assert near(half, edges.transpose(1, 2, 0), 0.01) and not near(half, edges.transpose(2, 1, 0), 0.2)
     area = 4 * np.abs(half[0, 0] * half[1, 1] - half[0, 1] * half[1, 0])
     assert near(area, particle_layout(scene).volume, 0.03)
     assert "edges" not in decoded(recording(replace(one, domains=False)))

@@ -128,6 +128,21 @@ def plot(places=PLACES, beside=None):
     return draw, made
 
 
+def test_what_is_positive_is_above_the_axis():
+    """Dots, and the exact curve beside them, at their values over the axis's end, upwards."""
+    solver = build(BAR)
+    solver.advance(40)
+    draw, made = plot()
+    field, X = solver.snapshot(plotted="v").plotted, (np.arange(BAR.particles) + 0.5) / BAR.particles
+    draw(BAR, "v", 1, X, field, solver.time, np.zeros(BAR.particles, bool))
+    unit = BOX.half / made["plot"].axis.top
+    np.testing.assert_allclose(made["particles"].points[:, 1] - BOX.middle, unit * field[:, 0], rtol=0, atol=1e-6)
+    line = np.linspace(0, 1, len(made["exact"]) + 1)
+    exact = BAR_FIELD.exact(BAR, "v", line, solver.time)
+    np.testing.assert_allclose(made["exact"].segments[:, 0, 1] - BOX.middle, unit * exact[:-1], rtol=0, atol=1e-6)
+    assert unit * np.ptp(exact) > BOX.half
+
+
 def test_a_run_gone_bad_breaks_nothing_and_is_said():
     """What is beyond every number is away and counted, what is large is on the axis, the curve is still there."""
     draw, made = plot()

@@ -50,6 +50,20 @@ def test_how_wrong_comes_first_then_whether_it_is_known_then_where():
     assert "; transport finds 100 % of it. " in said(series=SERIES | {"transport/index_x": [1.0, 1.004]})
 
 
+def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
+    """The estimate is worst at one end, the truth at the other; the brackets have each its own."""
+    estimated, report = np.full(20, 0.001), replace(report_of(BAR), time=0.35)
+    estimated[17] = 0.002
+    arrays = arrays_of(estimated, ERROR)
+    view, worst = look(report, arrays, "x", "transport", False), WorstRegions()
+    worst.look(report, arrays, view, "x")
+    assert worst.by_estimate.particles[17] and not worst.by_estimate.particles[6]
+    assert worst.by_truth.particles[6] and not worst.by_truth.particles[17]
+    drawn = worst.remarks(BAR).worst
+    assert [np.flatnonzero(one.particles).tolist() for one in drawn] == [
+        np.flatnonzero(one.particles).tolist() for one in (worst.by_estimate, worst.by_truth)]
+
+
 def test_of_a_run_that_stands_both_are_of_the_moment():
     assert said(playing=False).startswith("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. ")
     assert said(playing=False, ago=0.25).startswith("0.25 periods back the displacement is 5.3 % wrong; transport")

@@ -17,6 +17,7 @@ from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.solver import VortexSolver
 from solvers.running.run import build, run
 from solvers.solver.arrays import aligned
+from solvers.solver.samples import read
 
 METHODS = ["mpm", "ugimp", "cpgimp", "cpgimp-v", "cpdi"]
 BASE = VortexScene(cells=16, estimators=(), effects=())
@@ -200,3 +201,21 @@ def test_snapshots_and_samples_agree():
     solver.advance(30)
     row, error = solver.measure()[0], solver.snapshot().error
     np.testing.assert_allclose(np.sqrt((error**2).sum(0)), np.sqrt(row[1:5]), rtol=1e-9)
+
+
+@pytest.mark.parametrize("remedies", [(), ("frozen-weights",)], ids=["moving", "frozen"])
+def test_nodes_accelerations_are_held_against_those_of_their_own_places(remedies):
+    """Where the node is, or, where it stands for where it is at rest, what has been there; beyond the ring's rims at
+    the turn of the rim. At the time of the last step."""
+    scene = replace(SHORT, method="ugimp", remedies=remedies, effects=("truth", "acceleration"), estimators=())
+    solver = build(scene)
+    solver.advance(40)
+    a, t = solver._arrays, solver.time - scene.time_step
+    number = np.arange(len(a.node_mass))
+    place = scene.spacing * ((number % a.row - a.origin) + 1j * (number // a.row - a.origin))
+    turn = exact.turn(scene, np.clip(np.abs(place), scene.INNER, scene.OUTER), t)
+    z = place * np.exp(1j * turn.angle) if remedies else place
+    expected = (1j * turn.acceleration - turn.rate**2) * z
+    miss = np.abs(a.node_motion[:, 2] + 1j * a.node_motion[:, 3] - expected)[np.array(a.node_mass) > 0]
+    series = read(solver.measure(), scene, scene.particles, 1.0)
+    assert series["error_extra"][-1] == pytest.approx(np.sqrt(np.mean(miss**2)), rel=1e-9)
