@@ -71,7 +71,8 @@ AXED = {"lost": (STATES["a run gone bad"], lambda page: until(page.locator("body
         "a code": ("bar;estimators=recovered", lambda page: click(page, "QR code"))}
 
 
-@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
+@pytest.mark.slow  # what any state has, the tabs above have in small
+@pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_in_any_state(server, chromium, scheme):
     """One page, which is loaded anew for each."""
     page = chromium.new_page(viewport=SIZE, color_scheme=scheme)

@@ -60,10 +60,14 @@ def disorder(page, size):
     found = [] if len(places) == 5 else [f"{len(places)} parts"]
     found += [a for a in places if a[0] < -1 or a[1] < -1 or a[2] > size[0] + 1 or a[3] > size[1] + 1]
     found += [(a, b) for k, a in enumerate(places) for b in places[:k] if min(overlap(a, b)) > 1]
-    return found + page.evaluate("""() => [...document.querySelectorAll('.mantine-ScrollArea-viewport')]
-        .filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1).map(e => [e.clientWidth, e.scrollWidth,
-            ...[...e.querySelectorAll("*")].filter(x => x.getBoundingClientRect().right
-                > e.getBoundingClientRect().right + 1).map(x => x.outerHTML.slice(0, 80)).slice(-2)])""")
+    return found + page.evaluate("""() => {
+        const clipped = (x, e) => x !== e && (getComputedStyle(x).overflow === "hidden" || clipped(x.parentElement, e));
+        return [...document.querySelectorAll('.mantine-ScrollArea-viewport')]
+            .filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1).map(e => [e.clientWidth, e.scrollWidth,
+                ...[...e.querySelectorAll("*")].filter(x => x.getBoundingClientRect().right
+                    > e.getBoundingClientRect().right + 1 && !clipped(x.parentElement, e))
+                    .map(x => x.outerHTML.slice(0, 200)).slice(-3)]);
+    }""")
 
 
 def everything_has_a_place_of_its_own(page):
