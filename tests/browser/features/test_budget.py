@@ -15,8 +15,8 @@ from solvers.running.budget import run_budget
 from solvers.scene.causes import CAUSES
 from tests.browser.conftest import visit
 from tests.browser.driving import choose, scene, until
-from tests.browser.page.test_first_picture import summary
 from tests.browser.page.test_axe import serious
+from tests.browser.page.test_first_picture import summary
 
 QUARTER = "bar;method=mpm;cells=20;ppc=2;estimators=none;effects=all;periods=0.25;stops;speed=0.5"
 RING = "ring;method=ugimp;cells=12;ppc=2;periods=0.3;estimators=none"
