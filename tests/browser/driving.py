@@ -106,6 +106,7 @@ def to_the_ring(page):
 #: The controls' folders, by the beginning of their names, and what shows in them once they are open.
 FOLDERS = {"Method details": "Remedies for long", "Effects: compute": "contradictions",
            "One step in slow motion": "Seconds a phase", "What is drawn": "Plots show",
+           "All numbers of this run": re.compile("^steps$"),
            "Motion and material": re.compile("^(Motion|Poisson's ratio ν)$")}
 
 

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from tests.browser.conftest import visit
-from tests.browser.driving import choose, click, coloured, readout, stage, stage_box, steps, to_the_ring, until
+from tests.browser.driving import choose, click, coloured, readout, stage, stage_box, steps, to_the_ring, unfold, until
 
 LARGE, LAPTOP, SMALL, UPRIGHT, PHONE = (1920, 1080), (1280, 720), (1024, 768), (800, 1100), (390, 844)
 ENLARGED = (640, 360), (960, 540)  # a laptop's window and a large one, at 200 %
@@ -210,6 +210,7 @@ def the_run_goes_on_when_the_window_changes(page):
 
 def test_places(page):
     """One visitor for both: a page of their own would cost each more than what is looked at. So below."""
+    unfold(page, "All numbers of this run")  # its table is the widest thing of the panel
     to_the_ring(page)
     everything_has_a_place_of_its_own(page)
     nothing_written_lies_over_anything_else_written(page)
