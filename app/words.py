@@ -167,7 +167,7 @@ def _field_said(scene: Scene, field: str, unit: str) -> str:
     if field == "cells":
         return f"{value} cells"
     if field == "ppc":
-        return f"{(count := per_cell(scene.problem, value))} particle{'s' * (count != '1')} per cell"
+        return particles_per_cell(scene.problem, value)
     if unit:
         return f"{SYMBOLS.get(field, label)} = {with_unit(value, unit)}"
     return names[value] if field in ("method", "velocity") else f"{label} {names.get(value, value)}"

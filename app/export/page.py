@@ -41,11 +41,8 @@ def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping
 def recorded_page(shown: state.State) -> str:
     """The page of a state and of no runs around it, recorded by this process itself."""
     one = planned(shown, (), quantities(shown))
-    made: dict[Wanted, dict[str, Any]] = {}
-    for wanted in plan.wanted([one]).values():
-        made[wanted] = made.get(wanted) or recording(wanted)
-    return assembled(one.scene.title.capitalize(), [one],
-                     {key: made[wanted] for key, wanted in plan.wanted([one]).items()}, None)
+    recorded = _each_once([one], lambda once: [recording(wanted) for wanted in once])
+    return assembled(one.scene.title.capitalize(), [one], recorded, None)
 
 
 def quantities(shown: state.State) -> tuple[str, ...]:
@@ -54,11 +51,17 @@ def quantities(shown: state.State) -> tuple[str, ...]:
 
 
 def record(plans: Sequence[Plan], processes: int, on_progress: Progress) -> dict[tuple[int, str], dict[str, Any]]:
-    """Recordings by the number of their plan and their text; what several plans want alike is run once."""
+    """Recordings by the number of their plan and their text, made side by side."""
+    return _each_once(plans, lambda once: recordings(
+        once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}")))
+
+
+def _each_once(plans: Sequence[Plan], make: Callable[[list[Wanted]], list[dict[str, Any]]]) -> dict[
+        tuple[int, str], dict[str, Any]]:
+    """The same by whoever makes them; what several plans want alike is run once."""
     wanted = plan.wanted(plans)
     once = list(dict.fromkeys(wanted.values()))
-    made = recordings(once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}"))
-    found = dict(zip(once, made, strict=True))
+    found = dict(zip(once, make(once), strict=True))
     return {key: found[one] for key, one in wanted.items()}
 
 

@@ -30,7 +30,7 @@ from solvers.scene.extensions import load_extensions
 from solvers.scene.registry import ESTIMATORS
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
-_NORMS = ("final", "max", "mean")
+NORMS = ("final", "max", "mean")
 Vocabulary = Mapping[str, tuple[tuple[str, ...], ...]]
 _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
@@ -50,7 +50,7 @@ def paths() -> Vocabulary:
     found = {effect.json_key: tuple(filter(None, [tuple(number.key for number in effect.numbers if number.key)]))
              for effect in ALL.values() if effect.numbers}
     return {
-        "error": ((*QUANTITIES, *EXTRA_NORMS), _NORMS), "estimate": (estimators, tuple(QUANTITIES), _NORMS),
+        "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
         "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
         "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
         "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
@@ -82,6 +82,10 @@ class Scope:
     outcomes: Mapping[str, Outcome]
     main: str = ""
     vocabulary: Vocabulary | None = None
+
+    @property
+    def paths(self) -> Vocabulary:
+        return self.vocabulary or paths()
 
 
 @dataclass(frozen=True)
@@ -138,9 +142,10 @@ def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: 
         if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
                                            or len(node.args) != 1 or node.keywords):
             raise ClaimError(f"{ast.unparse(node)}: give {', '.join(f'{name}(…)' for name in FUNCTIONS)}")
+    known = vocabulary or paths()
     for path in _paths(_parsed(text)):
-        name, rest = _run_of(path, runs, main, vocabulary or paths())
-        _check_path(rest, vocabulary or paths())
+        name, rest = _run_of(path, runs, main, known)
+        _check_path(rest, known)
         if not name:
             raise ClaimError(f"{'.'.join(path)}: no run comes before this; name one of {', '.join(runs) or 'a run'}")
 
@@ -206,7 +211,7 @@ def _run_of(path: tuple[str, ...], runs: Mapping[str, Any], main: str,
     if path[0] in runs:
         return path[0], path[1:]
     if path[0] not in vocabulary:
-        known = ", ".join((*filter(None, runs), *vocabulary))
+        known = ", ".join((*runs, *vocabulary))
         raise ClaimError(f"{'.'.join(path)}: {path[0]} is neither a run nor part of a result; give one of {known}")
     return main, path
 
@@ -239,7 +244,7 @@ def _evaluate(node: ast.expr, scope: Scope) -> Any:
     path = _path(node)
     if len(path) == 1 and path[0] in WORDS and path[0] not in scope.outcomes:
         return WORDS[path[0]]
-    name, rest = _run_of(path, scope.outcomes, scope.main, scope.vocabulary or paths())
+    name, rest = _run_of(path, scope.outcomes, scope.main, scope.paths)
     outcome = scope.outcomes[name]
     values = [_lookup(result, rest) for result in outcome.results]
     return values if outcome.varied else values[0]
@@ -249,7 +254,7 @@ def _call(node: ast.Call, scope: Scope) -> float:
     name, argument = node.func.id, node.args[0]  # type: ignore[attr-defined]  # has been checked
     values = _evaluate(argument, scope)
     if name == "order":
-        named = (_run_of(path, scope.outcomes, scope.main, scope.vocabulary or paths()) for path in _paths(argument))
+        named = (_run_of(path, scope.outcomes, scope.main, scope.paths) for path in _paths(argument))
         runs = [scope.outcomes[run] for run, _ in named]
         varied = [outcome for outcome in runs if outcome.varied]
         if not varied or not isinstance(values, list) or len(values) < 2:

@@ -10,11 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from app.commands.flags import BadInput
-from app.lessons.claims import ClaimError, Outcome, Scope, Vocabulary, check_claim, decide
+from app.lessons.claims import NORMS, ClaimError, Outcome, Scope, Vocabulary, check_claim, decide
 from solvers.judging.checks.check import OFF
 from solvers.judging.measure import QUANTITIES
 
-NORMS = ("final", "max", "mean")
 COMPANION = "companion"
 VOCABULARY: Vocabulary = {
     "error": (QUANTITIES, NORMS), "order": (QUANTITIES,), "estimate": ((COMPANION,), QUANTITIES, NORMS),
