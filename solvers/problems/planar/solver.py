@@ -95,9 +95,11 @@ class PlanarSolver(Solver):
         said = {TRUTH: true_fields(self.scene, a, self.step, measures)} if on.truth else {}
         said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
         motion, X = a.position_velocity, a.material_position
+        with np.errstate(all="ignore"):  # a run gone bad holds anything
+            stress = measures.stress(a)
         return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
                       columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]),
-                               measures.stress(a)]),
+                               stress]),
                       {name: columns(parts[:3]) for name, parts in said.items()})
 
     def compile(self) -> None:
