@@ -20,6 +20,7 @@ from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.fields import TRUTH, Fields, Values
 from solvers.solver.norms import UNBOUNDED, finite
+from solvers.solver.rounding import rounding
 
 #: How many times the estimated error the bar around a value is long. Not fitted: twice, as in two standard deviations.
 #: What such a bar keeps is measured in ``assets/coverage.md``.
@@ -55,6 +56,13 @@ class Goal:
         return lambda q: float(np.average(q.stress[:, [0, -1]].mean(axis=1), weights=fields.volume))
 
 
+    def rounding(self, scene: Scene, steps: int, value: float, mass: float) -> float:
+        """The largest error that rounding alone may make of this ``value``; energy is m v^2/2, and dE = m v dv."""
+        if self.name == ENERGY:
+            return math.sqrt(2 * abs(value) * mass) * float(rounding(scene, "v", steps))
+        return float(rounding(scene, "x" if self.point else "sigma", steps))
+
+
 def goals_of(scene: Scene, names: Sequence[str]) -> list[Goal]:
     """The goals with these names, each once.
 
@@ -87,15 +95,18 @@ def _goal(scene: Scene, name: str) -> Goal:
 
 
 @UNBOUNDED
-def measured(goal: Goal, fields: Fields) -> dict[str, Any]:
-    """What a goal is, as in the JSON object: ``value`` in its ``unit``, ``true_error``, and by estimator the signed
-    ``estimated_error`` and the ``bar``, :data:`SAFETY` times its size. None where there is no such number."""
+def measured(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, Any]:
+    """What a goal is after so many steps, as in the JSON object: ``value`` in its ``unit``, ``true_error``, what
+    ``rounding`` alone may make of it, and by estimator the signed ``estimated_error`` and the ``bar``, :data:`SAFETY`
+    times its size. None where there is no such number."""
     number = goal.of(fields)
     value = number(fields.values)
     errors = {name: finite(value - number(fields.values.less(e))) for name, e in fields.errors.items()}
     truth = errors.pop(TRUTH, None)
     bars = {name: None if error is None else SAFETY * abs(error) for name, error in errors.items()}
-    return {"value": finite(value), "unit": goal.unit, "true_error": truth, "estimated_error": errors, "bar": bars}
+    return {"value": finite(value), "unit": goal.unit, "true_error": truth,
+            "rounding": finite(goal.rounding(scene, steps, value, float(fields.mass.sum()))), "estimated_error": errors,
+            "bar": bars}
 
 
 def without(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:

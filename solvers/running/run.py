@@ -102,7 +102,7 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     status, reason, broken_at = _status(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     fields = solver.fields() if wanted else None
-    reached = {goal.name: measured(goal, fields) for goal in wanted} if fields else {}
+    reached = {goal.name: measured(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
                   series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
                   not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan,

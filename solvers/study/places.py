@@ -37,6 +37,17 @@ class NoCluster(Exception):
     """The cluster cannot be used; one sentence says why."""
 
 
+class Question(Protocol):
+    """What a row is the answer to, such as a :class:`~solvers.study.grid.Task`."""
+
+    @property
+    def key(self) -> str:
+        """What its row is known by."""
+
+    def to_dict(self) -> dict:
+        """Itself, as JSON has it."""
+
+
 class Place(Protocol):
     """Somewhere to measure rows."""
 
@@ -48,17 +59,6 @@ class Place(Protocol):
 
     def close(self) -> None:
         """Stop everything at once."""
-
-
-class Question(Protocol):
-    """What a row is the answer to, such as a :class:`~solvers.study.grid.Task`."""
-
-    @property
-    def key(self) -> str:
-        """What its row is known by."""
-
-    def to_dict(self) -> dict:
-        """Itself, as JSON has it."""
 
 
 def execute(tasks: Iterable[Any], place: Place, on_row: Callable[[dict], None],

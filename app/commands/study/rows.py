@@ -58,8 +58,8 @@ class Study:
         if len(refusals) == len(tasks):
             raise next(iter(refusals.values()))
         with contextlib.ExitStack() as stack:
-            place = stack.enter_context(contextlib.closing(self.place()))
-            store = stack.enter_context(contextlib.closing(self.store(problem)))
+            place = stack.enter_context(contextlib.closing(self._place()))
+            store = stack.enter_context(contextlib.closing(self._store(problem)))
             self._announce(tasks, refusals, store)
             if not self._measure(tasks, refusals, place, store):
                 return None
@@ -72,7 +72,7 @@ class Study:
     def put(self, name: str, content: bytes) -> None:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
-    def place(self, work: str = "solvers.study.places:measure_row") -> "Place":
+    def _place(self, work: str = "solvers.study.places:measure_row") -> "Place":
         """Where this ``work`` is done (``solvers.workers``)."""
         from solvers.study.places import Cluster, Here, NoCluster
         try:
@@ -80,7 +80,7 @@ class Study:
         except NoCluster as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
 
-    def store(self, problem: str, fault: Callable[[Any], str | None] = fault) -> Store:
+    def _store(self, problem: str, fault: Callable[[Any], str | None] = fault) -> Store:
         """The rows of the directory."""
         try:
             return Store(self.out, problem, self.resume, fault)

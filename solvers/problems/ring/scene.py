@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from solvers.problems.planar.circular import CircularScene
-from solvers.problems.ring import exact, step_bound, validity
 from solvers.problems.planar.validity import NO_LATTICE
+from solvers.problems.ring import exact, step_bound, validity
 from solvers.scene.described import described
 from solvers.scene.option import option
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN

@@ -11,9 +11,9 @@ from typing import ClassVar
 import numpy as np
 
 from solvers.problems.planar.circular import CircularScene
+from solvers.problems.planar.validity import NO_LATTICE
 from solvers.problems.vortex import exact, step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
-from solvers.problems.planar.validity import NO_LATTICE
 from solvers.scene.described import described
 from solvers.scene.effects import EFFECTS
 from solvers.scene.option import option

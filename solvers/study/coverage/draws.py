@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -43,8 +44,9 @@ REACH = {"bar": Reach((16, 128), (1, 6), (1e-4, 0.12)),
          "ring": Reach((32, 64), (1, 3), (1e-3, 0.15), periods=(0.1, 2.0)),
          "vortex": Reach((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0))}
 #: How likely a choice is that is not as likely as the others of its field.
-SHARES = {"velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75}, "body_force": {"material": 0.7},
-          "layout": {"polar": 0.75}}
+SHARES: Mapping[str, Mapping[Any, float]] = {
+    "velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75}, "body_force": {"material": 0.7},
+    "layout": {"polar": 0.75}}
 FORCES = {"bar": ("material", "node"), "ring": ("material",), "vortex": ("material",)}  # with exact solutions
 
 

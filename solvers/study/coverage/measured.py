@@ -5,7 +5,7 @@ Keys of a row::
     schema, key, problem, seed, number, solvers, status, reason, seconds, scene, moved (largest displacement, in cells)
     estimators: {name: {refused, index, end}}            refused: "", "before" or "after" the run, "impossible"; ratios
                                                          by quantity, over the run and at its end, 1 is perfect
-    goals: {kind: {true_error, estimated_error, grids}}  grids: the number on h, 2h and 4h
+    goals: {kind: {true_error, rounding, estimated_error, grids}}       as of a run; grids: the number on h, 2h and 4h
 
 What is refused before a run is computed all the same, where it can be, to know how often the refusal was needless; what
 it says decides nothing.
@@ -34,11 +34,13 @@ from solvers.study.row import FAILED, fingerprint
 SCHEMA = "mpm-lab/coverage-row/1"
 QUANTITIES = ("x", "v", "sigma")
 IMPOSSIBLE, BEFORE, AFTER = "impossible", "before", "after"  # how an estimator was refused
+KEPT = ("true_error", "rounding", "estimated_error")  # of a goal
 STATUSES = (OK, *BROKEN, FAILED)
 IDENTITY = {"key": str, "problem": str, "seed": int, "number": int, "status": str, "reason": (str, type(None))}
 MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER,
             "estimators": Each({"refused": str, "index": Each(NUMBER_OR_NONE), "end": Each(NUMBER_OR_NONE)}),
-            "goals": Each({"true_error": NUMBER_OR_NONE, "estimated_error": Each(NUMBER_OR_NONE), "grids": list})}
+            "goals": Each({"true_error": NUMBER_OR_NONE, "rounding": NUMBER_OR_NONE,
+                           "estimated_error": Each(NUMBER_OR_NONE), "grids": list})}
 
 
 def measure_draw(draw: dict, answer: Callable[[dict], None]) -> None:
@@ -72,8 +74,8 @@ def _measured(draw: Draw) -> dict:
             "moved": scene.motion_amplitude / scene.spacing,
             "estimators": {name: {"refused": _refused(name, scene, result), **_ratios(result, name)}
                            for name in scene.estimators},
-            "goals": {kind: {"true_error": result.goals[name]["true_error"], "grids": numbers[kind],
-                             "estimated_error": result.goals[name]["estimated_error"]} for kind, name in goals.items()},
+            "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in KEPT}}
+                      for kind, name in goals.items()},
             "seconds": time.perf_counter() - begun}
 
 

@@ -7,6 +7,7 @@ those in which it did not refuse.
 
 from __future__ import annotations
 
+import functools
 import math
 import statistics
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -51,9 +52,9 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
     goals = list(dict.fromkeys(kind for row in usable for kind in row["goals"]))
     return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
             "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
-            "estimators": {name: _split(usable, lambda some, name=name: _right(some, name)) for name in names},
+            "estimators": {name: _split(usable, functools.partial(_right, name=name)) for name in names},
             "refusals": {name: _refusals(usable, name) for name in names},
-            "goals": {kind: _split(usable, lambda some, kind=kind: _held(some, kind, names)) for kind in goals}}
+            "goals": {kind: _split(usable, functools.partial(_held, kind=kind, names=names)) for kind in goals}}
 
 
 def _split(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
@@ -106,16 +107,21 @@ def _held(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
     """Of a goal, how often bars around the value held the truth: of so many times the estimated error, and of grid
     convergence. ``width`` is the median of the bar over the true error: what holds by being wide costs that."""
     found: dict[str, Any] = {}
-    known = [row["goals"][kind] for row in rows if row["goals"][kind]["true_error"]]
+    known = [row["goals"][kind] for row in rows if _known(row["goals"][kind])]
     for name in names:
         errors = [(abs(goal["estimated_error"][name]), abs(goal["true_error"])) for goal in known
-                  if goal["estimated_error"][name] is not None]
+                  if goal["estimated_error"].get(name) is not None]
         for times in SAFETIES:
             found[f"{times:g} x {name}"] = _bars([(times * said, true) for said, true in errors], len(known))
     for name, bar in INTERVALS.items():
         bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known if _three(goal["grids"])]
         found[name] = _bars([(said, true) for said, true in bars if said is not None], len(known))
     return found
+
+
+def _known(goal: Mapping) -> bool:
+    """Whether a goal has a true error that is more than rounding."""
+    return goal["true_error"] is not None and abs(goal["true_error"]) > (goal["rounding"] or 0.0)
 
 
 def _three(values: Sequence[float | None]) -> bool:
