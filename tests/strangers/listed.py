@@ -39,7 +39,7 @@ class Stranger:
 
 
 LARGE = ("--periods", "1")
-SMALL = ("--ppc", "2", "--amplitude", "0.0025", "--periods")
+SMALL = ("--ppc", "2", "--amplitude", "0.00025", "--periods")
 
 STRANGERS = (
     Stranger("taichi_mpm99_bar", ("taichi==1.7.4",), "3.11", "bar",
