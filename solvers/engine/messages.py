@@ -69,7 +69,8 @@ class FrameReport:
     (``solvers.solver.soundness``), ``reason`` says why in a sentence, ``since`` from which time in s on. An unstable
     run has stopped; a lost one goes on; one that is ok for positions has a reason where other quantities are as wrong
     as they are large. ``not_checked`` says what nobody looks at. ``breakdown`` is of the last step, if the wish asks
-    for it and that was a single one.
+    for it and that was a single one. ``goals`` are numbers of the body as of half a second ago at most, while the run
+    moves (:func:`solvers.running.goals.measured`).
     """
 
     session: int
@@ -92,6 +93,7 @@ class FrameReport:
     since: float | None = None
     breakdown: StepBreakdown | None = None
     not_checked: str | None = None
+    goals: dict[str, dict] = field(default_factory=dict)
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from solvers.engine import frames
 from solvers.engine.messages import FrameReport, Wish
 from solvers.engine.soundness_watch import SoundnessWatch
+from solvers.running.goals import ENERGY, STRESS, Goal, measured, without
 from solvers.running.run import build
 from solvers.scene.scene import MOST_STEPS
 from solvers.solver.base import Solver
@@ -24,6 +25,7 @@ LATE = 0.25  # of the time between two frames, by which they are then late
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
+GOAL_SECONDS = 0.5  # between two looks at numbers of the whole body, while it moves
 LOOK_SECONDS = 0.002  # between two looks whether the page has taken a frame that the next one waits for
 EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
 LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
@@ -57,6 +59,8 @@ class Stepper:
         self._rows = [self.solver.measure()]  # samples since the last frame
         self._measured = 0  # the last step that was measured without a sample being due
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
+        self._goals: dict[str, dict] = {}
+        self._goals_due = 0.0  # when these numbers are worked out anew, by perf_counter
         self._real_speed: float | None = None
         self._breakdown: StepBreakdown | None = None  # of the last step
         self._before_step: tuple[int, dict[str, np.ndarray]] | None = None  # where that step began
@@ -168,7 +172,8 @@ class Stepper:
             rows=rows, reason=reason, status=status, since=since, not_checked=self._watch.not_checked(not_valid),
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, holds=replace(wished, differences=bool(shot.difference)),
-            breakdown=self._breakdown if wished.broken_down is not None else None)
+            breakdown=self._breakdown if wished.broken_down is not None else None,
+            goals=without(self._goals_at(now), not_valid))
         if not self._frame_wanted:  # else it may have stood still since it was due
             self._lateness += FRAME_WEIGHT * (now - self._due - self._lateness)
         self._rows = [report.rows[:0]]
@@ -179,6 +184,14 @@ class Stepper:
         self._due = min(max(self._due + apart, now + 0.5 * apart), now + apart)
         self._seconds_a_frame += FRAME_WEIGHT * (perf_counter() - now - self._seconds_a_frame)
         return report
+
+    def _goals_at(self, now: float) -> dict[str, dict]:
+        """Numbers of the whole body: of this moment, or while it moves of one shortly before."""
+        if now >= self._goals_due or not self.running:
+            solver, self._goals_due = self.solver, now + GOAL_SECONDS
+            fields = solver.fields()
+            self._goals = {name: measured(Goal(name), fields, solver.scene, solver.step) for name in (ENERGY, STRESS)}
+        return self._goals
 
     @property
     def late(self) -> bool:

@@ -30,11 +30,11 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
          "--disable-features=PreloadTopChromeWebUI",  # of a browser's own window: a renderer more
          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
 # However cheap a picture is, the browser would draw as many as it can, beside the simulation. The page takes in what
-# has come as often as it draws, so it is let do both twice a second, and what it draws comes to nothing but once.
+# has come as often as it draws, so it is let do both a few times a second, and what it draws comes to nothing but once.
 FEW_FRAMES = """
     const soon = window.requestAnimationFrame.bind(window);
     let frame = 0, drawn = 0;  // times: of this frame, and of the last one that was drawn
-    window.requestAnimationFrame = (draw) => setTimeout(() => soon((now) => draw(frame = now)), 500);
+    window.requestAnimationFrame = (draw) => setTimeout(() => soon((now) => draw(frame = now)), 300);
     window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
     for (const name of ["clear", "drawArrays", "drawArraysInstanced", "drawElements", "drawElementsInstanced"]) {
         const usual = WebGL2RenderingContext.prototype[name];

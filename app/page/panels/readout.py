@@ -3,6 +3,7 @@
 import html
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
+from solvers.running.goals import ENERGY, STRESS
 from solvers.scene.effects import ALL, SHARE, Line, Number, told
 from solvers.scene.registry import ESTIMATORS
 from solvers.scene.scene import Scene
@@ -26,6 +28,7 @@ from solvers.study.coverage import track_record
 
 CAPPED_BELOW = 0.9  # of the speed asked for
 ROUNDED = "nothing but rounding"
+GOALS = {ENERGY: "kinetic energy", STRESS: "mean stress"}
 SHORT = 30  # characters of a reason that fit beside a name
 #: What a line of the readout means, for who rests on it.
 HINTS = {
@@ -35,6 +38,8 @@ HINTS = {
     "solver": "how fast the kernels run, waiting not counted, and on what",
     "speed": "periods of the vibration in a second of yours: reached, of those asked for",
     "shown": "an earlier frame, of those that the slider Look back goes through",
+    "kinetic energy": "of all particles, ± twice the error that the estimator on the stage says it has",
+    "mean stress": "over the body at rest, ± twice the error that the estimator on the stage says it has",
     "verdict": "a run is ok if its positions are; this is as wrong as it is large",
     "unseen": "what the verdict does not rest on",
     "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
@@ -67,7 +72,7 @@ def readout(session: Session, history: History, report: FrameReport, quantity: s
     another one since."""
     series = until(history.series, report.time)
     return Readout(_estimates(session, report, series, quantity, drawn),
-                   _worst(worst, drawn, quantity) + _run(session, history, report, series, probed, ago),
+                   _worst(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
                    judged(report, series, quantity, drawn))
 
 
@@ -106,8 +111,8 @@ def place(index: float) -> float | None:
     return round(min(1.0, max(0.0, 0.5 + 0.5 * math.log10(index))), 2) if index > 0 else 0.0
 
 
-def _run(session: Session, history: History, report: FrameReport, series: dict[str, np.ndarray], probed: str | None,
-         ago: float) -> str:
+def _run(session: Session, history: History, report: FrameReport, series: dict[str, np.ndarray], drawn: str | None,
+         probed: str | None, ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
@@ -126,6 +131,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
              if scene.has(name) and (text := _found(name, line, series))]
     if scene.has("margin"):
         rows.append(("step", _margin(margin)))
+    rows += [] if ago else list(_goals(report, drawn))
     rows += [("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
              ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
              *([("verdict", html.escape(report.reason))] if report.status == OK and report.reason else []),
@@ -134,6 +140,19 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     hints = {**{line.name: html.escape(line.hint) for line in lines.values()}, **HINTS}
     return table("".join(f"<tr title=\"{hints[name]}\"><td>{html.escape(name)}</td>\n<td>{text}</td></tr>\n"
                          for name, text in rows), "lab-run")
+
+
+def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
+    """Numbers of the whole body, each with a bar by the estimator on the stage and how often such bars held."""
+    for name, goal in report.goals.items():
+        if goal["value"] is None:
+            continue
+        text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(drawn)
+        if bar is not None:
+            counts = track_record.held(report.scene, name, drawn or "")
+            text += f" ± {with_unit(bar, goal['unit'])}" + (f"; such bars held in {counts[0]} of {counts[1]} runs like "
+                                                            "this" if counts else "")
+        yield GOALS[name], html.escape(text)
 
 
 def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:

@@ -11,7 +11,9 @@ from app.page.stage.worst import WorstRegions
 from app.page.visit.history import History
 from app.page.visit.notice import doubt
 from solvers.problems.bar.scene import BarScene
+from solvers.running.goals import ENERGY
 from solvers.running.run import build
+from solvers.study.coverage import track_record
 from tests.app.frame.test_view import report_of
 
 BAR = BarScene(cells=12, ppc=2, estimators=("companion",))
@@ -42,6 +44,20 @@ def test_what_nobody_looked_at_is_a_line_of_the_readout():
     said = readout(session, history, replace(report, not_checked="velocity & stress"), "x", None, None, WorstRegions())
     assert "velocity &amp; stress" in said.html
     assert "unseen" not in readout(session, history, report, "x", None, None, WorstRegions()).html
+
+
+def test_numbers_of_the_body_have_a_bar_by_who_is_on_the_stage():
+    """And how often such bars held; without an estimator, or back in time, no bar and no number."""
+    history, session = watched(BAR)
+    energy = {"value": 0.0062, "unit": "J", "true_error": None, "estimated_error": {"companion": -1e-5},
+              "rounding": 0.0, "bar": {"companion": 2e-5}}
+    report = replace(report_of(BAR), step=300, time=300 * BAR.time_step, goals={ENERGY: energy})
+    held, of = track_record.held(BAR, ENERGY, "companion")
+    html = readout(session, history, report, "x", "companion", None, WorstRegions()).html
+    assert "kinetic energy" in html and f"6.2 mJ ± 20 µJ; such bars held in {held} of {of} runs like this" in html
+    html = readout(session, history, report, "x", None, None, WorstRegions()).html
+    assert "6.2 mJ" in html and "±" not in html.partition("6.2 mJ")[2].partition("</td>")[0]
+    assert "6.2 mJ" not in readout(session, history, report, "x", None, None, WorstRegions(), ago=0.1).html
 
 
 def test_an_error_that_is_nothing_but_rounding_has_no_index_on_the_page():

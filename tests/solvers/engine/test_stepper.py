@@ -19,6 +19,7 @@ from solvers.engine.stepper import Stepper
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.validity import RULES
+from solvers.running.goals import ENERGY, STRESS
 from solvers.running.run import run
 from solvers.solver import samples
 
@@ -44,6 +45,26 @@ def clock(monkeypatch):
     clock = SimpleNamespace(now=100.0)
     monkeypatch.setattr(stepper, "perf_counter", lambda: clock.now)
     return clock
+
+
+def test_numbers_of_the_body_are_looked_at_twice_a_second(clock):
+    """While it moves, those of half a second ago at most; where it stands, those of its moment, to the last bit what a
+    run of the same steps ends with; and none by who does not hold."""
+    scene = replace(SCENE, method="bspline", estimators=("transport", "companion"))
+    with one_session(Wish(1, 1, "", scene, Pace(speed=0.5))) as session:
+        seen = []
+        while clock.now < 101.5:
+            memory.clear(session._block)
+            clock.now += 0.05
+            session.turn()
+            seen.append(session.frame().goals[ENERGY]["value"])
+        assert 3 <= len(set(seen)) <= 4
+        session.accept(replace(session.wish, pace=Pace(playing=False)))
+        memory.clear(session._block)
+        report = session.frame()
+    ended = run(replace(scene, periods=None, t_end=report.time), goals=[ENERGY, STRESS])
+    assert report.step == ended.steps and report.goals == ended.goals
+    assert report.goals[ENERGY]["bar"]["companion"] is not None and "transport" not in report.goals[ENERGY]["bar"]
 
 
 def test_playing_keeps_the_asked_speed(clock):
