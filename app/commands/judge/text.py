@@ -1,12 +1,10 @@
-"""The report of ``mpm-lab judge`` in Markdown, made from the JSON object, and the same as a page of HTML."""
+"""The report of ``mpm-lab judge`` in Markdown, made from the JSON object."""
 
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.lessons.markup import html
 from app.problems.views import VIEWS
 from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
@@ -37,14 +35,6 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order(values)] if values["order"] else []
     return "\n\n".join([*head, *shown, *order, *body, rendered(HERE / "how.md")])
-
-
-def as_html(text: str, folder: Path) -> str:
-    """The report as one page, its pictures in it."""
-    title = escape(text.partition("\n")[0].lstrip("# "))
-    body = html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
-    body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
-    return rendered(HERE / "report.html", title=title, body=body)
 
 
 def _said(values: dict, judged: Judgement) -> str:
