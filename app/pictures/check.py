@@ -17,7 +17,7 @@ from solvers.judging.checks.neighbours import departures
 def places_figure(checked: Checked) -> Figure | None:
     """The particles at the moment of the first contradiction, else the last: displacements along a line, or places in
     the first two directions. None where nobody has neighbours."""
-    motion = checked.motion
+    motion = checked.motion.part
     if motion.near is None:
         return None
     named = [one for one in checked.wrong if one.time is not None and one.particle is not None]

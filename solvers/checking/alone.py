@@ -6,11 +6,13 @@ import numpy as np
 
 from solvers.checking.finding import BROKEN, HOLDS, SUSPICIOUS, Finding, unknown
 from solvers.checking.motion import Motion
-from solvers.judging.checks.neighbours import departures, outliers
+from solvers.judging.checks.neighbours import Surroundings, departures, outliers
 
 #: Of each quantity: times what most depart from a plane through their neighbours, from where on one is by itself, and
 #: the least of that, of the spacing for x and of the quantity's own size for others.
-ALONE: dict[str, tuple[float, float]] = {"x": (20.0, 0.2), "v": (20.0, 0.3), "F": (30.0, 0.6), "sigma": (30.0, 0.4)}
+ALONE: dict[str, tuple[float, float]] = {"x": (30.0, 0.5), "v": (15.0, 0.3), "F": (15.0, 0.4), "sigma": (15.0, 0.4)}
+LASTS, PASSES = 3, 10.0  # one moment in so many, but for x; times as much where it does not last
+ONE_SIDED, ON_A_RIM = 0.4, 3.0  # of their distance the middle of the neighbours is aside; times as much may be there
 WORDS = {"x": "position", "v": "velocity", "F": "F", "sigma": "stress"}
 UNITS = {"x": "m", "v": "m/s", "F": "", "sigma": "Pa"}
 ROUGH, ROUGHEST = 0.5, 1.0  # of the size of v or the stress: what it departs from its neighbours', RMS
@@ -32,17 +34,30 @@ def check(motion: Motion, key: str) -> Finding:
     size = motion.spacing if key == "x" else _size(motion, key)
     if not size > 0:
         return unknown(name, "it is zero everywhere")
-    found = []
+    scores, limits = [], []
     for moment in motion.moments:
-        which, far, limit = outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
-        found.append((float(far.max()) / limit, moment, which, far, limit))
-    _, moment, which, far, limit = max(found, key=lambda one: (len(one[2]) > 0, one[0]))
-    if not len(which):
-        return Finding(name, HOLDS, float(far.max()), limit, UNITS[key])
-    p = int(which[np.argmax(far[which])])
-    return Finding(name, SUSPICIOUS, float(far[p]), limit, UNITS[key],
-                   f"the {WORDS[key]} of {len(which):,} particle{'s' * (len(which) != 1)} is not as the neighbours', "
-                   f"by up to {far[p]:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s", **motion.at(moment, p))
+        _, far, limit = outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
+        scores.append(far / limit)
+        limits.append(limit)
+    score = np.array(scores) / np.where(_rim(near, motion.reference), ON_A_RIM, 1.0)
+    order = np.argsort(-score, axis=0)  # what goes with the crossing of a cell passes; places do not
+    lasts, particles = order[0 if key == "x" else len(scores) // LASTS], np.arange(score.shape[1])
+    lasting, passing = score[lasts, particles], score[order[0], particles] / PASSES
+    at, beyond = np.where(lasting >= passing, lasts, order[0]), np.maximum(lasting, passing)
+    p, count = int(np.argmax(beyond)), int(np.sum(beyond > 1))
+    k = int(at[p])
+    moment, far_off, limit = motion.moments[k], float(scores[k][p]) * limits[k], limits[k]
+    if not count:
+        return Finding(name, HOLDS, far_off, max(limit, far_off), UNITS[key])
+    return Finding(name, SUSPICIOUS, far_off, limit, UNITS[key],
+                   f"the {WORDS[key]} of {count:,} particle{'s' * (count != 1)} is not as the neighbours', "
+                   f"by up to {far_off:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s", **motion.at(moment, p))
+
+
+def _rim(near: Surroundings, reference: np.ndarray) -> np.ndarray:
+    """Which particles (P,) have their neighbours on one side, so that the plane goes on beyond them."""
+    away = np.where(near.there[:, :, None], reference[near.who] - reference[:, None], 0.0)
+    return np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
 
 
 def rough(motion: Motion, key: str) -> Finding:

@@ -15,8 +15,8 @@ GAP, FOLLOWS, TORN = "F against where neighbours stand", "F against the gradient
 #: Of the amplitude of the motion, from where on neighbours are not where their F says: as the lab's own verdict has it
 #: (``neighbour_gap``, 0.2 of the largest displacement), and from where on nothing is left of it.
 MOST_GAP, NO_GAP = 0.25, 0.5
-MOST_OFF, NO_F = 0.25, 0.6  # the same of F itself, RMS: sound runs reach 0.12
-MOST_TORN, NO_SUM = 0.3, 0.45  # the same summed up (``displacement_mismatch``)
+MOST_OFF, NO_F = 0.5, 1.0  # the same of F itself, RMS: good runs of ours reach 0.4
+MOST_TORN, NO_SUM = 0.35, 0.5  # the same summed up (``displacement_mismatch``)
 TRAPEZOID = 1 / 3  # of what F departs from its neighbours', by which the rule between two points may be off for it
 OTHERWISE = 0.3  # of the miss is left at most where F is something else
 NO_F_THERE = "no F in the files (or not always a number)"

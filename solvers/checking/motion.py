@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from solvers.judging.checks.neighbours import Surroundings, surroundings
+from solvers.judging.checks.neighbours import MOST, Surroundings, surroundings
 
 MOST_MOMENTS = 32  # that are looked at one by one, spread over all
+BOXES = 10  # of which a large body is looked at
 TINY = 1e-300
 
 
@@ -99,6 +100,22 @@ class Motion:
     def speed(self) -> float:
         """The largest RMS of the velocity."""
         return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
+
+    @functools.cached_property
+    def part(self) -> Motion:
+        """Of more particles than neighbours are looked for among, those in some boxes spread over the body."""
+        P, D = self.reference.shape
+        if P <= MOST:
+            return self
+        low, reach = self.reference.min(axis=0), np.ptp(self.reference, axis=0)
+        sides = int(np.ceil((P * BOXES / MOST) ** (1 / D)))
+        place = np.minimum((sides * (self.reference - low) / np.maximum(reach, TINY)).astype(int), sides - 1)
+        boxes, box, counts = np.unique(place, axis=0, return_inverse=True, return_counts=True)
+        order = np.argsort(np.arange(len(boxes)) * 0.5 * (5**0.5 - 1) % 1)  # far from each other, one after the other
+        chosen = order[:max(1, int(np.sum(np.cumsum(counts[order]) <= MOST)))]
+        which = np.isin(box.ravel(), chosen)
+        return replace(self, number=self.number[which], reference=self.reference[which],
+                       fields={key: values[:, which] for key, values in self.fields.items()})
 
     def at(self, moment: int, p: int) -> dict:
         """Where and when something was found, for a ``Finding``."""

@@ -7,7 +7,7 @@ import numpy as np
 from solvers.checking.finding import BROKEN, HOLDS, SUSPICIOUS, Finding, unknown
 from solvers.checking.motion import Motion
 from solvers.judging.checks.moments import HALF, SLACK, SURE, fitted
-from solvers.judging.checks.over_time import rate
+from solvers.judging.checks.over_time import rate, rms
 
 SPEED, MOMENT, CENTRE = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
 #: Of the velocity, RMS: what is left between v and dx/dt, of which the particles' own noise in a sound run of ours
@@ -20,6 +20,7 @@ OTHER_UNIT = 0.3  # of a power of ten
 STEADY = 8.0  # times its own scatter over the intervals: a drift that stays the same
 CHANGING = 0.5  # of the mean square of v: its variance over time
 LEAST_DRIFT = 1e-5  # of the motion
+EXPLAINS = 0.5  # of what v and dx/dt differ by, at most, is left by a lag
 FEWEST = 6  # moments, for what is fitted
 
 
@@ -85,15 +86,18 @@ def _moment(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarr
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
     found, sure = fitted(gap, [-gained, moved])
     late, doubt = float(found[0, 0]), SURE * float(sure[0])
+    left = rms(gap + late * gained - found[0, 1] * moved) / max(rms(gap), 1e-300)
     if not np.isfinite(late + doubt):
         return unknown(MOMENT, "v or x are too large")
     if motion.step is None:
         between = float(np.median(np.diff(motion.times)))
-        wrong, most = abs(late) > HALF * between + doubt, HALF * between + doubt
+        most = SLACK * between + HALF * between + doubt
+        wrong = abs(late) > most
         told = "the files do not say the step, of which half is usual"
     else:
         wrong = not -SLACK * motion.step - doubt <= late <= (HALF + SLACK) * motion.step + doubt
         most, told = (HALF + SLACK) * motion.step + doubt, f"a step is {motion.step:.3g} s"
+    wrong &= left < EXPLAINS
     when = "before" if late > 0 else "after"
     says = f"v is of a moment {abs(late):.3g} s {when} that of x ({told})" if wrong or abs(late) > doubt else ""
     return Finding(MOMENT, SUSPICIOUS if wrong else HOLDS, late, most, "s", says)

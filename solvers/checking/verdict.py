@@ -89,15 +89,20 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
     on_progress(0.1, "following the particles")
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
         motion, findings = followed(raws, times)
-        for part, found in enumerate(looks := LOOKS):
-            on_progress(0.2 + 0.8 * part / len(looks), "looking for contradictions")
-            findings += found(motion)
+        findings.append(order.inside_out(motion))
+        part = motion.part
+        for k, look in enumerate(LOOKS):
+            on_progress(0.2 + 0.8 * k / len(LOOKS), "looking for contradictions")
+            findings += look(part)
+        if part is not motion:
+            motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
+                                "the body, were held against their neighbours")
     return Checked(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)
 
 
-#: All that is looked at, each a list of findings.
+#: All that is looked at of particles that have neighbours, each a list of findings.
 LOOKS: tuple[Callable[[Motion], list[Finding]], ...] = (
-    lambda motion: [order.inside_out(motion), order.overtaken(motion)],
+    lambda motion: [order.overtaken(motion)],
     gradient.check,
     speed.check,
     lambda motion: [alone.check(motion, key) for key in ("x", "v", "F", "sigma")],
