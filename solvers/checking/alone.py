@@ -6,12 +6,13 @@ import numpy as np
 
 from solvers.checking.finding import BROKEN, HOLDS, SUSPICIOUS, Finding, unknown
 from solvers.checking.motion import Motion
-from solvers.judging.checks.neighbours import Surroundings, departures, outliers
+from solvers.judging.checks.neighbours import USUAL, Surroundings, departures, outliers
 
 #: Of each quantity: times what most depart from a plane through their neighbours, from where on one is by itself, and
 #: the least of that, of the spacing for x and of the quantity's own size for others.
 ALONE: dict[str, tuple[float, float]] = {"x": (30.0, 0.5), "v": (15.0, 0.3), "F": (15.0, 0.4), "sigma": (15.0, 0.4)}
 LASTS, PASSES = 3, 10.0  # one moment in so many, but for x; times as much where it does not last
+A_PLACE, NOISE = 1.6, 6.0  # of the spacing, and times what most depart
 ONE_SIDED, ON_A_RIM = 0.4, 3.0  # of their distance the middle of the neighbours is aside; times as much may be there
 WORDS = {"x": "position", "v": "velocity", "F": "F", "sigma": "stress"}
 UNITS = {"x": "m", "v": "m/s", "F": "", "sigma": "Pa"}
@@ -37,6 +38,8 @@ def check(motion: Motion, key: str) -> Finding:
     scores, limits = [], []
     for moment in motion.moments:
         _, far, limit = outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
+        if key == "x":  # bent as it may be, a whole place aside is no bend, but where most are so
+            limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
         scores.append(far / limit)
         limits.append(limit)
     score = np.array(scores) / np.where(_rim(near, motion.reference), ON_A_RIM, 1.0)

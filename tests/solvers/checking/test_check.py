@@ -12,7 +12,7 @@ from solvers.outside.file_error import FileError
 T, SIDE = 21, {1: 40, 2: 12, 3: 6}
 
 
-def motion(dimensions: int = 2, amplitude: float = 0.1) -> dict[str, np.ndarray]:
+def motion(dimensions: int = 2, amplitude: float = 0.15) -> dict[str, np.ndarray]:
     """A lattice that swings smoothly, known exactly: u = A sin(pi X_k) sin(2 pi t) in each direction k, sheared."""
     axes = [(np.arange(SIDE[dimensions]) + 0.5) / SIDE[dimensions]] * dimensions
     X = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimensions)
