@@ -14,6 +14,7 @@ SPEED, MOMENT, CENTRE = "v against dx/dt", "moment of v before that of x", "the 
 #: makes up to 0.2 (the grid moves them, and is smoother than they are), from where on it is none.
 MOST, NOTHING_LEFT = 0.4, 0.8
 TOLD = 0.06  # of the velocity: where the trapezoid rule itself is off by more, moments are too far apart
+FARTHER = 0.6  # of the way that the particles have gone at most
 AROUND = 3  # intervals
 RULE = 2.0  # times what the change of v's change says of that rule
 OTHER_UNIT = 0.3  # of a power of ten
@@ -61,10 +62,15 @@ def _sizes(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
 def _speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
            moved: np.ndarray) -> Finding:
     doubt = RULE * _sizes(bend, interval) / motion.speed
-    sure = _around(doubt) <= TOLD  # moments a period apart look smooth here and there
+    sure = _around(doubt) <= TOLD  # others look smooth here and there
     if not sure.any():
         return unknown(SPEED, f"the moments are too far apart: between two of them v itself changes so that its mean "
                               f"is unknown by {doubt.min():.2g} of it")
+    reach = float(np.sqrt(np.max(np.mean(np.sum((motion.x - motion.x[0]) ** 2, axis=2), axis=1))))
+    sure &= interval[:, 0, 0] * motion.speed <= FARTHER * reach  # moments a period apart look smooth everywhere
+    if not sure.any():
+        return unknown(SPEED, "between two moments v would carry the particles farther than they ever are: the moments "
+                              "are too far apart, or v is in another unit")
     off = np.where(sure, _sizes(gap, interval) / motion.speed - doubt, -1.0)
     k = int(np.argmax(off))
     size = float(np.sum(told[sure] * moved[sure]) / max(float(np.sum(told[sure] ** 2)), 1e-300))

@@ -31,6 +31,7 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
             f"{_said(values, judged)}, against the {values['against']}.", _summary(values, judged)]
     head += [_verdict(g, values) for g in values["grids"]]
+    head += [_order_said(values)] if values["order"] else []
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order(values)] if values["order"] else []
@@ -65,7 +66,8 @@ def _errors(g: dict) -> dict:
 def _verdict(g: dict, values: dict) -> str:
     """A grid in two or three sentences: how large, against ours, and whether something is by itself."""
     x = _errors(g)["x"]["max"]
-    sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}."]
+    sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}." if any(g["times"]) else
+                 f"**{g['cells']} cells: only the start was given, t = 0, and nothing that was computed.**"]
     ours = [run for run in g["ours"] if run["status"] == "ok" and run["error"]["x"]["max"]]
     if ours and x is not None:
         best = min(ours, key=lambda run: run["error"]["x"]["max"])
@@ -142,6 +144,12 @@ def _ours(g: dict) -> str:
                      *(_over(here[q]["max"], theirs[q]["max"]) for q in JUDGED),
                      f"{run['status']}, cfl {run['cfl']:.3g}"])
     return grid(heads, rows, words=("method", "ran"))
+
+
+def _order_said(values: dict) -> str:
+    """The orders in a sentence."""
+    known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit is not None]
+    return f"**Order in h:** {', '.join(known)}." if known else "**Order in h:** none could be found."
 
 
 def _order(values: dict) -> str:
