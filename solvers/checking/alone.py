@@ -10,7 +10,7 @@ from solvers.judging.checks.neighbours import USUAL, Surroundings, departures, o
 
 #: Of each quantity: times what most depart from a plane through their neighbours, from where on one is by itself, and
 #: the least of that, of the spacing for x and of the quantity's own size for others.
-ALONE: dict[str, tuple[float, float]] = {"x": (30.0, 0.5), "v": (15.0, 0.3), "F": (15.0, 0.4), "sigma": (15.0, 0.4)}
+ALONE: dict[str, tuple[float, float]] = {"x": (30.0, 0.5), "v": (15.0, 0.3), "F": (30.0, 1.0), "sigma": (15.0, 0.4)}
 LASTS, PASSES = 3, 10.0  # one moment in so many, but for x; times as much where it does not last
 A_PLACE, NOISE = 1.6, 6.0  # of the spacing, and times what most depart
 ONE_SIDED, ON_A_RIM = 0.4, 3.0  # of their distance the middle of the neighbours is aside; times as much may be there
