@@ -60,20 +60,24 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["PYTHONPYCACHEPREFIX"] = modules.name
 
 
-#: Files with tests in the browser, shared out to two processes: each starts a server and a browser once.
+#: Files with tests in the browser, shared out to so many processes: each starts a server and a browser once. They wait
+#: a lot: of four processes three may.
+BROWSERS = 3
 BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser").rglob("test_*.py"))
-#: What takes longest is begun first: one process would still be at it when the others have ended. The browser's halves
-#: take two of them for most of the time; then come the files that take ten seconds of a processor and more.
-FIRST = ["browser 0", "browser 1", *(f"tests/{name}.py" for name in (
-    "solvers/estimators/test_accuracy", "solvers/judging/test_judge", "app/lessons/test_lessons",
-    "app/commands/test_sweep_command", "app/commands/test_cli", "solvers/estimators/test_extension",
-    "app/serving/test_attacks", "solvers/study/test_tables", "app/pictures/test_plots", "app/commands/test_bench",
-    "solvers/estimators/test_recovered", "app/commands/test_class"))]
+#: What takes longest is begun first: one process would still be at it when the others have ended. The browser's parts
+#: take most of the processes for most of the time; then come the files that take ten seconds of a processor and more.
+FIRST = [*(f"browser {part}" for part in range(BROWSERS)), *(f"tests/{name}.py" for name in (
+    "solvers/estimators/test_accuracy", "app/lessons/test_lessons", "solvers/judging/test_judge",
+    "solvers/bar/test_budget", "app/notebook/test_notebooks", "solvers/estimators/test_extension",
+    "solvers/scene/test_random_scenes", "app/commands/test_cli", "app/commands/test_bench",
+    "solvers/running/test_planar_budget", "app/commands/test_sweep_command", "solvers/estimators/test_refusals",
+    "solvers/judging/test_checks", "solvers/running/test_gpu", "solvers/estimators/test_recovered",
+    "app/serving/test_mob", "solvers/study/test_tables", "app/pictures/test_plots", "app/serving/test_attendance"))]
 
 
 class FileByFile(LoadScopeScheduling):
-    """Tests of a file share what it prepares, so one process runs them; and of those in the browser each half: by the
-    alphabet, which halves the time that they take (every second file was one of three fifths of it)."""
+    """Tests of a file share what it prepares, so one process runs them; and of those in the browser each part: by the
+    alphabet, which divides the time that they take better than taking turns does."""
 
     def _assign_work_unit(self, node: WorkerController) -> None:
         for path in reversed(FIRST):
@@ -85,7 +89,7 @@ class FileByFile(LoadScopeScheduling):
         path = Path(nodeid.partition("::")[0])
         if "browser" not in path.parts:
             return str(path)
-        return f"browser {2 * BROWSER_FILES.index(path.name) // len(BROWSER_FILES)}"
+        return f"browser {BROWSERS * BROWSER_FILES.index(path.name) // len(BROWSER_FILES)}"
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> FileByFile:

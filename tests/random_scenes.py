@@ -23,7 +23,7 @@ from solvers.scene.scene import Scene
 
 #: Scenes asked for, with fresh seeds; None for those of every run of the tests, always the same.
 ASKED = int(os.environ["MPM_LAB_RANDOM_SCENES"]) if "MPM_LAB_RANDOM_SCENES" in os.environ else None
-SCENES = 200  # unless told otherwise
+SCENES = 120  # unless told otherwise
 SCENES_A_SET = 100  # of switches that were drawn at random
 MOST_WORK = 2e5  # of a scene: particles and nodes times steps
 MOST_STEPS = 5000  # of a scene: a step costs something however few particles there are

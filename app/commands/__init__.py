@@ -19,6 +19,7 @@ from app.commands.run.command import Run, RunText
 from app.commands.scene_flags import of_problem, with_flags
 from app.commands.serve import Serve
 from app.commands.study.advise import Advise, search_flags
+from app.commands.study.coverage import Coverage
 from app.commands.study.stability import Stability, map_flags
 from app.commands.study.sweep import Sweep
 from app.commands.study.tables import Tables
@@ -43,6 +44,7 @@ def commands() -> dict[tuple[str, ...], type]:
     found |= {("check",): Check, ("tables",): Tables}
     found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}
     found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
+    found |= {("coverage", name): with_flags(Coverage, scene) for name, scene in scenes.items()}
     found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonGuide,
               ("lesson", "grade"): LessonGrade}
     return found | {("export",): Export, ("bench",): Bench}

@@ -5,7 +5,7 @@ import math
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,8 @@ class Result:
     arch: str
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
+    #: The numbers that were wanted of the end, by name (:func:`solvers.running.goals.measured`).
+    goals: dict[str, dict] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         largest = self.error["x"]["max"]
@@ -239,7 +241,7 @@ class Result:
             **self.verdict,
             "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.error, "estimate": self.estimate, "index": self.index, "rounding": self.rounding,
-            "distance": self.distance,
+            "distance": self.distance, "goals": self.goals,
             **{effect.json_key: self.found(name) for name, effect in ALL.items() if effect.numbers},
             "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,

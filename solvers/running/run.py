@@ -2,12 +2,13 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from solvers.problems import PROBLEMS
+from solvers.running.goals import goals_of, measured, without
 from solvers.running.result import Result
 from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
@@ -29,7 +30,8 @@ def build(scene: Scene) -> Solver:
 
 
 def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = False,
-        mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None) -> Result:
+        mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None,
+        goals: Sequence[str] = ()) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
     Parameters
@@ -45,6 +47,9 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
         Whether particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`).
     on_sample
         Given the particles whenever their norms are sampled, from start to end; the run stops there each time.
+    goals
+        Numbers that are wanted of the end, with what the estimators say of their errors (``Result.goals``):
+        "kinetic-energy", "mean-stress", "displacement@0.25", in the plane "displacement@0.5,0".
 
     Returns
     -------
@@ -54,8 +59,9 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     Raises
     ------
     SceneError
-        Where the scene names a GPU that is not there.
+        Where the scene names a GPU that is not there, and for a goal that is none.
     """
+    wanted = goals_of(scene, goals)
     solver = build(scene)
     begun = time.perf_counter()
     solver.compile()
@@ -95,9 +101,12 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     not_valid = solver.not_valid()
     status, reason, broken_at = _status(solver, series, not_valid, final.error)
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
+    fields = solver.fields() if wanted else None
+    reached = {goal.name: measured(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
                   series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
-                  not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan)
+                  not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan,
+                  goals=without(reached, not_valid))
 
 
 def shown_step(scene: Scene) -> int:

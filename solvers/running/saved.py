@@ -125,7 +125,8 @@ class _Reading:
             "not_valid": {_text(name): _text(why) for name, why in not_valid.items()},
             "seconds": Seconds(_number(seconds["setup"]), _number(seconds["compile"]), _number(seconds["run"]),
                                {_text(name): _number(part) for name, part in seconds["estimators"].items()}),
-            "arch": _text(said["arch"]), "threads": _count(said["threads"]), "plan": _text(said["plan"])}
+            "arch": _text(said["arch"]), "threads": _count(said["threads"]), "plan": _text(said["plan"]),
+            "goals": {_text(name): _goal(goal) for name, goal in said.get("goals", {}).items()}}
 
     def _series(self) -> dict[str, np.ndarray]:
         """All samples, each (T,)."""
@@ -176,6 +177,13 @@ class _Reading:
 
 def _maybe(what: Any, value: Any) -> Any:
     return None if value is None else what(value)
+
+
+def _goal(said: dict[str, Any]) -> dict[str, Any]:
+    numbers = {key: _maybe(_number, said[key]) for key in ("true_error", "rounding")}
+    each = {key: {_text(name): _maybe(_number, value) for name, value in said[key].items()}
+            for key in ("estimated_error", "bar")}
+    return {"value": _maybe(_number, said["value"]), "unit": _text(said["unit"]), **numbers, **each}
 
 
 def _text(value: Any) -> str:

@@ -82,6 +82,8 @@ class Scene(SceneDefaults, ABC, Remembered):
     EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.solver.samples``)
     #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
     VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
+    #: Those of them by which it is not wrong but cannot run at all.
+    IMPOSSIBLE: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
     DIMENSIONS: ClassVar[int] = 1
     GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
     HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map

@@ -16,6 +16,7 @@ from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
 from solvers.solver.arrays import Watch
 from solvers.solver.checked import AsLarge, sentence
+from solvers.solver.fields import Fields
 from solvers.solver.samples import MARGIN, ROWS
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
@@ -215,6 +216,10 @@ class Solver(ABC):
         plotted
             Key of the quantity (``samples.QUANTITIES``) whose field is wanted.
         """
+
+    @abstractmethod
+    def fields(self) -> Fields:
+        """All that the particles are now, and the signed errors of it that are known or estimated."""
 
     @abstractmethod
     def _carried(self) -> Carried:

@@ -14,7 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from typing import Protocol
+from typing import Any, Protocol
 
 from solvers.scene.extensions import EXTENSIONS
 from solvers.study.grid import Task
@@ -37,10 +37,21 @@ class NoCluster(Exception):
     """The cluster cannot be used; one sentence says why."""
 
 
+class Question(Protocol):
+    """What a row is the answer to, such as a :class:`~solvers.study.grid.Task`."""
+
+    @property
+    def key(self) -> str:
+        """What its row is known by."""
+
+    def to_dict(self) -> dict:
+        """Itself, as JSON has it."""
+
+
 class Place(Protocol):
     """Somewhere to measure rows."""
 
-    def submit(self, task: Task) -> Future[dict]:
+    def submit(self, task: Question) -> Future[dict]:
         """Queue a task. The future holds its row, or the way in which its worker was lost."""
 
     def check(self) -> None:
@@ -50,7 +61,8 @@ class Place(Protocol):
         """Stop everything at once."""
 
 
-def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None]) -> None:
+def execute(tasks: Iterable[Any], place: Place, on_row: Callable[[dict], None],
+            give_up: Callable[[Any, str], dict] = failed) -> None:
     """Measure every task at a place. A lost worker is replaced; a row that keeps losing workers is marked as failed.
 
     Parameters
@@ -60,6 +72,8 @@ def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None])
         :class:`Here` or a :class:`Cluster`.
     on_row
         Given each row (``solvers.study.row``) as it comes, in the caller's thread.
+    give_up
+        Makes the row of a task that failed, of it and the reason.
 
     Raises
     ------
@@ -72,7 +86,7 @@ def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None])
         done, _ = wait(waiting, LOOK_SECONDS, FIRST_COMPLETED)
         for future in done:
             task = waiting.pop(future)
-            if row := _outcome(task, future, lost):
+            if row := _outcome(task, future, lost, give_up):
                 on_row(row)
             else:
                 waiting[place.submit(task)] = task
@@ -80,7 +94,8 @@ def execute(tasks: Iterable[Task], place: Place, on_row: Callable[[dict], None])
             place.check()
 
 
-def _outcome(task: Task, future: Future[dict], lost: Counter[str]) -> dict | None:
+def _outcome(task: Question, future: Future[dict], lost: Counter[str],
+             give_up: Callable[[Any, str], dict]) -> dict | None:
     """The row of a task, or None where it is to be measured once more."""
     try:
         error = future.exception()
@@ -93,7 +108,7 @@ def _outcome(task: Task, future: Future[dict], lost: Counter[str]) -> dict | Non
     if lost[task.key] < ATTEMPTS and not given_up:
         return None
     times = "several times" if given_up else f"{ATTEMPTS} times"
-    return failed(task, f"lost its worker {times}; the last one: {type(error).__name__}: {error}")
+    return give_up(task, f"lost its worker {times}; the last one: {type(error).__name__}: {error}")
 
 
 def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
@@ -102,12 +117,13 @@ def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
 
 
 class Here:
-    """Processes on this machine. One, unless told otherwise: rows that run side by side disturb each other's timing."""
+    """Processes on this machine, that do this ``work`` (``solvers.workers``). One, unless told otherwise: rows that run
+    side by side disturb each other's timing."""
 
-    def __init__(self, workers: int = 1):
-        self.pool = WorkerPool(MEASURE_ROW, workers)
+    def __init__(self, workers: int = 1, work: str = MEASURE_ROW):
+        self.pool = WorkerPool(work, workers)
 
-    def submit(self, task: Task) -> Future[dict]:
+    def submit(self, task: Question) -> Future[dict]:
         return self.pool.submit(task.to_dict())
 
     def check(self) -> None:
@@ -118,20 +134,20 @@ class Here:
 
 
 @functools.cache
-def _workers_process(extensions: str) -> WorkerProcess:
-    return WorkerProcess(MEASURE_ROW, {EXTENSIONS: extensions})
+def _workers_process(work: str, extensions: str) -> WorkerProcess:
+    return WorkerProcess(work, {EXTENSIONS: extensions})
 
 
-def measure_on_worker(task: dict, extensions: str) -> dict:
+def measure_on_worker(work: str, task: dict, extensions: str) -> dict:
     """What a worker of a cluster runs: one row, in the worker's own row process with the extensions of the sweep."""
-    [row] = _workers_process(extensions).ask(task)
+    [row] = _workers_process(work, extensions).ask(task)
     return row
 
 
 class Cluster:
     """The workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
 
-    def __init__(self, address: str):
+    def __init__(self, address: str, work: str = MEASURE_ROW):
         try:
             from distributed import Client
         except ImportError:
@@ -143,7 +159,7 @@ class Cluster:
         except (OSError, ValueError, ImportError) as error:
             raise NoCluster(f"no Dask scheduler answers there ({type(error).__name__}); start one with "
                             "\"dask scheduler\" and give the address that it prints") from None
-        self._address = address
+        self._address, self._work = address, work
         self._executor = self._client.get_executor(pure=False)
         self._seen = time.monotonic()
 
@@ -152,8 +168,8 @@ class Cluster:
         """Workers there are now."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
-    def submit(self, task: Task) -> Future[dict]:
-        return self._executor.submit(measure_on_worker, task.to_dict(), os.environ.get(EXTENSIONS, ""))
+    def submit(self, task: Question) -> Future[dict]:
+        return self._executor.submit(measure_on_worker, self._work, task.to_dict(), os.environ.get(EXTENSIONS, ""))
 
     def check(self) -> None:
         if self._client.status not in ("running", "connecting"):

@@ -45,6 +45,8 @@ class Store:
     ----------
     directory
         Made if it is not there; to be empty, or with ``resume`` to hold rows of the ``problem``.
+    fault
+        What is wrong with a kept row, in words, or None.
 
     Raises
     ------
@@ -52,7 +54,9 @@ class Store:
         Where the directory cannot be used.
     """
 
-    def __init__(self, directory: str | os.PathLike, problem: str, resume: bool = False):
+    def __init__(self, directory: str | os.PathLike, problem: str, resume: bool = False,
+                 fault: Callable[[Any], str | None] = fault):
+        self._fault = fault
         self._path = Path(directory) / NAME
         self.rows: dict[str, dict] = {}
         _prepare(self._path.parent, resume)
@@ -103,7 +107,7 @@ class Store:
                     rest = line
         if rest:
             try:
-                whole(rest, fault)
+                whole(rest, self._fault)
             except NotWhole:
                 self._file.truncate(size - len(rest))
             else:  # but for the end of its line
@@ -114,7 +118,7 @@ class Store:
     def _take(self, number: int, line: bytes, problem: str) -> None:
         """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
         try:
-            row = whole(line, fault)
+            row = whole(line, self._fault)
         except NotWhole as error:
             raise StoreError(f"holds a {NAME} whose line {number} {error}; take that line out, and it is measured "
                              "again, or give another directory") from None

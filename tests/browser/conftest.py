@@ -30,11 +30,11 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
          "--disable-features=PreloadTopChromeWebUI",  # of a browser's own window: a renderer more
          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
 # However cheap a picture is, the browser would draw as many as it can, beside the simulation. The page takes in what
-# has come as often as it draws, so it is let do both a few times a second, and what it draws comes to nothing but once.
+# has come as often as it draws, so it is let do both twice a second, and what it draws comes to nothing but once.
 FEW_FRAMES = """
     const soon = window.requestAnimationFrame.bind(window);
     let frame = 0, drawn = 0;  // times: of this frame, and of the last one that was drawn
-    window.requestAnimationFrame = (draw) => setTimeout(() => soon((now) => draw(frame = now)), 300);
+    window.requestAnimationFrame = (draw) => setTimeout(() => soon((now) => draw(frame = now)), 500);
     window.cancelAnimationFrame = (waiting) => clearTimeout(waiting);
     for (const name of ["clear", "drawArrays", "drawArraysInstanced", "drawElements", "drawElementsInstanced"]) {
         const usual = WebGL2RenderingContext.prototype[name];
@@ -96,13 +96,13 @@ def serving(environment=None, arguments=(), coded=False, log=None, frames=FEW):
 
 
 @contextmanager
-def visit(chromium, address, query="", script="", size=SIZE, touch=False):
+def visit(chromium, address, query="", script="", size=SIZE, touch=False, **how):
     """A fresh visitor with a window of this size, more in the address, and a script that runs before the page's; with a
-    finger instead of a mouse, perhaps.
+    finger instead of a mouse, perhaps, and whatever else a new page of the driver's takes.
 
     Any error in the browser's console fails the test.
     """
-    page = chromium.new_page(viewport=size, has_touch=touch, is_mobile=touch)
+    page = chromium.new_page(viewport=size, has_touch=touch, is_mobile=touch, **how)
     # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
     errors = []

@@ -1,5 +1,6 @@
 """``mpm-lab run PROBLEM``: one run without a page, to JSON, a picture or a table."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -11,10 +12,12 @@ from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, say
 from app.commands.progress import working
+from app.commands.run.goals import goal_table
 from app.commands.run.text import run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
 from solvers.outside.limits import LIMITS
+from solvers.running.goals import goals_of
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
 from solvers.solver.snapshot import Snapshot
@@ -74,11 +77,16 @@ class Output:
     """File for a picture of the result, .png."""
     particles: Annotated[PathFlag, default_hint("none")] = None
     """File for the particles at every sample, .npz or .csv, as mpm-lab judge reads them; .npz with the result."""
+    goal: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(
+        metavar="NAME", help_behavior_hint="(default: none; may be given several times)")] = ()
+    """A number of the end with its error bar: kinetic-energy, mean-stress, or displacement@X (displacement@X,Y in the
+    plane) at the material point X, in m."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar, no warnings and no remarks on standard error."""
 
     def run_and_write(self, scene: Scene) -> int:
         """Run a scene and write what was asked for; the exit status. Files are tried first: no typo costs a run."""
+        goals_of(scene, self.goal)
         target = json_target(self.json)
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:
@@ -86,11 +94,11 @@ class Output:
         writer = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
             say(f"warning: {sentence}")
-        result = _run(scene, self.quiet, writer)
+        result = _run(scene, self.quiet, writer, self.goal)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
             say(f"{why}: this ran on the processor ({result.arch})")
-        put_result(result.to_dict(), target, run_table)
+        put_result(result.to_dict(), target, lambda values: run_table(values) + goal_table(scene, values["goals"]))
         if writer:
             writer.write(result)
         drawn = picture is None or _draw(result, picture)
@@ -137,10 +145,11 @@ class RunText(Output):
         return self.run_and_write(scene)
 
 
-def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None) -> Result:
+def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequence[str]) -> Result:
     with working(quiet) as show:
         from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
-        return run(scene, on_progress=show, prices=True, on_sample=writer.keep if writer else None)
+        return run(scene, on_progress=show, prices=True, on_sample=writer.keep if writer else None,
+                   goals=goals)
 
 
 def _draw(result: Result, target: Target) -> bool:

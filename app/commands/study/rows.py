@@ -12,7 +12,7 @@ from solvers.outside.quoting import quoted
 from solvers.scene.rules import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.grid import MOST_ROWS, Task
-from solvers.study.row import FAILED, REFUSED, refused
+from solvers.study.row import FAILED, REFUSED, fault, refused
 from solvers.study.store import Store, StoreError
 
 if TYPE_CHECKING:
@@ -59,10 +59,7 @@ class Study:
             raise next(iter(refusals.values()))
         with contextlib.ExitStack() as stack:
             place = stack.enter_context(contextlib.closing(self._place()))
-            try:
-                store = stack.enter_context(contextlib.closing(Store(self.out, problem, self.resume)))
-            except StoreError as error:
-                raise BadInput("out", self.out, str(error)) from None
+            store = stack.enter_context(contextlib.closing(self._store(problem)))
             self._announce(tasks, refusals, store)
             if not self._measure(tasks, refusals, place, store):
                 return None
@@ -75,12 +72,20 @@ class Study:
     def put(self, name: str, content: bytes) -> None:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
-    def _place(self) -> "Place":
+    def _place(self, work: str = "solvers.study.places:measure_row") -> "Place":
+        """Where this ``work`` is done (``solvers.workers``)."""
         from solvers.study.places import Cluster, Here, NoCluster
         try:
-            return Here(self.workers or 1) if self.scheduler is None else Cluster(self.scheduler)
+            return Here(self.workers or 1, work) if self.scheduler is None else Cluster(self.scheduler, work)
         except NoCluster as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
+
+    def _store(self, problem: str, fault: Callable[[Any], str | None] = fault) -> Store:
+        """The rows of the directory."""
+        try:
+            return Store(self.out, problem, self.resume, fault)
+        except StoreError as error:
+            raise BadInput("out", self.out, str(error)) from None
 
     def _announce(self, tasks: Sequence[Task], refusals: dict, store: Store) -> None:
         if self.quiet:

@@ -84,4 +84,4 @@ def _card(name: str, problem: str) -> str:
             f"<button type='button' class='lab-judge-name' title='put it on the stage: {escape(estimator.summary)}'>"
             f"{sample(name)} {escape(estimator.title)}</button><span class='lab-tag'>on the stage</span>"
             f"<p class='lab-idea'>{idea}</p><p class='lab-index'><strong></strong> <span>{cost}</span></p>"
-            "<i class='lab-gauge' aria-hidden='true'><b></b></i><p class='lab-why'></p></div>")
+            "<i class='lab-gauge' aria-hidden='true'><b></b></i><p class='lab-trust'></p><p class='lab-why'></p></div>")

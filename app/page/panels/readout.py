@@ -18,9 +18,11 @@ from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
 from solvers.engine.messages import FrameReport
 from solvers.scene.effects import ALL, SHARE, Line, Number, told
 from solvers.scene.registry import ESTIMATORS
+from solvers.scene.scene import Scene
 from solvers.solver.norms import nothing_but_rounding
 from solvers.solver.rounding import rounding
 from solvers.solver.soundness import OK, UNSTABLE
+from solvers.study.coverage import track_record
 
 CAPPED_BELOW = 0.9  # of the speed asked for
 ROUNDED = "nothing but rounding"
@@ -74,7 +76,7 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
 
     The ``true`` error's norm at that time, or why it is not ``known``, the estimator on the ``stage``, and for each of
     the ``judges`` that run its ``index`` so far, in words and as a place ``at`` from 0 to 1 on a gauge of factors from
-    0.1 to 10, or what it ``says`` instead.
+    0.1 to 10, and how often it was right in runs like this one (``trust``), or what it ``says`` instead.
     """
     why_not = silences(report, series, quantity)
     judges: dict[str, dict[str, object]] = {}
@@ -84,10 +86,17 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
         else:
             values = series.get(f"{name}/index_{quantity}", np.zeros(0))
             at = place(float(values[-1]) if len(values) else math.nan)
-            judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at}
+            judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
+                            "trust": _trust(report.scene, name, quantity)}
     true = why_not[TRUE] or norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
     return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn,
                        "judges": judges})
+
+
+def _trust(scene: Scene, estimator: str, quantity: str) -> str:
+    """How often an estimator was right in runs like a scene that were drawn at random; nothing where nobody counted."""
+    counts = track_record.right(scene, estimator, quantity)
+    return "" if counts is None else f"right within 10\N{NO-BREAK SPACE}% in {counts[0]} of {counts[1]} runs like this"
 
 
 def place(index: float) -> float | None:

@@ -14,6 +14,7 @@ from solvers.problems.bar.step_breakdown import breakdown, carried
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.switches import switches
 from solvers.solver.base import MEASURE, REPORT, STEP, Solver
+from solvers.solver.fields import TRUTH, Fields, Values
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
@@ -63,6 +64,15 @@ class BarSolver(Solver):
                         plotted=None if plotted is None else plotted_field(scene, a, plotted, t),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
 
+    def fields(self) -> Fields:
+        a, shot = self._arrays, self.snapshot()
+        said = shot.estimate if shot.error is None else {TRUTH: shot.error, **shot.estimate}
+        values = np.stack([shot.position - shot.material_position, shot.velocity,
+                           self.scene.modulus * (shot.deformation_gradient - 1)], axis=1)
+        return Fields(a.material_position[:, None].copy(), np.full(a.particles, a.density * a.volume),
+                      np.full(a.particles, a.volume), _columns(values),
+                      {name: _columns(errors) for name, errors in said.items()})
+
     def _carried(self) -> Carried:
         return carried(self._arrays)
 
@@ -107,3 +117,8 @@ def plotted_field(scene: BarScene, a: WatchedBar, quantity: str, t: float) -> np
                   "a": a.acceleration if scene.has("acceleration") else np.nan}[quantity]
         deviation = values - exact.field(scene, quantity, X, t) if scene.solution_known else np.nan
     return np.stack(np.broadcast_arrays(values, deviation, X)[:2], axis=1)
+
+
+def _columns(values: np.ndarray) -> Values:
+    """Those of x, v and sigma, of four (P, 4)."""
+    return Values(values[:, :1], values[:, 1:2], values[:, 2:3])

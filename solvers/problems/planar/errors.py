@@ -9,6 +9,7 @@ import numpy as np
 from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.state import WatchedBody
+from solvers.solver.fields import Values
 
 #: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
 Parts = tuple[np.ndarray, ...] | None
@@ -41,6 +42,11 @@ def estimated_fields(a: WatchedBody, estimator: int) -> Fields:
     motion = a.estimate[part].T
     return [(motion[0], motion[1]), (motion[2], motion[3]), tuple(a.estimate_stress[part].T[:3]),
             tuple(a.estimate_acceleration[part].T)]
+
+
+def columns(parts: Fields) -> Values:
+    """Those of x, v and sigma, which are known, with a column for each component."""
+    return Values(*(np.stack(one, axis=1) for one in parts if one is not None))
 
 
 def sizes(errors: Fields) -> np.ndarray:

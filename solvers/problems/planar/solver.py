@@ -8,7 +8,7 @@ import numpy as np
 
 from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
-from solvers.problems.planar.errors import difference, estimated_fields, field, sizes, true_fields
+from solvers.problems.planar.errors import columns, difference, estimated_fields, field, sizes, true_fields
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.on_device import OnDevice
 from solvers.problems.planar.plans.on_processor import OnProcessor
@@ -20,6 +20,7 @@ from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches
 from solvers.solver import devices
 from solvers.solver.base import MEASURE, REPORT, Solver
+from solvers.solver.fields import TRUTH, Fields
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
@@ -86,6 +87,20 @@ class PlanarSolver(Solver):
                         estimate={name: sizes(fields) for name, fields in estimates.items()},
                         last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed,
                         plotted=None if plotted is None else field(self.scene, a, plotted, self.time, measures))
+
+    def fields(self) -> Fields:
+        a, on, measures = self._arrays, self._switches, self.PARTS.snapshot
+        self._stepping.look(self.step, REPORT)
+        self._stepping.fetch()
+        said = {TRUTH: true_fields(self.scene, a, self.step, measures)} if on.truth else {}
+        said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
+        motion, X = a.position_velocity, a.material_position
+        with np.errstate(all="ignore"):  # a run gone bad holds anything
+            stress = measures.stress(a)
+        return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
+                      columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]),
+                               stress]),
+                      {name: columns(parts[:3]) for name, parts in said.items()})
 
     def compile(self) -> None:
         self._stepping.compile()

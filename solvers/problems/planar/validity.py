@@ -1,5 +1,8 @@
 """Where estimators are known, before anything has run, not to hold in the plane, whatever the problem."""
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.registry import FROZEN_REASON
 
@@ -21,3 +24,8 @@ def too_few_across(scene: PlanarScene) -> str | None:
     """Why recovered cannot fit them across the ring."""
     return (f"recovered fits a cubic across the ring, or a parabola, which needs {FEWEST_ACROSS} particles there; take "
             "more cells or more particles per cell") if round(scene.cells * scene.ppc / 6) < FEWEST_ACROSS else None
+
+
+#: Where it is not that an estimator would be wrong: it cannot run.
+NO_LATTICE: Mapping[str, Callable[[Any], str | None]] = {
+    "recovered": lambda scene: off_lattice(scene) or too_few_across(scene)}

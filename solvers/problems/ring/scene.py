@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from solvers.problems.planar.circular import CircularScene
+from solvers.problems.planar.validity import NO_LATTICE
 from solvers.problems.ring import exact, step_bound, validity
 from solvers.scene.described import described
 from solvers.scene.option import option
@@ -55,6 +56,7 @@ class RingScene(CircularScene):
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     VALIDITY = validity.RULES
+    IMPOSSIBLE = NO_LATTICE
     REMEDIES = (FILTER, COUPLED, FROZEN)
     STRAIN_PER_AMPLITUDE = 1 / INVERSION
     GENTLE_AMPLITUDE = 1e-2

@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from solvers.problems.planar.circular import CircularScene
+from solvers.problems.planar.validity import NO_LATTICE
 from solvers.problems.vortex import exact, step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
 from solvers.scene.described import described
@@ -64,6 +65,7 @@ class VortexScene(CircularScene):
     SETTING = "A ring with radii 0.75 m and 1.25 m, whose circles turn against each other, on a square grid, 3 m wide."
     ESTIMATORS = ("transport", "recovered", "companion")
     VALIDITY = validity.RULES
+    IMPOSSIBLE = NO_LATTICE
     # Not the coupling of F with the displacements: measured at A = 1 on 48 cells, every GIMP run that has it breaks.
     REMEDIES = (FILTER, FROZEN)
     OWN_EFFECTS = ("spin",)

@@ -82,7 +82,8 @@ def test_verbose_ends_with_its_command_and_shows_what_is_told_on_the_way(capsys)
 
 
 @needs_full
-@pytest.mark.parametrize("words", [["--version"], ["--help"], ["run", "bar", "--help"], ["lesson", "list"]])
+@pytest.mark.parametrize("words", [["--version"], ["lesson", "list"], *(
+    pytest.param(words, marks=pytest.mark.slow) for words in (["--help"], ["run", "bar", "--help"]))])
 def test_a_full_disk_behind_the_standard_output_is_one_sentence(words):
     with open(FULL, "w") as full:
         done = command(*words, stdout=full)
@@ -103,7 +104,8 @@ def test_a_full_disk_names_the_flag(monkeypatch):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX pipes")
-@pytest.mark.parametrize("words", [["--help"], ["run", "bar", "--help"], ["lesson", "list"], ["--completion", "bash"]])
+@pytest.mark.parametrize("words", [["run", "bar", "--help"], ["lesson", "list"], *(
+    pytest.param(words, marks=pytest.mark.slow) for words in (["--help"], ["--completion", "bash"]))])
 def test_a_reader_that_has_gone_is_no_fuss(words):
     read, write = os.pipe()
     os.close(read)

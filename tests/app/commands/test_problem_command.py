@@ -105,10 +105,11 @@ def test_the_page_names_the_numbers_and_every_file(folder):
     assert numbers["particles"] == len(read(str(path / "particles.csv")).columns["id"])
 
 
-@pytest.mark.parametrize("scene", [BarScene(body_force="two-tone"), BarScene(body_force="none"),
-                                   RingScene(cells=48, body_force="none"), RingScene(cells=48, body_force="two-tone"),
-                                   VortexScene(amplitude=0.1, body_force="none"),
-                                   VortexScene(amplitude=0.1, body_force="two-tone")])
+@pytest.mark.parametrize("scene", [
+    BarScene(body_force="two-tone"), RingScene(cells=48, body_force="none"),
+    VortexScene(amplitude=0.1, body_force="two-tone"), *(pytest.param(scene, marks=pytest.mark.slow) for scene in (
+        BarScene(body_force="none"), RingScene(cells=48, body_force="two-tone"),
+        VortexScene(amplitude=0.1, body_force="none")))])
 def test_the_companion_alone_is_the_one_beside_our_particles(scene):
     """Two meshes of their own: 1e-4 of the motion is what the coarser one may be off."""
     solver = build(replace(scene, estimators=("companion",)))

@@ -26,7 +26,7 @@ FINE = ["8", "12", "2", "1e1", "0.05", "0.3", "1e-3", "mpm", "ugimp", "cpdi", "g
         "x", "truth,energy", "transport", "auto", "frozen-weights", "serial", "polar", "1", "3", "out.json"]
 ENDS_SOON = ["--t-end", "1e-9", "--quiet"]
 
-here = settings(max_examples=30 if ASKED is None else ASKED, derandomize=ASKED is None, database=None,
+here = settings(max_examples=15 if ASKED is None else ASKED, derandomize=ASKED is None, database=None,
                 suppress_health_check=list(HealthCheck))
 words = st.one_of(st.sampled_from(ODD), st.sampled_from(FINE),
                   st.text(max_size=4).filter(lambda text: "-h" not in text))

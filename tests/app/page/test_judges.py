@@ -14,6 +14,7 @@ from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
+from solvers.study.coverage import track_record
 from tests.app.frame.test_view import report_of
 from tests.processes import until
 from tests.raw import Raw
@@ -36,6 +37,9 @@ def test_cards_say_what_the_run_has():
     assert set(cards["judges"]) == {"transport", "recovered"}
     index = history.series["transport/index_x"][-1]
     assert float(cards["judges"]["transport"]["index"]) == pytest.approx(index, abs=0.0051)
+    held, of = track_record.right(scene, "transport")
+    trust = cards["judges"]["transport"]["trust"]
+    assert trust == f"right within 10\N{NO-BREAK SPACE}% in {held} of {of} runs like this"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
     unknown = json.loads(judged(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
     assert (unknown["true"], unknown["known"]) == (UNKNOWN, False)

@@ -84,8 +84,9 @@ STATES = {"many": MANY, "one": [made_up()], "none": [], "no truth": [made_up(err
           "refused": [row.refused(task := Task("bar", {"amplitude": 0.2}), task.refusal())]}
 
 
-@pytest.mark.parametrize("state", STATES)
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize(("name", "state"), [
+    pytest.param(name, state, marks=() if state in ("many", "beyond numbers") or name == next(iter(FIGURES))
+                 else pytest.mark.slow) for name in FIGURES for state in STATES])  # every picture, and every state
 def test_there_is_a_picture_of_every_state(name, state):
     content = png_bytes(FIGURES[name](STATES[state]))
     assert matplotlib.image.imread(io.BytesIO(content)).shape[0] > 100

@@ -85,7 +85,8 @@ def test_health(server):
 
 
 @pytest.mark.parametrize("end, thread", [
-    (signal.SIGTERM, "first"), (signal.SIGINT, "second"), pytest.param(signal.SIGINT, "first", marks=pytest.mark.slow)])
+    (signal.SIGTERM, "second"),
+    *(pytest.param(signal.SIGINT, thread, marks=pytest.mark.slow) for thread in ("first", "second"))])
 def test_the_end_is_told_and_leaves_nothing(end, thread):
     """Neither a process nor a word of warning (``serving`` looks for that), however it is ended, and whichever of its
     threads the system chooses to tell."""

@@ -152,7 +152,7 @@ def seconds_to_end(server):
 
 
 @pytest.mark.parametrize(("pupils", "seconds", "turns"), [
-    (2, 1.0, 2), pytest.param(30, 5.0, 8, marks=pytest.mark.slow)])
+    (2, 0.5, 2), pytest.param(30, 5.0, 8, marks=pytest.mark.slow)])
 def test_a_class_beside_a_mob(pupils, seconds, turns, tmp_path):
     log, shares, costs, comes, grown = [], [], [], [], []
     with locked(log, tmp_path) as (address, server), ExitStack() as stack:

@@ -15,7 +15,7 @@ from solvers.running.budget import run_budget
 from solvers.scene.causes import CAUSES
 from tests.browser.conftest import visit
 from tests.browser.driving import choose, scene, until
-from tests.browser.page.test_axe import serious
+from tests.browser.page.test_axe import nothing_serious
 from tests.browser.page.test_first_picture import summary
 
 QUARTER = "bar;method=mpm;cells=20;ppc=2;estimators=none;effects=all;periods=0.25;stops;speed=0.5"
@@ -47,8 +47,8 @@ def outcome(page):
 
 def test_who_made_it_and_what_is_left_without_it(server, chromium):
     with visit(chromium, server[0], f"#{HATS}") as page:
-        who = page.get_by_role("button", name="Who made this error? crossings")
-        who.click()
+        page.get_by_role("button", name="Who made this error? crossings").focus()
+        page.keyboard.press("Enter")
         until(lambda: "budget" in scene(page)["effects"], "the effect", LONG)
         chart = page.locator(".lab-made svg")
         until(chart.count, "the chart", LONG)
@@ -72,7 +72,7 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
               and outcome(page) == pytest.approx(sizes, rel=6e-3), f"{sizes}", LONG)
         until(lambda: legend(page)["crossings"][0] == percent(shares["crossings"]), "the shares before")
         until(lambda: "without crossings" in page.locator(".lab-budget-chart").inner_text(), "which is which")
-        until(lambda: serious(page) == [], f"names for all: {serious(page)}")
+        nothing_serious(page, "the fold")
 
         choose(page, "Divide the error of", "displacement x")
         until(lambda: "share of the error of x" in page.locator(".lab-causes").inner_text(), "the error of x")
@@ -81,7 +81,8 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         until(lambda: chart.count() == 1 and not page.locator(".lab-outcome").count(), "one chart", LONG)
 
 
-@pytest.mark.parametrize(("link", "script"), [(HATS, HELD), (QUARTER, "")], ids=["late", "there"])
+@pytest.mark.parametrize(("link", "script"), [
+    (HATS, HELD), pytest.param(QUARTER, "", marks=pytest.mark.slow)], ids=["late", "there"])
 def test_who_asks_has_the_chart_before_him(server, chromium, link, script):
     """One that comes late too: the press is held back, as by a kernel that has to be compiled, longer than the fold is
     waited for. One that is there already is in a fold that grows."""
@@ -99,12 +100,13 @@ def test_where_and_when_is_a_picture_over_the_page(server, chromium):
         place = page.get_by_role("dialog", name="where and when the error of x was made")
         until(place.is_visible, "the map", LONG)
         assert place.locator("img").evaluate("image => image.naturalWidth") > 800
-        until(lambda: serious(page) == [], f"names for all: {serious(page)}")
+        nothing_serious(page, "the fold")
         page.keyboard.press("Escape")
         until(lambda: not place.count(), "the page again")
         assert page.get_by_role("button", name="Where and when?").is_visible()
 
 
+@pytest.mark.slow  # what is found there, and what it says, tests/app/page/test_budget_fold.py shows without a browser
 def test_in_the_plane_it_is_found_beside_the_stage(server, chromium):
     """By the keyboard, and with the numbers of the command."""
     with visit(chromium, server[0], f"#{RING}") as page:
@@ -122,4 +124,4 @@ def test_in_the_plane_it_is_found_beside_the_stage(server, chromium):
         sizes = [size_in(re.search(rf"{words}\s+(\S+ \S*m)\b", said)[1], "m")
                  for words in ("before", "foretold", "run again")]
         assert sizes == pytest.approx([taken[key]["x"] for key in ("before", "predicted", "again")], rel=6e-3)
-        until(lambda: serious(page) == [], f"names for all: {serious(page)}")
+        nothing_serious(page, "the fold")

@@ -148,7 +148,8 @@ FILES = {"bar": "bar cells=10 periods=0.25;difference", "ring": "ring cells=12 p
          "an effect off": "bar cells=10 periods=0.25 effects=truth,estimate;error-of=a"}
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name in ("patch", "two tones") else name
+                                  for name in FILES])
 def test_whatever_is_looked_at_is_said_as_on_the_page(chromium, tmp_path, name):
     """Titles, captions, notes and reasons for silence, of every quantity by every estimator."""
     text, path = f"{FILES[name]};estimators=companion,transport", tmp_path / "scene.html"

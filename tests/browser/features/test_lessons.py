@@ -15,6 +15,7 @@ from tests.browser.driving import again_until, click, row, scene, shown, until
 from tests.browser.following import answer, go_on
 
 NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
+STAGED = 3  # steps at first that are put on the stage, too: each starts its run, which no answer waits for
 HOSTILE = "<img src=x onerror=\"document.title='stolen'\">"
 
 
@@ -39,7 +40,7 @@ def play(page, lesson, first, last):
     for number in range(first, last + 1):
         step = lesson.steps[number - 1]
         at_step(page, number, lesson)
-        if step.stage:
+        if step.stage and number <= first + STAGED:
             click(page, "On the stage")
         if step.question:
             following = page.get_by_role("button", name="Next", exact=True)

@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import pytest
 
-from tests.browser.conftest import HOME, SIZE, axe_finds
+from tests.browser.conftest import SIZE, axe_finds, visit
 from tests.browser.driving import click, unfold, until
 from tests.browser.page.test_room import STATES
 
@@ -15,21 +15,26 @@ def serious(page):
     return [(violation["id"], [node["html"][:160] for node in violation["nodes"]]) for violation in axe_finds(page)]
 
 
+def nothing_serious(page, where):
+    """Wait until axe finds nothing there; it looks through the whole page, which takes a second, and so no more often
+    than need be."""
+    try:
+        until(lambda: serious(page) == [], where)
+    except AssertionError:
+        raise AssertionError(f"names for all in {where}: {serious(page)}") from None
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing(server, chromium, scheme):
     """In the page as it comes, with folders open, and in every tab."""
-    page = chromium.new_page(viewport=SIZE, color_scheme=scheme)
-    try:
-        page.goto(server[0])
+    with visit(chromium, server[0], "#", color_scheme=scheme) as page:
         page.locator("body.lab-to-see").wait_for(timeout=60_000)
         until(lambda: page.locator("body.lab-dark").count() == (scheme == "dark"), scheme)
         unfold(page, "Method details", "Effects: compute")
-        until(lambda: serious(page) == [], f"names for all in Explore: {serious(page)}")
+        nothing_serious(page, "Explore")
         for tab in ("Lessons", "Cost", "About"):
             page.get_by_role("tab", name=tab).click()
-            until(lambda: serious(page) == [], f"names for all in {tab}: {serious(page)}")
-    finally:
-        page.close()
+            nothing_serious(page, tab)
 
 
 def in_a_lesson(page):
@@ -86,7 +91,7 @@ def test_axe_finds_nothing_in_any_state(server, chromium, scheme):
             if act:
                 act(page)
             with suppress(AssertionError):
-                until(lambda: serious(page) == [], f"nothing in {state}")
+                nothing_serious(page, state)
             found[state] = serious(page)
     finally:
         page.close()
@@ -95,16 +100,11 @@ def test_axe_finds_nothing_in_any_state(server, chromium, scheme):
 
 def test_signs_are_seen_in_the_browsers_own_colours(server, chromium):
     """Forced colours take away the grounds by which signs are drawn: these keep one, and what is chosen has a rim."""
-    page = chromium.new_page(viewport=SIZE, forced_colors="active")
-    try:
-        page.goto(f"{server[0]}/?fixedDpr=0.5{HOME}")
-        until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+    with visit(chromium, server[0], forced_colors="active") as page:
         grounds = page.evaluate("""() => {
             const ground = (e, part) => getComputedStyle(e, part).backgroundColor;
             return [...document.querySelectorAll("[data-lab~=lab-at-run] + div button")]
                 .map(button => [ground(button), ground(button, "::before")]); }""")
         chosen = page.locator(".lab-method.lab-chosen").evaluate("e => getComputedStyle(e).outlineStyle")
-    finally:
-        page.close()
     assert [sign for ground, sign in grounds if ground != "rgb(0, 0, 0)"] == ["rgb(0, 0, 0)"] * 4
     assert chosen == "solid"

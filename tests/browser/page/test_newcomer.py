@@ -97,10 +97,10 @@ def test_the_story_is_told_once_and_again_when_asked(server, chromium):
         assert not page.locator("body.lab-story-told").count()
         page.get_by_role("tab", name="About").click()
         page.get_by_role("button", name="Replay the story").click()
-        until(lambda: "exact stress" in summary(page), "the first beat again", LONG)
+        # Its first beat is over in seconds, which a busy browser may not see.
+        until(page.locator("body.lab-story-told").count, "the story again", LONG)
 
 
-def test_a_link_tells_no_story(server, chromium):
-    with visit(chromium, server[0], "#bar;cells=20;estimators=recovered") as page:
-        until(lambda: scene(page)["cells"] == 20, "the link's scene")
-        assert not page.locator("body.lab-story-told").count() and "Halve the cells" in sparks(page)
+def test_a_link_tells_no_story(page):
+    """Whoever follows one sees its scene, as all visitors of these tests do."""
+    assert not page.locator("body.lab-story-told").count() and "Halve the cells" in sparks(page)

@@ -17,6 +17,34 @@ def folds_are_buttons_for_keys(page):
               and fold.get_attribute("aria-expanded") == str(shown).lower(), f"open: {shown}")
 
 
+#: A fold as the viewer makes it in a busy browser, which opens it late; made anew as for another scene, and pressed by
+#: the visitor in the same moment, or not.
+FOLD = """([pressed]) => {
+    document.getElementById("fold-of-the-test")?.remove();
+    const around = document.createElement("div"), head = around.appendChild(document.createElement("div"));
+    const inside = around.appendChild(document.createElement("div"));
+    around.id = "fold-of-the-test";
+    head.className = "mantine-Paper-root";
+    head.style.cursor = "pointer";
+    head.append("A fold of the test");
+    head.addEventListener("click", () => setTimeout(() => inside.inert = !inside.inert, 250));
+    inside.inert = true;
+    document.getElementById("root").append(around);
+    if (pressed) head.click();
+}"""
+
+
+def a_fold_that_was_open_stays_open(page):
+    """Made anew it is opened again; by whoever is first, the visitor or the page, and not closed by the other."""
+    inside = page.locator("#fold-of-the-test > div").nth(1)
+    for pressed in (True, False, True):
+        page.evaluate(FOLD, [pressed])
+        page.wait_for_timeout(1000)  # the page looks a tenth of a second after a change
+        assert not inside.evaluate("inside => inside.inert")
+        assert inside.evaluate("inside => inside.previousElementSibling.ariaExpanded") == "true"
+    page.evaluate("document.getElementById('fold-of-the-test').remove()")
+
+
 def a_card_says_the_index_and_its_name_puts_it_on_the_stage(page):
     """Off it has a price only; switched on by its name, and on the stage then."""
     card = page.locator(".lab-judge[data-judge=companion]")
@@ -68,6 +96,7 @@ def test_the_side_panel(page):
     """One visitor for all: a page of their own would cost each more than what is looked at."""
     until(lambda: scene(page)["problem"] == "bar", "a scene")
     folds_are_buttons_for_keys(page)
+    a_fold_that_was_open_stays_open(page)
     a_card_says_the_index_and_its_name_puts_it_on_the_stage(page)
     a_picture_takes_its_method(page)
     what_is_typed_is_written_with_its_unit(page)

@@ -121,8 +121,9 @@ def test_the_causes_add_up_in_many_scenes(method):
     assert not [scene for scene in islice(drawn(2, method), 40) if not adds_up(scene)]
 
 
-@pytest.mark.parametrize("inputs", [{}, {"method": "mpm"}, {"method": "bspline", "body_force": "node"},
-                                    {"remedies": (FILTER, COUPLED, CENTRED)}], ids=str)
+@pytest.mark.parametrize("inputs", [
+    {}, {"method": "mpm"}, *(pytest.param(inputs, marks=pytest.mark.slow) for inputs in (
+        {"method": "bspline", "body_force": "node"}, {"remedies": (FILTER, COUPLED, CENTRED)}))], ids=str)
 def test_against_the_companion_it_is_the_same(inputs):
     """The causes add up to what the companion estimates, and their shares are those against the exact solution."""
     exact, alone = (run(replace(SCENE, **inputs, **more), prices=False) for more in ({}, ALONE))

@@ -30,8 +30,9 @@ def size(result, name):
     return float(np.sqrt(np.mean(result.series[f"error_{name}"] ** 2)))
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("lp", [False, True], ids=["", "lp"])
+@pytest.mark.parametrize(("method", "lp"), [
+    pytest.param(method, lp, marks=pytest.mark.slow if lp and method != "mpm" else ())
+    for lp in (False, True) for method in METHODS])
 def test_a_patch_test_is_passed_exactly(method, lp, simulate):
     """With 2.5 particles a cell, which hat functions fail by far: no node feels a thing, to the last bit; the place is
     exact but for the rounding of 3000 steps' sums."""
@@ -121,9 +122,10 @@ def test_the_bound_on_the_step_is_that_of_pieces(method, ppc, amplitude, simulat
 
 
 @pytest.mark.parametrize("changes", [
-    {}, {"method": "mpm"}, {"method": "cpgimp", "velocity": "corners"}, {"method": "bspline"},
-    {"linearity_preserving": True}, {"velocity": "particle"}, {"body_force": "node"},
-    {"remedies": (*PIECES, "null-space-filter", "coupled-deformation", "zero-drift")}], ids=str)
+    {"method": "mpm"}, {"method": "cpgimp", "velocity": "corners"}, {"linearity_preserving": True},
+    {"remedies": (*PIECES, "null-space-filter", "coupled-deformation", "zero-drift")},
+    *(pytest.param(changes, marks=pytest.mark.slow)  # compile longer than they run, and change nothing of the pieces
+      for changes in ({}, {"method": "bspline"}, {"velocity": "particle"}, {"body_force": "node"}))], ids=str)
 def test_a_budget_beside_pieces_has_no_crossings(changes):
     """No share at all, for the sources are differences of equal forces; and the causes add up to the error."""
     scene = replace(BAR, cells=20, effects=("truth", "budget"), **changes)

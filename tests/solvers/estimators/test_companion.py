@@ -195,7 +195,8 @@ def radial_solution(scene: RingScene, steps: int, t: float, order: int = 16) -> 
     return tuple(np.linalg.solve(V, row) for row in y)
 
 
-@pytest.mark.parametrize(("cells", "force"), [(24, "none"), (24, "two-tone"), (48, "none"), (96, "none")])
+@pytest.mark.parametrize(("cells", "force"), [
+    (24, "two-tone"), (48, "none"), *(pytest.param(cells, "none", marks=pytest.mark.slow) for cells in (24, 96))])
 def test_a_ring_without_a_built_in_solution(cells, force):
     """Against a radial solve of its own order and kind of equation, to the particle (measured: up to 0.012)."""
     scene = replace(RING, body_force=force, cells=cells, amplitude=0.05, effects=("estimate",))

@@ -28,8 +28,8 @@ FIVE = [*BarScene.ESTIMATORS, "zero"]
 QUICK = ["--cells", "20", "--ppc", "2", "--amplitude", "0.004", "--periods", "0.2", "--linearity-preserving"]
 
 
-SWEEP = ["sweep", "bar", "--cells", "8", "16", "--periods", "0.2", "--estimator", "transport", "zero", "--repeats", "1",
-         "--quiet", "--out", "out"]
+SWEEP = ["sweep", "bar", "--cells", "8", "16", "--periods", "0.2", "--estimator", "transport", "zero",
+         "--linearity-preserving", "--repeats", "1", "--quiet", "--out", "out"]
 #: What a person types who has the extension, by one word each; all in one process, for they need the same compiled.
 COMMANDS = {"run": ["run", "bar", *QUICK, "--estimator", *FIVE, "--json", "-", "--plot", "x.png"],
             "print": ["run", "bar", *QUICK, "--estimator", "transport", "zero"], "help": ["run", "bar", "--help"],

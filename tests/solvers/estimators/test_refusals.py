@@ -29,6 +29,8 @@ RIGHT = [
     replace(RING, cells=33, remedies=("null-space-filter",), amplitude=4e-3, cfl=0.3, periods=0.5, **TWO_GRID),
     replace(RING, method="cpgimp", cells=20, ppc=3, amplitude=0.01, cfl=0.2, periods=1.0, **TWO_GRID),
     replace(BAR, method="mpm", cells=54, ppc=5, amplitude=6.5e-5, cfl=0.25, periods=1.67, **TWO_GRID)]
+#: Of each problem and estimator one; most of their time is that of compiling, and the slow set has them all.
+OFTEN = [scene for k, scene in enumerate(RIGHT) if k in (1, 3, 4, 6, 7)]
 #: With a step near the longest that the run stands, for which recovered's own elements were too narrow: refused as
 #: having grown, or said, with an a of 5 and 2.4 times its error.
 LONG_STEPS = [
@@ -45,14 +47,17 @@ WRONG = [
      "waves of a few cells")]
 
 
-@pytest.mark.parametrize("scene", RIGHT, ids=lambda scene: f"{scene.problem} {scene.estimators[0]} {scene.method}")
+@pytest.mark.parametrize("scene", [pytest.param(scene, marks=() if scene in OFTEN else pytest.mark.slow) for scene in
+                                   RIGHT], ids=lambda scene: f"{scene.problem} {scene.estimators[0]} {scene.method}")
 def test_what_is_right_is_said(scene, simulate):
     """Within .9 to 1.1 in x, v and sigma."""
     result = simulate(scene)
     assert not result.not_valid and verdict_on(result.index[scene.estimators[0]]) == "good"
 
 
-@pytest.mark.parametrize("scene", LONG_STEPS, ids=lambda scene: f"{scene.cells} cells, cfl {scene.cfl}")
+@pytest.mark.parametrize("scene", [
+    pytest.param(scene, marks=pytest.mark.slow if scene.remedies else ()) for scene in LONG_STEPS],
+    ids=lambda scene: f"{scene.cells} cells, cfl {scene.cfl}")
 def test_recovered_bears_steps_as_long_as_the_run_does(scene, simulate):
     """x, v and sigma within .9 to 1.1. Of a, for which a coarse ring has few particles across: measured 1.1 and .73."""
     result = simulate(scene)
@@ -60,7 +65,9 @@ def test_recovered_bears_steps_as_long_as_the_run_does(scene, simulate):
     assert 0.7 < result.index["recovered"]["a"] < 1.2
 
 
-@pytest.mark.parametrize(("scene", "word"), WRONG, ids=lambda each: each.method if isinstance(each, Scene) else each)
+@pytest.mark.parametrize(("scene", "word"), [
+    pytest.param(*each, marks=() if each is WRONG[1] else pytest.mark.slow) for each in WRONG],
+    ids=lambda each: each.method if isinstance(each, Scene) else each)
 def test_what_is_wrong_is_not_said(scene, word):
     row = measure(scene)
     index = row["index"]["recovered"]

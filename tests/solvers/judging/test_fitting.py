@@ -47,8 +47,9 @@ def judged(problem: str, file: Path, out: Path, *flags: str) -> int:
     return main(["judge", problem, str(file), "--no-compare", "--quiet", "--out", str(out), *flags])
 
 
-@pytest.mark.parametrize("kind", ["npz", "csv"])
-@pytest.mark.parametrize("problem", PROBLEMS)
+@pytest.mark.parametrize(("problem", "kind"), [
+    pytest.param(problem, kind, marks=() if kind == "npz" or problem == "bar" else pytest.mark.slow)
+    for problem in PROBLEMS for kind in ("npz", "csv")])
 def test_a_file_of_ours_is_judged_with_the_scene_that_it_says(problem, kind, own, tmp_path):
     """No flag says its amplitude or its cells."""
     assert judged(problem, own / f"{problem}.{kind}", tmp_path / "out") == 0

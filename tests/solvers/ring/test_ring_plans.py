@@ -46,7 +46,8 @@ def test_runs_repeat_bit_by_bit_and_in_slices(plan):
     assert sum(map(len, rows)) == 60 // scene.sample_interval
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [pytest.param(method, marks=() if method in ("ugimp", "cpdi") else pytest.mark.slow)
+                                    for method in METHODS])
 def test_effects_do_not_change_the_physics(method):
     """Measurements read only: the compiler may round otherwise in the other kernel, 1e-16 a step."""
     scene = replace(SCENE, method=method)

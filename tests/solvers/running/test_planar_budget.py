@@ -50,7 +50,7 @@ def made(scene: Scene) -> dict:
 @pytest.mark.parametrize(("kind", "method"), EVERY)
 def test_the_causes_add_up_to_the_error(kind, method):
     """Every cause is carried on by itself, and no one is what is left over."""
-    assert all(max(gaps(scene).values()) <= 1e-6 for scene in islice(drawn(1, kind, method), 2))
+    assert max(gaps(next(drawn(1, kind, method))).values()) <= 1e-6
 
 
 @pytest.mark.slow

@@ -24,16 +24,23 @@ def worst(result):
     return np.nanmax(result.series["error_x"]) / result.scene.motion_amplitude
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("cure", [{"remedies": BOTH, "linearity_preserving": True}, {"remedies": FROZEN}], ids=str)
+CURES = {"both": {"remedies": BOTH, "linearity_preserving": True}, "frozen": {"remedies": FROZEN}}
+#: A cure of each method, and each cure of two methods; the slow set has all of all.
+OFTEN = {("mpm", "both"), ("ugimp", "both"), ("cpgimp", "frozen"), ("bspline", "frozen")}
+
+
+@pytest.mark.parametrize(("method", "cure"), [
+    pytest.param(method, cure, marks=() if (method, cure) in OFTEN else pytest.mark.slow)
+    for cure in CURES for method in METHODS])
 def test_every_method_lives_with_a_cure(method, cure, simulate):
     """50 periods at A = 0.1 with an error of x below A/10; without, all four are lost (0.3 to 40 periods)."""
-    cured = simulate(replace(HARD, method=method, **cure))
+    cured = simulate(replace(HARD, method=method, **CURES[cure]))
     assert cured.status == "ok" and worst(cured) < 0.1
     assert worst(simulate(replace(HARD, method=method))) > 0.1
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [pytest.param(method, marks=() if ("both" == cure) else pytest.mark.slow)
+                                    for method, cure in sorted(OFTEN)])
 def test_500_periods_at_small_amplitude(method, simulate):
     """A = 0.025 with all three: uGIMP and cpGIMP fail at 445 and 409 periods without, hat functions at 0.4."""
     cured = simulate(replace(HARD, method=method, amplitude=0.025, periods=500, remedies=BOTH,

@@ -167,7 +167,8 @@ def test_a_tables_row_that_is_no_row_is_not_taken(content, kept, tmp_path):
 @pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
 @pytest.mark.parametrize(("words", "status"), [
     ("run bar --cells 8 --periods 0.1 --quiet --json -", 0), ("sweep bar --cells 2 --out d", 2),
-    ("tables 9 --out d", 2), ("advise bar --tolerance x", 2)])
+    *(pytest.param(words, 2, marks=pytest.mark.slow)  # refused where the sweep is, before a command is asked
+      for words in ("tables 9 --out d", "advise bar --tolerance x"))])
 def test_a_closed_stream_is_one_that_nobody_reads(words, status, closed):
     done = subprocess.run(f"{sys.executable} -m app {words} {closed}", shell=True, cwd=ROOT, capture_output=True,
                           text=True, timeout=HANG)

@@ -157,7 +157,7 @@ def test_velocities_begin_half_a_step_before():
     np.testing.assert_array_equal(solver._arrays.position_velocity[:, 2:], wanted)
 
 
-@pytest.mark.parametrize("method", ["ugimp", "cpdi"])
+@pytest.mark.parametrize("method", [pytest.param("ugimp", marks=pytest.mark.slow), "cpdi"])  # the ring has both
 def test_plans_agree(method):
     """Slabs add in another order: a rounding a step."""
     one, other = (run(replace(SHORT, method=method, **plan), prices=False)

@@ -4,8 +4,15 @@
   const set = (element, name, value) => element.getAttribute(name) !== value && element.setAttribute(name, value);
   const heads = ".mantine-Paper-root[style*='cursor: pointer']";
 
-  // Widgets that are made anew for another scene come folded: what a visitor has opened is opened again.
+  // Widgets that are made anew for another scene come folded: what a visitor has opened is opened again, but where the
+  // visitor was faster: a second press would close it.
   const known = new WeakSet(), open = new Map();
+  root.addEventListener("click", event => {
+    const head = event.target.closest(heads);
+    if (head) known.add(head);
+  }, true);
+
+  const expanded = head => set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
 
   function unfold(head) {
     const name = head.firstChild.textContent, now = !head.nextElementSibling?.inert;
@@ -23,7 +30,7 @@
     for (const head of document.querySelectorAll(heads)) {
       set(head, "role", "button");
       set(head, "tabindex", "0");
-      set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+      expanded(head);
       unfold(head);
     }
     followTrace();
@@ -65,7 +72,9 @@
     }, 300);
   });
   let waiting = false;
-  new MutationObserver(() => {
+  new MutationObserver(changes => {
+    for (const {attributeName, target} of changes)  // at once: who reads that it is folded presses it
+      if (attributeName === "inert" && target.previousElementSibling?.matches(heads)) expanded(target.previousElementSibling);
     if (waiting) return;
     waiting = true;
     setTimeout(() => { waiting = false; look(); }, 100);

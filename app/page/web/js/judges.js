@@ -20,6 +20,7 @@
       card.classList.toggle("lab-on-stage", card.dataset.judge === stage && Boolean(judge));
       write(card.querySelector(".lab-index strong"), judge?.index || "");
       write(card.querySelector(".lab-why"), judge?.says || "");
+      write(card.querySelector(".lab-trust"), judge?.trust || "");
       if (judge?.at != null) gauge.style.setProperty("--at", judge.at); else gauge.removeAttribute("style");
     }
   }

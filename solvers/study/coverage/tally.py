@@ -1,0 +1,137 @@
+"""How often what was said of drawn runs was right, counted.
+
+``within`` counts runs in which the estimate is within a factor of the true error: 1/f <= index <= f, an index being
+estimated over true error, in norms summed over the run. Only runs that ended as "ok" count, and of an estimator only
+those in which it did not refuse.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import statistics
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from solvers.running.goals import SAFETY
+from solvers.solver.soundness import OK
+from solvers.study.coverage.grid_convergence import INTERVALS
+from solvers.study.coverage.measured import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES
+
+SCHEMA = "mpm-lab/coverage/1"
+FACTORS = (1.1, 1.5, 2.0)
+NEEDLESS = 1.5  # a refusal was needless where the estimate would have been within such a factor of x, v and sigma
+SAFETIES = (1.0, SAFETY, 3.0)
+STAY, WITHIN, SEVERAL = "within their cells", "up to a cell", "several cells"
+REGIMES = (STAY, WITHIN, SEVERAL)
+NORMAL = 1.96  # standard deviations, for 95 %
+
+
+def regime(moved: float, ppc: float) -> str:
+    """How far particles move at most, ``moved`` in cells: those next to an edge stay in theirs up to 1/(2 ppc)."""
+    return STAY if moved <= 0.5 / ppc else WITHIN if moved <= 1 else SEVERAL
+
+
+def regime_of(row: Mapping) -> str:
+    """That of a row."""
+    return regime(row["moved"], row["scene"]["ppc"])
+
+
+def interval(held: int, of: int) -> tuple[float, float]:
+    """Between which shares that of all runs lies, with 95 %, if ``held`` of so many do (E. B. Wilson, 1927)."""
+    share, z = held / of, NORMAL**2 / of
+    middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / of + z / (4 * of))
+    return max(0.0, (middle - half) / (1 + z)), min(1.0, (middle + half) / (1 + z))
+
+
+def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
+    """All counts of a problem's rows, as JSON has them."""
+    usable = [row for row in rows if row["status"] == OK]
+    statuses = [row["status"] for row in rows]
+    names = list(dict.fromkeys(name for row in usable for name in row["estimators"]))
+    goals = list(dict.fromkeys(kind for row in usable for kind in row["goals"]))
+    return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
+            "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
+            "estimators": {name: _split(usable, functools.partial(_right, name=name)) for name in names},
+            "refusals": {name: _refusals(usable, name) for name in names},
+            "goals": {kind: _split(usable, functools.partial(_held, kind=kind, names=names)) for kind in goals}}
+
+
+def _split(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
+    """The same counts of all rows, by regime, and by method in each."""
+    methods = sorted({row["scene"]["method"] for row in rows})
+    return {"all": count(rows),
+            "regime": {one: count([row for row in rows if regime_of(row) == one]) for one in REGIMES},
+            "method": {one: count([row for row in rows if row["scene"]["method"] == one]) for one in methods},
+            "method and regime": {method: {one: count([row for row in rows if regime_of(row) == one
+                                                       and row["scene"]["method"] == method]) for one in REGIMES}
+                                  for method in methods}}
+
+
+def _right(rows: Iterable[dict], name: str) -> dict:
+    """By quantity, of how many runs the estimator speaks, and in how many it is within each factor."""
+    said = [row["estimators"][name] for row in rows if not row["estimators"][name]["refused"]]
+    found = {}
+    for q in QUANTITIES:
+        indices = [one["index"][q] for one in said if one["index"][q] is not None]
+        ends = [one["end"][q] for one in said if one["end"][q] is not None]
+        found[q] = {"runs": len(indices), "within": _within(indices), "median": _median(indices),
+                    "at the end": {"runs": len(ends), "within": _within(ends)}}
+    return found
+
+
+def _within(indices: Sequence[float]) -> dict[str, int]:
+    return {f"{factor:g}": sum(within(index, factor) for index in indices) for factor in FACTORS}
+
+
+def within(index: float, factor: float) -> bool:
+    """Whether estimated over true error is within a factor of 1."""
+    return 1 / factor <= index <= factor
+
+
+def _refusals(rows: Sequence[dict], name: str) -> dict:
+    """How often an estimator refused, and how many of these refusals that can be told were needless."""
+    found: dict[str, Any] = {"runs": len(rows)}
+    for kind in (BEFORE, AFTER, IMPOSSIBLE):
+        refused = [row["estimators"][name]["index"] for row in rows if row["estimators"][name]["refused"] == kind]
+        told = [index for index in refused if any(value is not None for value in index.values())]
+        found[kind] = {"runs": len(refused), "told": len(told), "needless": sum(map(_needless, told))}
+    return found
+
+
+def _needless(index: Mapping[str, float | None]) -> bool:
+    return all(within(value, NEEDLESS) for value in index.values() if value is not None)
+
+
+def _held(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
+    """Of a goal, how often bars around the value held the truth: of so many times the estimated error, and of grid
+    convergence. ``width`` is the median of the bar over the true error: what holds by being wide costs that."""
+    found: dict[str, Any] = {}
+    known = [row["goals"][kind] for row in rows if _known(row["goals"][kind])]
+    for name in names:
+        errors = [(abs(goal["estimated_error"][name]), abs(goal["true_error"])) for goal in known
+                  if goal["estimated_error"].get(name) is not None]
+        for times in SAFETIES:
+            found[f"{times:g} x {name}"] = _bars([(times * said, true) for said, true in errors], len(known))
+    for name, bar in INTERVALS.items():
+        bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known if _three(goal["grids"])]
+        found[name] = _bars([(said, true) for said, true in bars if said is not None], len(known))
+    return found
+
+
+def _known(goal: Mapping) -> bool:
+    """Whether a goal has a true error that is more than rounding."""
+    return goal["true_error"] is not None and abs(goal["true_error"]) > (goal["rounding"] or 0.0)
+
+
+def _three(values: Sequence[float | None]) -> bool:
+    return len(values) == 3 and None not in values
+
+
+def _bars(bars: Sequence[tuple[float, float]], of: int) -> dict:
+    return {"of": of, "runs": len(bars), "held": sum(true <= said for said, true in bars),
+            "width": _median([said / true for said, true in bars])}
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(statistics.median(values)) if values else None
