@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from solvers.kernels import caches
 
 if TYPE_CHECKING:
+    from solvers.checking.verdict import check
     from solvers.judging.verdict import judge
     from solvers.outside.file_error import FileError
     from solvers.problems.bar.scene import BarScene
@@ -26,15 +27,16 @@ if TYPE_CHECKING:
 else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring.scene",
               "VortexScene": "problems.vortex.scene", "run": "running.run", "sweep": "study.sweep",
-              "judge": "judging.verdict", "Result": "running.result", "SceneError": "scene.rules",
-              "FileError": "outside.file_error"}
+              "judge": "judging.verdict", "check": "checking.verdict", "Result": "running.result",
+              "SceneError": "scene.rules", "FileError": "outside.file_error"}
 
     def __getattr__(name):
         if name not in _HOMES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
 
-__all__ = ["BarScene", "RingScene", "VortexScene", "run", "sweep", "judge", "Result", "SceneError", "FileError"]
+__all__ = ["BarScene", "RingScene", "VortexScene", "run", "sweep", "judge", "check", "Result", "SceneError",
+           "FileError"]
 
 
 def __dir__() -> list[str]:

@@ -195,6 +195,12 @@ ALTERATIONS: dict[str, tuple[tuple[str, ...], Alteration]] = {
     "stress a step late beside F": (ALL, _stress_late),
     "x shuffled": (ALL, lambda run: files(run, lambda f, b, k: replace(
         f, position=f.position[np.random.default_rng(1).permutation(len(f.position))]))),
+    "ids permuted, the same at all times": (ALL, lambda run: (lambda a: a | {
+        key: a[key][:, np.random.default_rng(2).permutation(len(a["X"]))] for key in ("x", "v", "F")})(files(run))),
+    "x is the displacement": (ALL, lambda run: files(run, lambda f, b, k: replace(
+        f, position=f.position - f.material_position))),
+    "x in mm": (ALL, lambda run: files(run, lambda f, b, k: replace(f, position=1000 * f.position))),
+    "x and X in mm": (ALL, lambda run: (lambda a: a | {key: 1000 * a[key] for key in ("X", "x")})(files(run))),
     "two particles swapped": (ALL, _swapped(False)),
     "two neighbours swapped": (ALL, _swapped(True)),
     "density 1.02 times": (ALL, lambda run: _of_another(density=1.02 * run.scene.density)(run)),

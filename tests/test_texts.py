@@ -34,7 +34,8 @@ SLOW = (("run", "bar"), ("run", "ring"), ("run", "vortex"), ("budget", "bar"), (
         ("lesson", "check"), ("lesson", "guide"), ("advise", "bar"), ("sweep", "bar"), ("tables",))
 #: What is read here and run elsewhere, for it ends only when it is told to, measures for long, or asks for files.
 ELSEWHERE = {("serve",): "tests/browser", ("bench",): "tests/app/commands/test_bench.py",
-             ("judge", "ring"): "tests/solvers/judging", ("coverage", "bar"): "tests/solvers/study/test_coverage.py",
+             ("judge", "ring"): "tests/solvers/judging", ("check",): "tests/app/commands/test_check.py",
+             ("coverage", "bar"): "tests/solvers/study/test_coverage.py",
              ("lesson", "grade"): "tests/app/lessons",
              ("stability", "bar"): "tests/solvers/study", ("stability", "ring"): "tests/solvers/study"}
 ON_A_GPU = "--arch"  # a size that only a GPU runs in minutes: tests/solvers/running/test_gpu.py

@@ -8,6 +8,7 @@ write the dataclass and list it here.
 import functools
 
 from app.commands.bench.command import Bench
+from app.commands.check.command import Check
 from app.commands.export import Export
 from app.commands.flags import Switch
 from app.commands.judge.command import Judge
@@ -40,7 +41,7 @@ def commands() -> dict[tuple[str, ...], type]:
     found |= {("sweep", name): of_problem(Sweep, scene, linearity_preserving=Switch) for name, scene in scenes.items()}
     found |= {("problem", name): of_problem(ProblemCommand, scene) for name, scene in scenes.items()}
     found |= {("judge", name): of_problem(Judge, scene) for name, scene in scenes.items()}
-    found |= {("tables",): Tables}
+    found |= {("check",): Check, ("tables",): Tables}
     found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}
     found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
     found |= {("coverage", name): with_flags(Coverage, scene) for name, scene in scenes.items()}

@@ -79,3 +79,6 @@ FilesFlag = Annotated[Any, _lenient("FILE ...", tuple)]
 PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
 #: A flag without a value.
 Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff]
+#: What a report is to bear out, each with a flag of its own.
+ClaimsFlag = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(
+    metavar="CLAIM", help_behavior_hint="(default: nothing; may be given several times)")]

@@ -95,9 +95,8 @@ def listed(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
 
 
 def summarised(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
-    """Final, largest and mean norms over the times after the start, as those of our runs."""
-    later = times > 0 if (times > 0).any() else np.ones(len(times), bool)
-    return {q: summary(np.concatenate([[np.nan], values[later]])) for q, values in norms.items()}
+    """Final, largest and mean norms over the times after the start, as those of our runs; None without any."""
+    return {q: summary(np.concatenate([[np.nan], values[times > 0]])) for q, values in norms.items()}
 
 
 @dataclass(frozen=True)

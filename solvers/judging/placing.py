@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from solvers.estimators.standalone import longest_step
 from solvers.judging.columns import spelled
 from solvers.judging.frames import Frame, Grid, Misfit, Raw
+from solvers.judging.row_times import by_times, times_of
 from solvers.outside.file_error import FileError
 from solvers.outside.quoting import quoted
 from solvers.problems import PROBLEMS
@@ -70,7 +70,7 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
     if "id" not in columns and "X" not in columns:
         raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
                                   f"or the material position ({spelled('X', D)})")
-    times = _times(raw, given)
+    times = times_of(raw, given)
     check_length(raw.file, scene, float(times.max()))
     whole: dict[str, np.ndarray] = {key: _in_plane(raw, key, scene, D)
                                     for key in ("x", "X", "v", "F", "sigma") if key in columns}
@@ -84,7 +84,7 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes.append(f"{turned:,} positions were moved back by a period of the grid")
     found = []
-    for at in _by_times(times):
+    for at in by_times(times):
         part = {key: values[at] for key, values in whole.items()}
         who = number[at] if "id" in columns else np.arange(len(times[at]))
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
@@ -94,35 +94,6 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
             _check_beginning(frame, scene)
         found.append(frame)
     return found, notes
-
-
-def _times(raw: Raw, given: float | None) -> np.ndarray:
-    """The time of each row, from the column, the file or the flag, which must not contradict each other."""
-    n = len(next(iter(raw.columns.values())))
-    column = raw.columns.get("t")
-    said: list[tuple[str, Any]] = [("its column t", column)] if column is not None else []
-    said += [("the file itself", raw.time)] if raw.time is not None else []
-    said += [("--time", given)] if given is not None else []
-    if not said:
-        raise FileError(raw.file, "says no time; give a column t, or # t = ... in a .csv, t in a .npz, TimeValue in "
-                                  "VTK's formats, or the flag --time with one time for each file")
-    first = np.broadcast_to(np.asarray(said[0][1], float), (n,))
-    for name, value in said[1:]:
-        if not np.all(np.abs(first - np.asarray(value)) <= 1e-9 * np.maximum(np.abs(first), 1e-300)):
-            raise FileError(raw.file, f"has times that do not match: {said[0][0]} says {first[0]:g} s and {name} says "
-                                      f"{float(np.ravel(value)[0]):g} s; give one of the two")
-    if not np.isfinite(first).all() or (first < 0).any():
-        bad = first[~(np.isfinite(first) & (first >= 0))][0]
-        raise FileError(raw.file, f"has the time {bad:g}; give seconds from 0 on")
-    return first
-
-
-def _by_times(times: np.ndarray) -> Iterator[Any]:
-    """Which rows are of each time, in their order: views of the rows where these are in order of time, as usual."""
-    order = None if (np.diff(times) >= 0).all() else np.argsort(times, kind="stable")
-    _, first = np.unique(times if order is None else times[order], return_index=True)
-    for start, end in itertools.pairwise([*first.tolist(), len(times)]):
-        yield slice(start, end) if order is None else order[start:end]
 
 
 def check_length(file: str, scene: Scene, time: float) -> None:

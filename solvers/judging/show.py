@@ -132,9 +132,14 @@ def _check_watched(scene: Scene, grid: Grid, asked: ShowRequest) -> None:
 
 
 def _shown(scene: Scene) -> Scene:
-    """The scene as it is shown: judged by the companion."""
-    return replace(scene, estimators=("companion",), effects=("truth", "estimate", "crossings"), remedies=(),
-                   dt=None, cfl=None, t_end=None, periods=None, sample_every=None)
+    """The scene as it is shown: judged by the companion, to its usual end, or where that is too many steps to the one
+    that it has."""
+    shown = replace(scene, estimators=("companion",), effects=("truth", "estimate", "crossings"), remedies=(),
+                    dt=None, cfl=None, sample_every=None)
+    try:
+        return replace(shown, t_end=None, periods=None)
+    except SceneError:
+        return shown
 
 
 class _Table:

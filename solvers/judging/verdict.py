@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import functools
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from solvers.judging import measure
-from solvers.judging.arrays import from_arrays
 from solvers.judging.checks.alone import Apart
 from solvers.judging.checks.evidence import Evidence
 from solvers.judging.checks.listed import Checks
 from solvers.judging.fitting import placed
-from solvers.judging.frames import Grid, Raw
+from solvers.judging.frames import Grid
 from solvers.judging.measure import QUANTITIES, Companions, Errors, WorstParticle
 from solvers.judging.placing import SAME, check_origin
-from solvers.judging.reading import read
-from solvers.outside.file_error import FileError
-from solvers.outside.limits import LIMITS, Limits
+from solvers.judging.sources import Particles, listed, read_all
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
@@ -32,7 +28,6 @@ if TYPE_CHECKING:
 
 SCHEMA = "mpm-lab/judge/1"
 Progress = Callable[[float, str], None]
-Particles = str | os.PathLike | Mapping[str, Any] | Raw
 
 
 @dataclass(frozen=True)
@@ -184,14 +179,12 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     SceneError
         Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
-    sources = [files] if isinstance(files, (str, os.PathLike, Mapping, Raw)) else list(files)
-    if not sources:
-        raise SceneError("files", "none", "give one or several files of particles, or their arrays")
+    sources = listed(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
         if given and len(given) not in counts:
             raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
                              "one for each")
-    scene, found = placed(_read(sources), scene, cells or [scene.cells], times)
+    scene, found = placed(read_all(sources), scene, cells or [scene.cells], times)
     every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
     companions = Companions(scene, every)
     judged: list[GridJudgement] = []
@@ -216,23 +209,3 @@ def _compared(one: GridJudgement, on_progress: Progress) -> Iterator[Ours]:
             on_progress((n + part) / len(scenes), f"{one.grid.cells} cells: our {method}")
 
         yield compared(scene, one.grid.times.tolist(), None if one.true else one.companions, tell)
-
-
-def _read(sources: Sequence[Particles]) -> list[Raw]:
-    """What the files hold, all of them together within the limits."""
-    left, found = LIMITS, list[Raw]()
-    for k, source in enumerate(sources):
-        found.append(_raw(source, k, left))
-        left = left.less(found[-1].columns)
-    return found
-
-
-def _raw(source: Particles, k: int, limits: Limits) -> Raw:
-    """What number ``k`` of the files holds."""
-    if isinstance(source, Mapping):
-        name = f"arrays {k + 1}"
-        try:
-            return from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, limits)
-        except ValueError as error:
-            raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
-    return source if isinstance(source, Raw) else read(os.fspath(source), limits)

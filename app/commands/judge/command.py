@@ -5,14 +5,13 @@ from typing import Annotated, Any, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
-from app.commands.judge.expected import check, decided
+from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
+from app.commands.judge.expected import EXPECTABLE, outcomes
 from app.commands.judge.problem import times_of
-from app.commands.output import Folder, draw, json_text, put_text, say
+from app.commands.output import Folder, draw, json_text, put_text
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
 from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
 from solvers.problems.reference import OF_METHODS
 
 MOST_FILES = 10_000
@@ -40,8 +39,7 @@ class Judge(SceneFlags):
     """Directory for the report; it must be new or empty."""
     no_compare: Annotated[Switch, default_hint("off")] = False
     """Run none of our own methods on the same grid beside."""
-    expect: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(
-        metavar="CLAIM", help_behavior_hint="(default: nothing; may be given several times)")] = ()
+    expect: ClaimsFlag = ()
     """A claim such as "order.x in 1.8..2.3" or "error.x.max < 1e-3"; one that does not hold is exit status 1."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar and no summary on standard output."""
@@ -58,7 +56,7 @@ class Judge(SceneFlags):
         if times and len(times) != len(self.files):
             raise BadInput("time", " ".join(self.time),
                            f"gives {len(times)} times for {len(self.files)} files; give one for each")
-        check(self.expect)
+        EXPECTABLE.check(self.expect)
         folder = Folder(self.out)
         try:
             with working(self.quiet) as show:
@@ -81,7 +79,8 @@ class Judge(SceneFlags):
 
     def _write(self, folder: Folder, judged: Any) -> int:
         """The report in three forms, and its pictures; one that fails costs nothing else."""
-        from app.commands.judge.text import as_html, as_markdown
+        from app.commands.judge.text import as_markdown
+        from app.commands.report import as_html
         from app.pictures.judge import FIGURES
 
         drawn, status = draw(FIGURES, judged, folder.put, folder.text, "the rest is fine")
@@ -92,12 +91,5 @@ class Judge(SceneFlags):
         folder.put("report.html", as_html(text, folder.path).encode())
         if not self.quiet:
             put_text(text.partition("\n\n![")[0] + "\n")
-        return max(status, self._expected(values))
-
-    def _expected(self, values: dict) -> int:
-        """Say of each claim what came of it; 1 where one does not hold."""
-        missed = 0
-        for claim, holds, found in decided(self.expect, values):
-            say(f"expected {quoted(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
-            missed |= not holds
-        return int(missed)
+        grids = outcomes(values)
+        return max(status, EXPECTABLE.told(self.expect, grids, "cells" if len(grids) > 1 else ""))

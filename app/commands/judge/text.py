@@ -1,12 +1,10 @@
-"""The report of ``mpm-lab judge`` in Markdown, made from the JSON object, and the same as a page of HTML."""
+"""The report of ``mpm-lab judge`` in Markdown, made from the JSON object."""
 
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.lessons.markup import html
 from app.problems.views import VIEWS
 from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
@@ -33,18 +31,11 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
             f"{_said(values, judged)}, against the {values['against']}.", _summary(values, judged)]
     head += [_verdict(g, values) for g in values["grids"]]
+    head += [_order_said(values)] if values["order"] else []
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order(values)] if values["order"] else []
     return "\n\n".join([*head, *shown, *order, *body, rendered(HERE / "how.md")])
-
-
-def as_html(text: str, folder: Path) -> str:
-    """The report as one page, its pictures in it."""
-    title = escape(text.partition("\n")[0].lstrip("# "))
-    body = html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
-    body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
-    return rendered(HERE / "report.html", title=title, body=body)
 
 
 def _said(values: dict, judged: Judgement) -> str:
@@ -75,7 +66,8 @@ def _errors(g: dict) -> dict:
 def _verdict(g: dict, values: dict) -> str:
     """A grid in two or three sentences: how large, against ours, and whether something is by itself."""
     x = _errors(g)["x"]["max"]
-    sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}."]
+    sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}." if any(g["times"]) else
+                 f"**{g['cells']} cells: only the start was given, t = 0, and nothing that was computed.**"]
     ours = [run for run in g["ours"] if run["status"] == "ok" and run["error"]["x"]["max"]]
     if ours and x is not None:
         best = min(ours, key=lambda run: run["error"]["x"]["max"])
@@ -152,6 +144,12 @@ def _ours(g: dict) -> str:
                      *(_over(here[q]["max"], theirs[q]["max"]) for q in JUDGED),
                      f"{run['status']}, cfl {run['cfl']:.3g}"])
     return grid(heads, rows, words=("method", "ran"))
+
+
+def _order_said(values: dict) -> str:
+    """The orders in a sentence."""
+    known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit is not None]
+    return f"**Order in h:** {', '.join(known)}." if known else "**Order in h:** none could be found."
 
 
 def _order(values: dict) -> str:

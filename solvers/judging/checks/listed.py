@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.judging.checks import alone, body, law, moments, placement
+from solvers.judging.checks import alone, body, law, moments, placement, start
 from solvers.judging.checks.alone import Alone
 from solvers.judging.checks.check import HOLDS, OFF, Check, unknown
 from solvers.judging.checks.evidence import Evidence
@@ -35,10 +35,15 @@ class Checks:
         with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
             return self._compared()
 
+    @functools.cached_property
+    def _places(self) -> Check:
+        return start.places(self.evidence)
+
     def _compared(self) -> list[Check]:
         evidence = self.evidence
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
-        return [body.check(evidence.scene, fewest), _figures(evidence), *self._together(),
+        return [body.check(evidence.scene, fewest), _figures(evidence), self._places, start.speeds(evidence),
+                *self._together(),
                 alone.check("x", self.alone), *(alone.check(q, alone.of_values(evidence, q)) for q in ("v", "sigma")),
                 alone.masses(evidence.frames[0]),
                 moments.clock(evidence), moments.velocity(evidence), moments.stress(evidence), law.check(evidence)]
@@ -46,7 +51,8 @@ class Checks:
     def _together(self) -> list[Check]:
         """What holds of the particles as a whole; a mean over particles that are lost among the others says nothing."""
         axes, elsewhere = placement.axes(self.evidence), "particles are not where they belong"
-        order = unknown(placement.ORDER, elsewhere) if axes.verdict == OFF else placement.order(self.evidence)
+        otherwise = OFF in (axes.verdict, self._places.verdict)
+        order = unknown(placement.ORDER, elsewhere) if otherwise else placement.order(self.evidence)
         if order.verdict != HOLDS or (self.alone and self.alone.most):
             return [axes, order, unknown(placement.DRIFT, elsewhere)]
         return [axes, order, placement.drift(self.evidence)]

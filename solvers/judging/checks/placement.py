@@ -132,6 +132,9 @@ def _sizes(errors: list[Errors]) -> dict[str, float]:
 def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]]]:
     """What might have happened, the quantity whose error shows it, and the frame without it."""
     F, plane = frame.deformation_gradient, frame.position.shape[1] == 2
+    yield ("the positions seem to be displacements", "x",
+           lambda f: replace(f, position=f.position + f.material_position))
+    yield ("the positions seem to be in mm", "x", lambda f: replace(f, position=1e-3 * f.position))
     if plane:
         yield ("x and y of the positions seem to be exchanged", "x",
                lambda f: replace(f, position=f.position[:, ::-1]))

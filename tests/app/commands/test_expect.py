@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.cli import main
-from app.commands.judge.expected import VOCABULARY
-from app.lessons.claims import check_claim
+from app.commands.judge.expected import EXPECTABLE
 from solvers import BarScene, run
 
 
@@ -64,5 +63,5 @@ def test_what_no_judgement_can_decide_is_refused_before_anything_is_read(claim, 
 
 
 def test_every_path_can_be_asked_for():
-    for first, levels in VOCABULARY.items():
-        check_claim(f"{'.'.join([first, *(level[0] for level in levels)])} > 0", {"grids": None}, "grids", VOCABULARY)
+    for first, levels in EXPECTABLE.vocabulary.items():
+        EXPECTABLE.check([f"{'.'.join([first, *(level[0] for level in levels)])} > 0"])

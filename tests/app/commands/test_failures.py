@@ -117,6 +117,7 @@ def test_a_reader_that_has_gone_is_no_fuss(words):
 @pytest.mark.skipif(os.name == "nt", reason="POSIX devices")
 @pytest.mark.parametrize("words", [
     ["sweep", "bar"], ["stability", "bar"], ["tables", "1"], ["problem", "bar"], ["judge", "bar", __file__],
+    ["check", __file__],
     ["export", "bar"], ["lesson", "guide", "1"], ["lesson", "grade", __file__]], ids=" ".join)
 def test_a_folder_that_cannot_be_is_one_sentence(words, capsys):
     ending = {"export": "x.html", "guide": "x.html", "grade": "x.csv"}.get(words[words[0] == "lesson"], "x")

@@ -33,7 +33,8 @@ TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t" + EVIL, "<img sr
 LONGEST = 410  # letters of a message
 SLOW = ("app.page.serving.serve", "app.commands.study.tables._run_rows", "app.commands.run.command._run",
         "app.commands.run.budget.working", "app.commands.bench.command.working", "app.commands.lesson.working",
-        "app.commands.export.working", "app.commands.judge.command.working", "app.commands.judge.problem._files",
+        "app.commands.export.working", "app.commands.judge.command.working",
+        "app.commands.check.command.working", "app.commands.judge.problem._files",
         "app.commands.study.rows.Study._place", "app.commands.study.advise.Advise._search")
 
 

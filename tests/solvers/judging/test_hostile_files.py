@@ -68,15 +68,16 @@ def test_it_does_so_at_once_and_in_little_memory(name, problem, tmp_path):
 
 
 def test_several_files_have_no_more_together_than_one(tmp_path, capsys, monkeypatch):
-    from solvers.judging import verdict
+    from solvers.judging import sources
     from solvers.outside import limits
-    monkeypatch.setattr(verdict, "LIMITS", limits.Limits(10**6, 10, 10, 1000, 100))
+    monkeypatch.setattr(sources, "LIMITS", limits.Limits(10**6, 10, 10, 1000, 100))
     files = []
     for k in range(3):
         (tmp_path / f"{k}.csv").write_bytes(b"id,x,t\n" + b"".join(b"%d,0,%d\n" % (p, k) for p in range(4)))
         files.append(str(tmp_path / f"{k}.csv"))
-    assert main(["judge", "bar", *files, "--out", str(tmp_path / "out")]) == 2
-    assert "2.csv: has 3 particles of all times together; give at most 2" in capsys.readouterr().err
+    for command in (["judge", "bar"], ["check"]):
+        assert main([*command, *files, "--out", str(tmp_path / "out")]) == 2
+        assert "2.csv: has 3 particles of all times together; give at most 2" in capsys.readouterr().err
 
 
 def test_a_hostile_name_is_reported_as_it_is_and_draws_nothing(tmp_path, monkeypatch):

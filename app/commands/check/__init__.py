@@ -1,0 +1,1 @@
+"""Particles of any run, looked through for contradictions."""

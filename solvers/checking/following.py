@@ -1,0 +1,189 @@
+"""From files to one motion: which rows are of which particle and moment, in the directions in which the body lies."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solvers.checking.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
+from solvers.checking.motion import Motion
+from solvers.judging.columns import spelled
+from solvers.judging.frames import Raw
+from solvers.judging.placing import FLAT, LARGEST, LARGEST_ID
+from solvers.judging.row_times import by_times, times_of
+from solvers.outside.file_error import FileError
+from solvers.outside.quoting import quoted
+
+VECTORS, TENSORS, SCALARS = ("x", "v"), ("F", "sigma"), ("mass", "volume")
+NUMBERS, WHO = "all numbers are finite", "each particle is there once at every moment"
+SAME_PLACE = 1e-9  # of the body's size: two reference positions that are nearer are of one particle
+SAME_TIME = 1e-12  # of the last time
+FEWEST = 3  # particles
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """The rows of one file at one time, by key."""
+
+    file: str
+    time: float
+    rows: dict[str, np.ndarray]
+
+
+def followed(files: Sequence[Raw], times: Sequence[float]) -> tuple[Motion, list[Finding]]:
+    """The motion in the files, with what was found on the way: numbers that are none and particles that come and go.
+    It ends before the first moment with positions that are no numbers.
+
+    Raises
+    ------
+    FileError
+        Where there are no two moments of the same particles to be held against each other.
+    """
+    moments = sorted(_moments(files, times), key=lambda one: one.time)
+    _check_moments(moments)
+    findings = [_numbers(moments)]
+    sound = [one for one in moments if np.isfinite(one.rows["x"]).all() and (np.abs(one.rows["x"]) < LARGEST).all()]
+    sound = sound[:next((k for k, (a, b) in enumerate(zip(sound, moments, strict=False)) if a is not b), len(sound))]
+    if len(sound) < 2:
+        raise FileError(moments[min(len(sound), len(moments) - 1)].file,
+                        "leaves fewer than two moments whose positions are all numbers; give moments from before that")
+    who = _numbered(sound)
+    finding, common = _identity(sound, who)
+    findings.append(finding)
+    if len(common) < FEWEST:
+        raise FileError(sound[-1].file, f"has {len(common)} particles that are there at all moments; give {FEWEST} or "
+                                        "more")
+    return _motion(files, sound, who, common), findings
+
+
+def _moments(files: Sequence[Raw], times: Sequence[float]) -> list[_Moment]:
+    found = []
+    if len({raw.cells for raw in files if raw.cells is not None}) > 1:
+        raise FileError(files[-1].file, "is of another grid than the others; give the files of one run")
+    for k, raw in enumerate(files):
+        if "x" not in raw.columns:
+            raise FileError(raw.file, f"has no positions ({spelled('x', 3)} or position); its columns are "
+                                      f"{', '.join(quoted(name, 20) for name in raw.names[:12])}")
+        every = times_of(raw, times[k] if times else None)
+        found += [_Moment(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
+                                                         if key != "t"}) for at in by_times(every)]
+    return found
+
+
+def _check_moments(moments: list[_Moment]) -> None:
+    if len(moments) < 2:
+        raise FileError(moments[0].file, "has one moment, and nothing within one contradicts a motion; give two or "
+                                         "more")
+    near = SAME_TIME * moments[-1].time
+    for one, other in itertools.pairwise(moments):
+        if other.time - one.time <= near:
+            raise FileError(other.file, f"has the time {other.time:g} s, which {quoted(one.file)} has too; give each "
+                                        "time once, and the files of one run")
+    widths = {one.rows["x"].shape[1] for one in moments}
+    if len(widths) > 1:
+        raise FileError(moments[-1].file, "has positions in another number of directions than the others; give the "
+                                          "files of one run")
+
+
+def _numbers(moments: list[_Moment]) -> Finding:
+    """Whether something is no number, and where first."""
+    for one in moments:
+        for key, values in one.rows.items():
+            bad = ~(np.abs(values.reshape(len(values), -1)) < LARGEST).all(axis=1)
+            if count := int(bad.sum()):
+                row = int(np.argmax(bad))
+                who = int(one.rows["id"][row]) if "id" in one.rows and np.isfinite(one.rows["id"][row]) else row
+                return Finding(NUMBERS, BROKEN, float(count), 0.0, "particles",
+                               f"{key} of {count:,} particle{'s' * (count != 1)} is no number, or beyond "
+                               f"{LARGEST:g}, at t = {one.time:.4g} s, first of particle {who}; what comes later was "
+                               "not looked at", one.time, who)
+    return Finding(NUMBERS, HOLDS)
+
+
+def _numbered(moments: list[_Moment]) -> list[np.ndarray]:
+    """Who each row of each moment is: its id, or the number of its reference position, or of its row."""
+    if all("id" in one.rows for one in moments):
+        for one in moments:
+            ids = one.rows["id"]
+            if not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
+                raise FileError(one.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
+        return [one.rows["id"].astype(int) for one in moments]
+    if all("X" in one.rows for one in moments):
+        X = [one.rows["X"] for one in moments]
+        if all(np.array_equal(other, X[0]) for other in X[1:]):
+            return [np.arange(len(X[0]))] * len(X)
+        every = np.concatenate(X)
+        unit = SAME_PLACE * max(float(np.ptp(every, axis=0).max()), 1e-300)
+        who = np.unique(np.round(every / unit), axis=0, return_inverse=True)[1].ravel()
+        return np.split(who, np.cumsum([len(part) for part in X])[:-1])
+    counts = [len(one.rows["x"]) for one in moments]
+    if len(set(counts)) > 1:
+        k = next(k for k, count in enumerate(counts) if count != counts[0])
+        raise FileError(moments[k].file, f"has {counts[k]:,} particles at t = {moments[k].time:g} s, and there were "
+                                         f"{counts[0]:,} before; give id or X, so that it is known which they are")
+    return [np.arange(counts[0])] * len(moments)
+
+
+def _identity(moments: list[_Moment], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
+    """Particles that are there more than once, or not always; and those that are always there."""
+    common = np.unique(who[0])
+    for one, now in zip(moments, who, strict=True):
+        number, counts = np.unique(now, return_counts=True)
+        if counts.max() > 1:
+            p = int(number[np.argmax(counts)])
+            twice = Finding(WHO, BROKEN, float(counts.max()), 1.0, "times",
+                            f"particle {p} is there {counts.max()} times at t = {one.time:.4g} s", one.time, p)
+            return twice, _always(who)
+        if not np.array_equal(number, common):
+            gone, come = np.setdiff1d(common, number), np.setdiff1d(number, common)
+            p = int((gone if len(gone) else come)[0])
+            told = [f"{len(part):,} particle{'s' * (len(part) != 1)} {word}"
+                    for part, word in ((gone, "vanished"), (come, "appeared")) if len(part)]
+            return Finding(WHO, SUSPICIOUS, float(len(gone) + len(come)), 0.0, "particles",
+                           f"{' and '.join(told)} at t = {one.time:.4g} s, first particle {p}: fine where something "
+                           "takes them out or lets them in, and only those that are always there were looked at",
+                           one.time, p), _always(who)
+    return Finding(WHO, HOLDS), common
+
+
+def _always(who: list[np.ndarray]) -> np.ndarray:
+    common = np.unique(who[0])
+    for now in who[1:]:
+        common = np.intersect1d(common, now)
+    return common
+
+
+def _motion(files: Sequence[Raw], moments: list[_Moment], who: list[np.ndarray], common: np.ndarray) -> Motion:
+    """The particles that are always there, in their order, in the directions in which they lie."""
+    rows: list[Any] = []
+    for now in who:
+        if len(now) == len(common) and np.array_equal(now, common):
+            rows.append(slice(None))
+        else:
+            first, at = np.unique(now, return_index=True)
+            rows.append(at[np.searchsorted(first, common)])
+    x = np.stack([one.rows["x"][at] for one, at in zip(moments, rows, strict=True)])
+    reach = np.ptp(x.reshape(-1, x.shape[-1]), axis=0)
+    axes = np.flatnonzero(reach > FLAT * reach.max()) if reach.max() > 0 else np.arange(1)
+    fields, notes = {"x": x[..., axes]}, list[str]()
+    for key in (*VECTORS[1:], *TENSORS, *SCALARS):
+        if not all(key in one.rows for one in moments):
+            continue
+        values = np.stack([one.rows[key][at] for one, at in zip(moments, rows, strict=True)])
+        if key not in SCALARS and values.shape[-1] <= axes.max():
+            notes.append(f"{key} has {values.shape[-1]} directions and the positions more, so it was left out")
+            continue
+        values = values[..., axes] if key in VECTORS else values[..., axes[:, None], axes] if key in TENSORS else values
+        if not (np.abs(values) < LARGEST).all():
+            notes.append(f"{key} is not always a number, so it was left out")
+            continue
+        fields[key] = values
+    X = moments[0].rows.get("X")
+    usable = X is not None and X.shape[1] > axes.max() and (np.abs(X) < LARGEST).all()
+    reference = X[rows[0]][:, axes] if usable else fields["x"][0]  # type: ignore[index]  # it is usable
+    step = next((raw.step for raw in files if raw.step is not None), None)
+    return Motion(np.array([one.time for one in moments]), common, reference, not usable, fields, step, notes)

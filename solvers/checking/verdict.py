@@ -1,0 +1,109 @@
+"""What contradicts itself within the motion of particles, as an object and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solvers.checking import alone, gradient, order, speed
+from solvers.checking.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
+from solvers.checking.following import followed
+from solvers.checking.motion import Motion
+from solvers.judging.sources import Particles, read_all
+from solvers.outside.file_error import FileError
+
+SCHEMA = "mpm-lab/check/1"
+CONSISTENT = "consistent"
+Progress = Callable[[float, str], None]
+#: What no motion says of itself, whatever the files hold.
+NEVER_TOLD = (
+    "whether the motion is that of your problem: forces, material and boundary are not known here",
+    "the balance of energy and of momentum with the forces: body forces and walls may do any work",
+    "the order of accuracy, and how large the error is: `mpm-lab judge` measures them on a problem whose solution is "
+    "known")
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A ``motion`` with its findings, in the order in which they are told."""
+
+    files: tuple[str, ...]
+    motion: Motion
+    findings: list[Finding]
+
+    @property
+    def verdict(self) -> str:
+        verdicts = {finding.verdict for finding in self.findings}
+        return next((one for one in (BROKEN, SUSPICIOUS) if one in verdicts), CONSISTENT)
+
+    @property
+    def wrong(self) -> list[Finding]:
+        """What contradicts the motion, what breaks it first."""
+        return sorted((one for one in self.findings if one.wrong), key=lambda one: one.verdict != BROKEN)
+
+    def to_dict(self) -> dict[str, Any]:
+        motion = self.motion
+        return {"schema": SCHEMA, "verdict": self.verdict, "files": list(self.files),
+                "particles": len(motion.number), "dimensions": motion.dimensions, "times": motion.times.tolist(),
+                "quantities": [key for key in ("x", "v", "F", "sigma", "mass", "volume") if key in motion.fields],
+                "reference": "the first moment" if motion.from_start else "X", "notes": motion.notes,
+                "spacing": None if np.isnan(motion.spacing) else motion.spacing, "motion": motion.amplitude,
+                "findings": [one.to_dict() for one in self.findings],
+                "contradictions": len(self.wrong),
+                "not_told": [f"{one.name}: {one.says}" for one in self.findings if one.verdict == UNKNOWN],
+                "never_told": list(NEVER_TOLD)}
+
+
+def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = (),
+          on_progress: Progress = lambda part, what: None) -> Checked:
+    """Look for contradictions within the motion of particles, of any code and problem, without a solution.
+
+    Parameters
+    ----------
+    files
+        A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one run. Arrays
+        are those of :func:`solvers.judge`; ``x`` at two or more moments is needed, ``X`` or ``id``, ``v``, ``F``,
+        ``sigma``, ``mass`` and ``volume`` are used where they are there.
+    times
+        The time of each file in s, where files do not say it.
+    on_progress
+        Called now and then with the part done (0 to 1) and a word on what is being done.
+
+    Returns
+    -------
+    Checked
+        Its ``to_dict()`` is the object of ``mpm-lab check --json``. That nothing was found is no proof of anything.
+
+    Raises
+    ------
+    FileError
+        For files, or arrays, that cannot be followed.
+    """
+    raws = read_all(files)
+    if times and len(times) != len(raws):
+        raise FileError(raws[0].file, f"is one of {len(raws)} files, and there are {len(times)} times; give one time "
+                                      "for each")
+    on_progress(0.1, "following the particles")
+    with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
+        motion, findings = followed(raws, times)
+        findings.append(order.inside_out(motion))
+        part = motion.part
+        for k, look in enumerate(LOOKS):
+            on_progress(0.2 + 0.8 * k / len(LOOKS), "looking for contradictions")
+            findings += look(part)
+        if part is not motion:
+            motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
+                                "the body, were held against their neighbours")
+    return Checked(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)
+
+
+#: All that is looked at of particles that have neighbours, each a list of findings.
+LOOKS: tuple[Callable[[Motion], list[Finding]], ...] = (
+    lambda motion: [order.overtaken(motion)],
+    gradient.check,
+    speed.check,
+    lambda motion: [alone.check(motion, key) for key in ("x", "v", "F", "sigma")],
+    lambda motion: [alone.rough(motion, key) for key in ("v", "sigma")])

@@ -1,0 +1,60 @@
+"""``mpm-lab check``: verdict, exit status, report in all forms, and claims."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from app.cli import main
+from tests.solvers.checking.test_check import motion, stuck
+
+KEYS = {"schema", "verdict", "files", "particles", "dimensions", "times", "quantities", "reference", "notes", "spacing",
+        "motion", "findings", "contradictions", "not_told", "never_told"}
+OF_FINDINGS = {"finding", "verdict", "measured", "limit", "unit", "says", "t", "particle", "X"}
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A smooth motion, and the same with a particle that is stuck."""
+    good, bad = motion(), motion()
+    bad["x"] = stuck(bad["x"])
+    for name, arrays in (("good", good), ("bad", bad)):
+        np.savez(tmp_path / f"{name}.npz", **arrays)
+    return str(tmp_path / "good.npz"), str(tmp_path / "bad.npz")
+
+
+def test_a_consistent_motion_is_not_called_right(files, tmp_path, capsys):
+    assert main(["check", files[0], "--quiet", "--json", "-"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed.keys() == KEYS and printed["verdict"] == "consistent" and printed["contradictions"] == 0
+    assert all(one.keys() == OF_FINDINGS for one in printed["findings"])
+    assert main(["check", files[0]]) == 0
+    said = capsys.readouterr().out
+    assert "No contradiction was found. That is not to say that the run is right." in said and "sigma" in said
+
+
+def test_a_contradiction_is_exit_status_3_with_its_particle_and_place(files, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["check", files[1], "--out", str(out)]) == 3
+    assert "(particle 77 at X = 0.5417, 0.4583)" in capsys.readouterr().out
+    assert {path.name for path in out.iterdir()} == {"report.md", "report.html", "report.json", "places.png"}
+    assert "data:image/png" in (out / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("which, claim, status", [(0, "contradictions == 0", 0), (1, "contradictions == 0", 1),
+                                                  (1, "broken == 0", 0), (0, "particles > 1000", 1)])
+def test_claims_decide_where_there_are_some(files, which, claim, status, capsys):
+    assert main(["check", files[which], "--quiet", "--expect", claim]) == status
+    assert ("DOES NOT HOLD" in capsys.readouterr().err) == (status == 1)
+
+
+@pytest.mark.parametrize("words, says", [([], "give one or several files"), (["no.csv"], "cannot be read"),
+                                         (["{good}", "--time", "1", "2"], "gives 2 times for 1 files"),
+                                         (["{good}", "--expect", "order.x > 1"], "--expect"),
+                                         (["{good}", "{good}"], "give each time once")])
+def test_bad_input_is_one_sentence(files, words, says, capsys):
+    assert main(["check", "--quiet", *(word.format(good=files[0]) for word in words)]) == 2
+    said = capsys.readouterr().err
+    assert says in said and said.count("\n") == 1

@@ -1,0 +1,132 @@
+"""The check of particles of any run: a smooth motion in one to three dimensions, and each thing that may be wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from solvers.checking.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
+from solvers.checking.verdict import CONSISTENT, check
+from solvers.outside.file_error import FileError
+
+T, SIDE = 21, {1: 40, 2: 12, 3: 6}
+
+
+def motion(dimensions: int = 2, amplitude: float = 0.15) -> dict[str, np.ndarray]:
+    """A lattice that swings smoothly, known exactly: u = A sin(pi X_k) sin(2 pi t) in each direction k, sheared."""
+    axes = [(np.arange(SIDE[dimensions]) + 0.5) / SIDE[dimensions]] * dimensions
+    X = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimensions)
+    t = np.linspace(0, 1, T)
+    shear = np.eye(dimensions) + 0.3 * np.eye(dimensions, k=1)
+    shape, slope = np.sin(np.pi * X) @ shear.T, np.pi * np.cos(np.pi * X)[:, None, :] * shear
+    swing, speed = np.sin(2 * np.pi * t), 2 * np.pi * np.cos(2 * np.pi * t)
+    return {"t": t, "X": X, "id": np.arange(len(X)), "x": X + amplitude * swing[:, None, None] * shape,
+            "v": amplitude * speed[:, None, None] * shape,
+            "F": np.eye(dimensions) + amplitude * swing[:, None, None, None] * slope}
+
+
+def found(arrays, verdict=None):
+    """What is wrong, by name."""
+    checked = check(arrays)
+    assert verdict is None or checked.verdict == verdict, [one.to_dict() for one in checked.wrong]
+    return {one.name: one for one in checked.wrong}
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3])
+@pytest.mark.parametrize("left_out", [(), ("F",), ("v",), ("X",), ("id",), ("X", "id", "F", "v")])
+def test_a_smooth_motion_has_no_contradiction_whatever_the_files_have_of_it(dimensions, left_out):
+    arrays = {key: value for key, value in motion(dimensions).items() if key not in left_out}
+    checked = check(arrays)
+    assert checked.verdict == CONSISTENT and checked.motion.dimensions == dimensions
+    told = {one.name: one.verdict for one in checked.findings}
+    assert (told["F against the gradient of x"] == UNKNOWN) == ("F" in left_out)
+    assert (told["v against dx/dt"] == UNKNOWN) == ("v" in left_out)
+    assert set(told.values()) <= {HOLDS, UNKNOWN}
+
+
+def changed(key, change, dimensions=2):
+    arrays = motion(dimensions)
+    return arrays | {key: change(arrays[key].copy())}
+
+
+def stuck(values):
+    values[:, 77] = values[0, 77]
+    return values
+
+
+def apart(x):
+    x[-1] += 0.05 * np.where(np.arange(x.shape[1]) % 2, 1, -1)[:, None]
+    return x
+
+
+def last(value):
+    def put(values):
+        values[-1, 7] = value
+        return values
+    return put
+
+
+@pytest.mark.parametrize("key, change, name, verdict", [
+    ("x", last(np.nan), "all numbers are finite", BROKEN),
+    ("x", stuck, "x of each particle against its neighbours'", SUSPICIOUS),
+    ("x", apart, "F against where neighbours stand", BROKEN),
+    ("x", lambda x: 1000 * x, "F against the gradient of x", SUSPICIOUS),
+    ("x", lambda x: x - motion()["X"], "F against the gradient of x", SUSPICIOUS),
+    ("x", lambda x: x + np.linspace(0, 1e-3, T)[:, None, None], "the middle against the mean of v", SUSPICIOUS),
+    ("x", lambda x: x[:, np.random.default_rng(0).permutation(x.shape[1])], "neighbours keep their order", BROKEN),
+    ("F", last(np.diag([1.0, -1.0])), "det F is positive", BROKEN),
+    ("F", last(0.0002 * np.eye(2)), "det F is positive", SUSPICIOUS),
+    ("F", lambda F: F - np.eye(2), "F against the gradient of x", SUSPICIOUS),
+    ("F", lambda F: np.linalg.inv(F), "F against the gradient of x", SUSPICIOUS),
+    ("v", lambda v: v / 1000, "v against dx/dt", BROKEN),
+    ("v", lambda v: -v, "v against dx/dt", BROKEN),
+    ("v", lambda v: np.roll(v, 1, axis=0), "moment of v before that of x", SUSPICIOUS),
+    ("v", lambda v: np.where(np.arange(v.shape[1])[:, None] == 40, 0, v), "v of each particle against its neighbours'",
+     SUSPICIOUS)])
+def test_what_is_wrong_is_found_and_named(key, change, name, verdict):
+    wrong = found(changed(key, change))
+    assert wrong[name].says and wrong[name].verdict == verdict
+
+
+def test_particles_that_overtake_along_a_line_are_seen_without_anything_else():
+    arrays = {key: value for key, value in motion(1).items() if key in ("t", "x", "id")}
+    arrays["x"][-1, [10, 11]] = arrays["x"][-1, [11, 10]]
+    wrong = found(arrays)["neighbours keep their order"]
+    assert wrong.time == 1.0 and wrong.particle in (10, 11)
+
+
+def test_particles_that_come_and_go_or_are_there_twice_are_told():
+    arrays = motion()
+    rows = {key: np.concatenate(list(arrays[key])) for key in ("x", "v")}
+    rows |= {"t": np.repeat(arrays["t"], 144), "id": np.tile(arrays["id"], T), "X": np.tile(arrays["X"], (T, 1))}
+    gone = {key: value[:-3] for key, value in rows.items()}
+    assert found(gone, SUSPICIOUS)["each particle is there once at every moment"].measured == 3
+    rows["id"][-1] = 5
+    assert found(rows, BROKEN)["each particle is there once at every moment"].particle == 5
+
+
+def test_moments_that_are_too_far_apart_tell_nothing_of_v():
+    arrays = {key: value[::7] if key in ("t", "x", "v", "F") else value for key, value in motion().items()}
+    told = {one.name: one for one in check(arrays).findings}
+    assert told["v against dx/dt"].verdict == UNKNOWN and "too far apart" in told["v against dx/dt"].says
+
+
+def test_a_flat_body_in_space_is_looked_at_in_its_plane():
+    arrays = motion()
+    arrays["x"] = np.pad(arrays["x"], ((0, 0), (0, 0), (0, 1)))
+    arrays["X"] = np.pad(arrays["X"], ((0, 0), (0, 1)))
+    checked = check(arrays)
+    assert checked.motion.dimensions == 2 and checked.verdict == CONSISTENT
+
+
+@pytest.mark.parametrize("arrays, says", [
+    ({"t": np.array([0.0]), "x": np.zeros((1, 5, 2))}, "two or more"),
+    ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 0.0, "x": np.zeros((5, 2))}], "has the time 0 s, which"),
+    ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 1.0, "x": np.zeros((6, 2))}], "give id or X"),
+    ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 1.0, "x": np.zeros((5, 3))}], "another number of directions"),
+    ([{"t": 0.0, "x": np.zeros((5, 2)), "cells": np.array(k)} for k in (8, 9)], "another grid"),
+    ({"t": 0.0, "v": np.zeros((5, 2))}, "no positions"),
+    ({"t": np.array([0.0, 1.0]), "x": np.full((2, 5, 2), np.nan)}, "fewer than two moments")])
+def test_what_cannot_be_followed_is_refused(arrays, says):
+    with pytest.raises(FileError, match=says):
+        check(arrays)
