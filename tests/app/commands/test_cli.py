@@ -25,8 +25,8 @@ RunBar = commands()["run", "bar"]
 
 QUICK = ["--cells", "8", "--ppc", "2", "--periods", "0.2"]
 KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate", "index", "distance",
-        "soundness", "step", "life", "grid_crossings", "energy", "angular_momentum", "budget", "effects", "bytes",
-        "seconds", "rate", "arch", "threads", "plan", "not_valid", "checked", "not_checked",
+        "goals", "soundness", "step", "life", "grid_crossings", "energy", "angular_momentum", "budget", "effects",
+        "bytes", "seconds", "rate", "arch", "threads", "plan", "not_valid", "checked", "not_checked",
         "as_large_as_itself", "rounding"}
 
 

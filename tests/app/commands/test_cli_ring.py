@@ -41,7 +41,7 @@ def printed() -> dict:
 def test_json_has_exactly_the_contracts_keys(printed):
     assert set(printed) == {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate",
                             "index", "distance", "grid_crossings", "energy", "angular_momentum", "budget",
-                            "effects", "bytes", "seconds", "rate", "arch", "threads", "plan", "not_valid",
+                            "effects", "bytes", "seconds", "rate", "arch", "threads", "plan", "not_valid", "goals",
                             "soundness", "step", "life", "checked", "not_checked", "as_large_as_itself", "rounding"}
     assert (printed["schema"], printed["status"], printed["plan"]) == ("mpm-lab/run/1", "ok", "serial")
     assert set(printed["seconds"]) == {"setup", "compile", "run", "estimate", "estimators"}
