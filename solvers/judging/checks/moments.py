@@ -25,6 +25,10 @@ HALF = 0.5  # of a step: what leapfrog's velocities are of, and 0 what others' a
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 SLACK = 0.25  # of a step
 CLOCK_OFF, TELLS = 2e-3, 2.5  # of the time; times the error that is left, which a clock must make to be told
+#: The same of a motion that is faster than its times, which no grid makes: masses that are lumped slow waves down. Of
+#: 65 sound runs drawn at random none was fast by more than 3.6 times the uncertainty and .2 % at once; of 74 others,
+#: which these numbers were not set on, none was called fast.
+FAST_SURE, FAST_TELLS = 4.0, 1.0
 TOO_LARGE = "the errors are too large"
 FEW = f"fewer than {FEWEST_TIMES} times, or not the same particles at all of them"
 
@@ -70,7 +74,7 @@ def clock(evidence: Evidence) -> Check:
         return unknown(CLOCK, FEW)
     x, speed = tracks.own["x"] - tracks.exact["x"], rate(tracks.time, tracks.exact["x"])
     growing = tracks.time[:, None, None] * speed
-    found, _ = fitted(x, [-speed, -growing])
+    found, sure = fitted(x, [-speed, -growing])
     late, slow = found[0]
     rest = x + late * speed + slow * growing
     apart, _ = fitted(growing, [speed])  # what of a growing lag is not a lag that stays
@@ -78,7 +82,9 @@ def clock(evidence: Evidence) -> Check:
     size = rms(alone)
     scene = evidence.scene
     grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
-    tolerance = max(CLOCK_OFF, grid, TELLS * rms(rest) / size) if size > 0 else np.inf
+    left = rms(rest) / size if size > 0 else np.inf
+    tolerance = max(CLOCK_OFF, grid, TELLS * left) if slow > 0 else \
+        max(CLOCK_OFF, FAST_SURE * float(sure[1]), FAST_TELLS * left)
     if not np.isfinite(tolerance + slow):
         return unknown(CLOCK, TOO_LARGE if size > 0 else "nothing moves by which a clock could be told")
     if abs(slow) <= tolerance:

@@ -103,7 +103,7 @@ def test_interrupt_is_one_line_and_keeps_the_rows(tmp_path):
 class Instant:
     """A place that needs no time."""
 
-    def __init__(self, workers: int): ...
+    def __init__(self, workers: int, work: str): ...
 
     def submit(self, task: Task) -> Future:
         future = Future()
