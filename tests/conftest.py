@@ -60,9 +60,9 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["PYTHONPYCACHEPREFIX"] = modules.name
 
 
-#: Files with tests in the browser, shared out to so many processes: each starts a server and a browser once. They wait
-#: a lot: of four processes three may.
-BROWSERS = 3
+#: Files with tests in the browser, shared out to so many processes: each starts a server and a browser once. Three of
+#: four processes would leave each browser less of a processor than a visitor's patience bears.
+BROWSERS = 2
 BROWSER_FILES = sorted(path.name for path in (Path(__file__).parent / "browser").rglob("test_*.py"))
 #: What takes longest is begun first: one process would still be at it when the others have ended. The browser's parts
 #: take most of the processes for most of the time; then come the files that take ten seconds of a processor and more.
