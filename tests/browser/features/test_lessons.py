@@ -159,9 +159,10 @@ def test_lessons_are_opened_by_a_finger_with_how_far_one_has_come(class_room, ch
         come = page.locator(f".lab-open[data-lesson='{NAME}'][data-steps] .lab-come")
         until(lambda: come.inner_text() == f"1 of {len(lesson.steps)}", "how far one has come")
         assert page.get_by_role("button", name=f"Continue: {lesson.title}").is_visible()
-        other = page.locator(".lab-open[data-steps]").nth(1)
-        again_until(lambda: other.is_visible() and other.tap(), lambda: page.locator(".lab-lesson-head").is_visible()
-                    and shelf.lesson(shelf.names()[1]).title in page.locator(".lab-lesson-head").inner_text(), "another")
+        other, head = page.locator(".lab-open[data-steps]").nth(1), page.locator(".lab-lesson-head")
+        title = shelf.lesson(shelf.names()[1]).title
+        again_until(lambda: other.is_visible() and other.tap(),
+                    lambda: head.is_visible() and title in head.inner_text(), "another")
 
 
 def test_a_link_can_be_copied_and_shown_as_a_code(own_page):
