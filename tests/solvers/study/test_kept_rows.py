@@ -88,7 +88,7 @@ class Instant:
 
     asked = 0
 
-    def __init__(self, workers: int): ...
+    def __init__(self, workers: int, work: str): ...
 
     def submit(self, task: Task) -> Future:
         Instant.asked += 1
