@@ -17,6 +17,7 @@ import functools
 import hashlib
 import platform
 import statistics
+from collections.abc import Collection
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -142,13 +143,20 @@ def fingerprint() -> str:
     return digest.hexdigest()
 
 
+def identity_fault(row: Any, form: dict, statuses: Collection[str]) -> str | None:
+    """What is wrong with what says which row it is, in words: it has the form, and names a problem and a status."""
+    if found := mismatch(row, form):
+        return found
+    if row["problem"] not in PROBLEMS or row["status"] not in statuses:
+        name = "status" if row["problem"] in PROBLEMS else "problem"
+        return f"its {name} is not one of {', '.join(statuses if name == 'status' else PROBLEMS)}"
+    return None
+
+
 def fault(row: Any) -> str | None:
     """What is wrong with a kept row, in words; None where it is whole."""
-    if found := mismatch(row, IDENTITY):
+    if found := identity_fault(row, IDENTITY, STATUSES):
         return found
-    if row["problem"] not in PROBLEMS or row["status"] not in STATUSES:
-        name = "status" if row["problem"] in PROBLEMS else "problem"
-        return f"its {name} is not one of {', '.join(STATUSES if name == 'status' else PROBLEMS)}"
     inputs = {field_key(field.name): ANY for field in fields(PROBLEMS[row["problem"]].scene)} | SCENE
     if row["scene"] is not None and (found := mismatch(row["scene"], inputs, "scene")):
         return found

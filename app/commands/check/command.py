@@ -8,9 +8,8 @@ import tyro
 
 from app.commands.expected import Expectable
 from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint
-from app.commands.judge.command import MOST_FILES
-from app.commands.judge.problem import times_of
 from app.commands.output import Folder, draw, json_target, json_text, put_text
+from app.commands.particle_files import require_files, times_for
 from app.commands.progress import working
 from solvers.outside.file_error import FileError
 
@@ -44,15 +43,8 @@ class Check:
     """No progress bar and no report on standard output."""
 
     def execute(self) -> int:
-        if not self.files:
-            raise BadInput("", "", "give one or several files of particles")
-        if len(self.files) > MOST_FILES:
-            raise BadInput("", f"{len(self.files)} files", f"are too many; give at most {MOST_FILES:,}, each with many "
-                           "times perhaps")
-        times = times_of(self.time, "time")
-        if times and len(times) != len(self.files):
-            raise BadInput("time", " ".join(self.time),
-                           f"gives {len(times)} times for {len(self.files)} files; give one for each")
+        require_files(self.files)
+        times = times_for(self.files, self.time)
         EXPECTABLE.check(self.expect)
         target = json_target(self.json)
         folder = None if self.out is None else Folder(self.out)

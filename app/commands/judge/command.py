@@ -7,14 +7,12 @@ import tyro
 
 from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
 from app.commands.judge.expected import EXPECTABLE, outcomes
-from app.commands.judge.problem import times_of
 from app.commands.output import Folder, draw, json_text, put_text
+from app.commands.particle_files import require_files, times_for
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
 from solvers.outside.file_error import FileError
 from solvers.problems.reference import OF_METHODS
-
-MOST_FILES = 10_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,17 +43,10 @@ class Judge(SceneFlags):
     """No progress bar and no summary on standard output."""
 
     def execute(self) -> int:
-        if not self.files:
-            raise BadInput("", "", "give one or several files of particles")
-        if len(self.files) > MOST_FILES:
-            raise BadInput("", f"{len(self.files)} files", f"are too many; give at most {MOST_FILES:,}, each with many "
-                           "times perhaps")
+        require_files(self.files)
         cells = self._cells()
         scene, *_ = (self.scene(cells=count) for count in cells)  # each says what is wrong with it
-        times = times_of(self.time, "time")
-        if times and len(times) != len(self.files):
-            raise BadInput("time", " ".join(self.time),
-                           f"gives {len(times)} times for {len(self.files)} files; give one for each")
+        times = times_for(self.files, self.time)
         EXPECTABLE.check(self.expect)
         folder = Folder(self.out)
         try:

@@ -7,8 +7,9 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, real
+from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint
 from app.commands.output import Folder, json_text, say
+from app.commands.particle_files import times_of
 from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
 from app.words import per_cell
@@ -23,17 +24,6 @@ PAGE = Path(__file__).parent / "problem.md"
 TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
 FIRST_STEP = 0.1  # of the time that a wave takes through a cell
 QUARTERS = 4  # of a period: the times of the exact solution where none are asked for
-
-
-def times_of(words: tuple[str, ...], flag: str) -> list[float]:
-    """Times in seconds, as they were typed."""
-    times = []
-    for word in words:
-        time = real([word])
-        if isinstance(time, str) or time < 0:
-            raise BadInput(flag, word, "is no time; give seconds from 0 on")
-        times.append(time)
-    return times
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,7 +19,6 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import Any
 
-from solvers.problems import PROBLEMS
 from solvers.running.goals import DISPLACEMENT, ENERGY, STRESS
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
@@ -29,7 +28,7 @@ from solvers.solver.rounding import rounding
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study.coverage.draws import GRIDS, Draw, coarser
 from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
-from solvers.study.row import FAILED, fingerprint
+from solvers.study.row import FAILED, fingerprint, identity_fault
 
 SCHEMA = "mpm-lab/coverage-row/1"
 QUANTITIES = ("x", "v", "sigma")
@@ -119,9 +118,6 @@ def _identity(draw: Draw) -> dict:
 
 def fault(row: Any) -> str | None:
     """What is wrong with a kept row, in words; None where it is whole."""
-    if found := mismatch(row, IDENTITY):
+    if found := identity_fault(row, IDENTITY, STATUSES):
         return found
-    if row["problem"] not in PROBLEMS or row["status"] not in STATUSES:
-        name = "status" if row["problem"] in PROBLEMS else "problem"
-        return f"its {name} is not one of {', '.join(STATUSES if name == 'status' else PROBLEMS)}"
     return None if row["status"] == FAILED else mismatch(row, MEASURED)

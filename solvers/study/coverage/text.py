@@ -1,6 +1,6 @@
 """What was counted of drawn runs, as tables in Markdown."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 from solvers.running.goals import DISPLACEMENT, ENERGY, SAFETY, STRESS
 from solvers.study.coverage.draws import REACH
@@ -117,8 +117,3 @@ def _held(found: Mapping) -> Iterable[str]:
         return [NOTHING] * 3
     return [share(found["held"], found["runs"], True), f"{100 * found['runs'] / found['of']:.0f}",
             f"{found['width']:.2f}"]
-
-
-def tables(parts: Sequence[str]) -> list[str]:
-    """The tables in such texts, to be held against a page that quotes them."""
-    return [block for part in parts for block in part.split("\n\n") if block.startswith("|")]
