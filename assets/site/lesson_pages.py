@@ -28,10 +28,13 @@ from app.lessons.lesson import (
     filled,
 )
 from app.lessons.reading import parse
+from app.lessons.rounds import rounds
+from app.page.features.lesson import core
 from app.page.sharing import link
 
 FOLDER = "lessons/"
 LAB = f"http://127.0.0.1:{Serve.port}/"
+DEEPER = "<small class='deeper'>Deeper: the core does without this round.</small>"
 BUTTON = "Press **On the stage**"
 #: How an answer is given; a choice shows its options.
 GIVEN = {NUMBER: "A number{unit}.", INTERVAL: "Two numbers{unit} that hold it between them.",
@@ -55,11 +58,13 @@ def page(lesson: Lesson) -> str:
     """A lesson as Markdown, with the numbers that a student without a name gets."""
     numbers = drawn(lesson, "")
     before = ", ".join(f"[{shelf.lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
-    parts = [f"# {lesson.title}", f"{lesson.minutes} minutes. Afterwards you can",
+    parts = [f"# {lesson.title}", core.takes(lesson),
              "\n".join(f"* {goal}" for goal in lesson.goals), f"Do before: {before}." if before else "",
              f"In the lab: `mpm-lab serve --lesson {lesson.name}`, or the tab *Lessons*. Links *On the stage* lead to "
              "a lab that runs on this machine.", lesson.intro]
+    deeper = [first for first, *_ in rounds(lesson.steps) if not first.core]
     for number, step in enumerate(lesson.steps, 1):
+        parts += [DEEPER] * (step in deeper)
         parts += (_explained if step.kind == EXPLAIN else _step)(lesson, step, number, numbers)
     return filled("\n\n".join(part for part in parts if part.strip()), numbers) + "\n"
 
