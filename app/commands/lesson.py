@@ -1,7 +1,7 @@
 """``mpm-lab lesson list|check|guide|grade``: lessons without a page."""
 
 import os
-from collections.abc import Callable, Iterable, Sized
+from collections.abc import Callable, Iterable, Sequence, Sized
 from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar, TypeVar
@@ -74,10 +74,10 @@ class LessonCheck:
         from app.lessons import classes, shelf
         from app.lessons.checking import checks
         from app.lessons.outcomes import Outcomes, scene_texts
-        of_classes = [name for name in self.names or classes.names() if name in classes.names()]
-        others = tuple(name for name in self.names if name not in of_classes)
-        lessons, mistakes = _read(others) if others or not self.names else ([], {})
-        pages = _read_each(of_classes, classes.page, mistakes)
+        known = classes.names()
+        others = tuple(name for name in self.names if name not in known)
+        lessons, mistakes = _read(others, known) if others or not self.names else ([], {})
+        pages = _read_each([name for name in known if name in (self.names or known)], classes.page, mistakes)
         with working(self.quiet) as show, closing(Outcomes(self.processes)) as outcomes:
             texts = [text for lesson in (*lessons, *(page.claims for page in pages))
                      for numbers in lesson.variants[:self.variants] for text in scene_texts(lesson, numbers)]
@@ -88,10 +88,12 @@ class LessonCheck:
         for check in failed:
             say(check)
         read = [_count(lessons)] * bool(lessons) + [_count(pages, "page", " for a class")] * bool(pages)
-        told = f"{', '.join((*read, f'{len(found)} checks', f'{len(failed)} failed'))}" if read else "nothing was checked"
+        told = ", ".join((*read, f"{len(found)} checks", f"{len(failed)} failed")) if read else "nothing was checked"
         told += f"; {_count(mistakes, 'file')} could not be read" if mistakes else ""
-        put_result({"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
-                    "classes": [page.name for page in pages], "checks": [vars(check) for check in found], "not_read": mistakes}, target, lambda _: told)
+        values = {"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
+                  "classes": [page.name for page in pages], "checks": [vars(check) for check in found],
+                  "not_read": mistakes}
+        put_result(values, target, lambda _: told)
         return BAD_INPUT if mistakes else FAILED if failed else OK
 
 
@@ -188,11 +190,12 @@ def _count(some: Sized, one: str = "lesson", more: str = "") -> str:
     return f"{len(some)} {one}{'s' * (len(some) != 1)}{more}"
 
 
-def _read(names: tuple[str, ...]) -> tuple[list[Lesson], dict[str, str]]:
-    """The lessons of these names, or all, and by name what is wrong with those that cannot be read, which is told."""
+def _read(names: tuple[str, ...], also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
+    """The lessons of these names, or all, and by name what is wrong with those that cannot be read, which is told; a
+    name that is none is told with those that could be given ``also``."""
     from app.lessons import shelf
     mistakes: dict[str, str] = {}
-    called = dict.fromkeys(map(lesson_called, names)) if names else shelf.names()
+    called = dict.fromkeys(lesson_called(name, also) for name in names) if names else shelf.names()
     return _read_each(called, shelf.lesson, mistakes), mistakes
 
 
@@ -208,10 +211,10 @@ def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict
     return found
 
 
-def lesson_called(name: str) -> str:
-    """The full name of a lesson; raises :class:`BadInput` where there is none."""
+def lesson_called(name: str, also: Sequence[str] = ()) -> str:
+    """The full name of a lesson; raises :class:`BadInput` where there is none, with what could be given ``also``."""
     from app.lessons import shelf
     try:
         return shelf.called(name)
     except shelf.UnknownLesson as error:
-        raise BadInput("", name, str(error)) from None
+        raise BadInput("", name, ", ".join((str(error), *also))) from None

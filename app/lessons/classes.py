@@ -1,13 +1,14 @@
 """Pages for whoever holds a class, in ``lessons/classes/``: which cores, in which minutes, and what to say.
 
-The file begins with a head as a lesson's does: its ``title``, and the ``minutes`` of a session. A table whose columns are
-``from``, ``minutes`` and ``what`` is a session's timetable; a row that links a lesson gives its core the time that it takes,
-and up to ``TALK`` minutes more. Blocks of ``run`` and ``claims`` are those of lessons.
+The file begins with a head as a lesson's does: its ``title``, and the ``minutes`` of a session. A table whose columns
+are ``from``, ``minutes`` and ``what`` is a session's timetable; a row that links a lesson gives its core the time that
+it takes, and up to ``TALK`` minutes more. Blocks of ``run`` and ``claims`` are those of lessons.
 """
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 from app.lessons import blocks, checking, reading, shelf
@@ -35,8 +36,8 @@ class Row:
 
 @dataclass(frozen=True)
 class ClassPage:
-    """A page for a class. ``claims`` has its runs and claims as a lesson, ``sessions`` the rows of each timetable, by the
-    heading above it; each session takes so many ``minutes``."""
+    """A page for a class. ``claims`` has its runs and claims as a lesson, ``sessions`` the rows of each timetable, by
+    the heading above it; each session takes so many ``minutes``."""
 
     name: str
     minutes: int
@@ -58,12 +59,15 @@ def parse(text: str, name: str) -> ClassPage:
     """The page of a text."""
     head, body, first = split_head(text)
     values = blocks.toml(head, 2)
+
+    def at(key: str) -> int:
+        return blocks.line_of(key, head, 2)
+
     for key in values:
         if key not in ("title", "minutes"):
-            raise LessonError(blocks.line_of(key, head, 2), f"{key} is not known in a class's head; give title, minutes")
-    title = blocks.require(values, "title", str, "give a text", blocks.line_of("title", head, 2))
-    minutes = blocks.require(values, "minutes", int, "give the whole minutes of a session",
-                             blocks.line_of("minutes", head, 2))
+            raise LessonError(at(key), f"{key} is not known in the head of a page for a class; give title, minutes")
+    title = blocks.require(values, "title", str, "give a text", at("title"))
+    minutes = blocks.require(values, "minutes", int, "give the whole minutes of a session", at("minutes"))
     every = parts_of(body, first)
     claims = Lesson(name, title, (), (), steps=tuple(_step(part) for part in every))
     reading.check_names(claims)
@@ -81,7 +85,7 @@ def checks(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: Outcomes) 
         total = sum(row.minutes for row in rows)
         yield Check(found.name, session, rows[0].line, f"the minutes add up to {found.minutes}",
                     total == found.minutes, f"found {total}")
-        for before, row in zip(rows, rows[1:], strict=False):
+        for before, row in pairwise(rows):
             end = before.start + before.minutes
             yield Check(found.name, session, row.line, f"begins at {end}", row.start == end, f"found {row.start}")
         for row in rows:
@@ -102,15 +106,16 @@ def _core(found: ClassPage, session: str, row: Row, lessons: Mapping[str, Lesson
 def _step(part: Part) -> Step:
     """What stands under a heading, as a step with its runs and claims."""
     title = part.heading.removeprefix("## ").strip()
-    step = {"runs": (), "stage": "", "claims": ()}
+    step = Step(RUN, title, f"line-{part.line}", part.line, "\n".join(part.text).strip())
     for kind, text, line in part.blocks:
         if kind not in ALLOWED:
             raise LessonError(line - 1, f"a page for a class has no {kind} block; it may have {', '.join(ALLOWED)}")
         if kind == "run":
-            step["runs"], step["stage"] = blocks.runs(text, line, ({},))
+            runs, stage = blocks.runs(text, line, ({},))
+            step = replace(step, runs=runs, stage=stage)
         else:
-            step["claims"] = blocks.claims(text, line)
-    return Step(RUN, title, f"line-{part.line}", part.line, "\n".join(part.text).strip(), **step)
+            step = replace(step, claims=blocks.claims(text, line))
+    return step
 
 
 def _timetable(part: Part) -> tuple[Row, ...]:
