@@ -4,7 +4,7 @@
 const walked = () => LESSON.steps.filter((step) => step.core || !progress.core);
 
 // How many of the steps that are taken have come, with the one that has this number.
-const placeOf = (number) => number > LESSON.steps.length ? walked().length + 1 : walked().filter((step) => LESSON.steps.indexOf(step) < number).length;
+const howFar = (number) => number > LESSON.steps.length ? walked().length + 1 : walked().filter((step) => LESSON.steps.indexOf(step) < number).length;
 
 // The number of the step after this one, or before it; 0 is the introduction, one more than there are is the end.
 function stepBeside(at, by) {
@@ -13,7 +13,7 @@ function stepBeside(at, by) {
 }
 
 function whereSaid() {
-  const at = progress.step, place = placeOf(at), total = walked().length;
+  const at = progress.step, place = howFar(at), total = walked().length;
   if (at === 0) return "Introduction";
   if (at > LESSON.steps.length) return "The end";
   return progress.core ? `Step ${place} of ${total} of the core` : `Step ${place} of ${total}`;

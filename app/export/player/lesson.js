@@ -26,7 +26,7 @@ function goTo(step) {
 function showStep() {
   shownAt = performance.now();
   const at = progress.step, total = LESSON.steps.length, where = element("p", whereSaid(), {id: "where", tabIndex: -1});
-  const bar = element("progress", "", {max: walked().length + 1, value: placeOf(at)});
+  const bar = element("progress", "", {max: walked().length + 1, value: howFar(at)});
   bar.setAttribute("aria-label", "progress");
   lessonBox.replaceChildren(where, bar, ...(at === 0 ? introduction() : at <= total ? stepParts(LESSON.steps[at - 1]) : ending()));
 }
