@@ -11,6 +11,7 @@ from typing import Any
 from app import state
 from app.commands.serve import Serve
 from app.lessons import shelf
+from app.lessons.blocks import toml
 from app.lessons.lesson import (
     CHOICE,
     DRAG,
@@ -27,12 +28,14 @@ from app.lessons.lesson import (
     drawn,
     filled,
 )
+from app.lessons.parts import parts_of, split_head
 from app.lessons.reading import parse
 from app.lessons.rounds import rounds
 from app.page.features.lesson import core
 from app.page.sharing import link
 
 FOLDER = "lessons/"
+CLASSES = "lessons/classes/"
 LAB = f"http://127.0.0.1:{Serve.port}/"
 DEEPER = "<small class='deeper'>Deeper: the core does without this round.</small>"
 BUTTON = "Press **On the stage**"
@@ -48,10 +51,19 @@ def setup(app: Any) -> dict:
 
 
 def as_page(app: Any, docname: str, source: list[str]) -> None:
-    """The page of a lesson's file in the place of its text."""
+    """The page of a lesson's file in the place of its text, and of one for a class."""
     name = docname.removeprefix(FOLDER)
     if docname.startswith(FOLDER) and name in shelf.names():
         source[0] = page(parse(source[0], name, shelf.FOLDER))
+    if docname.startswith(CLASSES):
+        source[0] = class_page(source[0])
+
+
+def class_page(text: str) -> str:
+    """A page for a class as Markdown: its title for its head, and no runs and claims."""
+    head, body, first = split_head(text)
+    parts = (f"{part.heading}\n" + "\n".join(part.text) for part in parts_of(body, first))
+    return f"# {toml(head, 2)['title']}\n\n" + "\n\n".join(parts) + "\n"
 
 
 def page(lesson: Lesson) -> str:

@@ -260,7 +260,7 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
 
 
 def test_the_core_of_a_lesson_is_taken_alone(chromium, lesson, lesson_file, tmp_path):
-    """What is deeper is marked, skipped forwards and backwards, and offered at the end; the file says what was taken."""
+    """What is deeper is marked, skipped and offered at the end; the file says what was taken."""
     with opened(chromium, lesson_file[0]) as page:
         where, only, text = page.locator("#where"), page.get_by_label("Core only"), page.locator("#lesson")
         onward, back = (page.get_by_role("button", name=name) for name in ("Next", "Back"))

@@ -70,8 +70,7 @@ class Player:
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
-            self._lesson, self._restored = lesson, False
-            self._progress = self._room.begun(lesson)
+            self._lesson, self._restored, self._progress = lesson, False, self._room.begun(lesson)
             self._marker.forget()
         self._controls.offer(lesson.controls, self._below)
         self._rebuild()
