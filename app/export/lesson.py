@@ -6,6 +6,7 @@ from typing import Any
 
 from app import state
 from app.export import lattice
+from app.export.bets import bet_words, judged
 from app.export.page import Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
 from app.lessons import progress, shelf
@@ -28,9 +29,10 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: M
     plans = _plans(lesson, counts)
     right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
+    bets = judged(lesson, processes)
     recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
-    return assembled(lesson.title, once, recorded, _data(lesson, right, stages))
+    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets))
 
 
 def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:
@@ -106,7 +108,8 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> d
     return {"value": found.value, "tolerance": asked.tolerance, "told": found.told}
 
 
-def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int]) -> dict[str, Any]:
+def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
+          bets: Mapping[str, list[Any]]) -> dict[str, Any]:
     """The lesson as the player reads it. What differs with the numbers of a variant is a list with one for each, or,
     where all are alike, a list of one."""
     def each(text: str) -> list[str]:
@@ -118,13 +121,14 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
     steps = [{"kind": step.kind, "key": step.key, "html": each(step.text),
               "title": _alike([filled(step.title, numbers) for numbers in lesson.variants]),
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
+              "bets": step.bets, "judged": _alike(bets.get(step.key, [{}])),
               "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
     return {"name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "goals": lesson.goals,
             "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
             "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
             "elsewhere": [name for name in ELSEWHERE if name in lesson.controls], "steps": steps,
             "schema": progress.SCHEMA, "longest_name": progress.LONGEST_NAME, "longest": LONGEST, "most": MOST,
-            "told_after": TOLD_AFTER,
+            "told_after": TOLD_AFTER, "bets": bet_words(),
             "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
             "spaces": "".join(letter for letter in letters if letter.isspace())}
 
@@ -137,7 +141,8 @@ def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[
     if asked is None:
         return None
     options = _alike([[filled(option, numbers) for option in asked.options] for numbers in lesson.variants])
-    made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right}
+    made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right,
+                            "level": asked.level}
     if asked.kind == DRAG:
         low, high, step = REACH[asked.control]
         made["drag"] = {"name": f"{NAMES[asked.control]} {SYMBOLS.get(asked.control, '')}".strip(), "low": low,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.lessons import blocks, claims
+from app.lessons import bets, blocks, claims
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, filled
 from app.lessons.markup import MarkupError, html
 from solvers.outside import quoting
@@ -20,7 +20,7 @@ from solvers.outside import quoting
 LARGEST = 1_000_000  # bytes of a lesson
 FENCE = "```"
 HEAD = "+++"
-BLOCKS = ("run", "question", "claims", "teacher")
+BLOCKS = ("run", "question", "claims", "teacher", "bets")
 HEAD_KEYS = ("title", "minutes", "goals", "controls", "prerequisites", "variants")
 FORMULA = re.compile(r"\$\$.*?(?:\$\$|$)|\$[^$]*\$|^.*\$\$\s*$")  # or what of one stands on a line
 HEADING = re.compile(r"##\s+(?P<kind>[^:]+):\s*(?P<title>\S.*)")
@@ -67,6 +67,7 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
     lesson = replace(lesson, steps=tuple(steps))
     _check_names(lesson)
     _check_claims(lesson)
+    _check_bets(lesson)
     for part in (opening, *parts):
         _check_text(part, lesson, folder)
     return lesson
@@ -171,6 +172,8 @@ def _step(part: _Part, lesson: Lesson) -> Step:
             step = replace(step, question=blocks.question(text, line))
         elif name == "claims":
             step = replace(step, claims=blocks.claims(text, line))
+        elif name == "bets":
+            step = replace(step, bets=blocks.bettors(text, line))
     return step
 
 
@@ -215,6 +218,19 @@ def _check_claims(lesson: Lesson) -> None:
                     check(filled(text, numbers), lesson.runs, main)
                 except claims.ClaimError as error:
                     raise LessonError(line, str(error)) from None
+
+
+def _check_bets(lesson: Lesson) -> None:
+    """Bets that are laid side by side are there, and judges can bet on what is asked."""
+    for step in lesson.steps:
+        asked = bets.asked_before(lesson, step) if step.bets else []
+        if step.bets and not asked:
+            raise LessonError(step.line, "bets are shown, and no interval is asked before; ask one, or leave them out")
+        for question in (other.asked for other in asked if len(step.bets) > (bets.YOURS in step.bets)):
+            if not bets.PATH.fullmatch(question.expected) or question.level != bets.LEVEL:
+                raise LessonError(question.line, "judges bet on errors at the end, at a level of "
+                                                 f"{bets.LEVEL:g}; give expected = \"fine.error.x.final\", or of v or "
+                                                 f"sigma, and that level, or leave the judges out in line {step.line}")
 
 
 def _check_text(part: _Part, lesson: Lesson, folder: Path | None) -> None:

@@ -6,7 +6,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
+from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
+from app.lessons.laid import laid
 from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
 from app.lessons.marks import AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
@@ -34,13 +36,14 @@ class Marker:
         self._outcomes = outcomes
         self._thread = ThreadPoolExecutor(1)
         self.marks: dict[str, AnswerMark | str] = {}
+        self.bets: dict[str, list[Bettor] | str] = {}  # that steps show, by the steps' keys
 
     def close(self) -> None:
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def forget(self) -> None:
         """Another lesson, or another student: marks mean something else."""
-        self.marks = {}
+        self.marks, self.bets = {}, {}
 
     def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[AnswerMark | str], None]) -> None:
         """Mark what a step was answered last, and ``tell``."""
@@ -55,6 +58,19 @@ class Marker:
             for step in steps:
                 if step.key in answers and step.key not in marks:
                     marks[step.key] = self._marked(lesson, step, progress, answers[step.key].first)
+            tell()
+
+        self._later(work)
+
+    def lay(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[], None]) -> None:
+        """Find the bets that a step shows, and ``tell`` that it is done."""
+        bets, given = self.bets, {key: answer.first for key, answer in progress.answers.items()}
+
+        def work() -> None:
+            try:
+                bets[step.key] = laid(lesson, step, given, drawn(lesson, progress.name), self._outcomes)
+            except (RunFailed, ClaimError):
+                bets[step.key] = LATER
             tell()
 
         self._later(work)
