@@ -12,7 +12,7 @@ from app.export.plan import Plan, planned
 from app.lessons import progress, shelf
 from app.lessons.claims import ClaimError, needed
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
-from app.lessons.marks import LONGEST, MOST, TOLD_AFTER, expressions, right
+from app.lessons.marks import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, expressions, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.words import QUANTITIES, SYMBOLS
@@ -128,6 +128,7 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
             "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
             "elsewhere": [name for name in ELSEWHERE if name in lesson.controls], "steps": steps,
             "schema": progress.SCHEMA, "longest_name": progress.LONGEST_NAME, "longest": LONGEST, "most": MOST,
+            "bare": BARE, "digits": DIGITS,
             "told_after": TOLD_AFTER, "bets": bet_words(),
             "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
             "spaces": "".join(letter for letter in letters if letter.isspace())}

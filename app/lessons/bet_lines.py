@@ -5,26 +5,27 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.lessons.bets import YOURS, Bet, Bettor
+from app.lessons.bets import OWN, YOURS, Bet, Bettor
 from app.lessons.marks import AnswerMark
 
 MOST = 4  # factors of ten to either side; a line that goes on is cut there
-NAMES = {YOURS: "Your bets"}  # others are called as they are
+YOUR_BETS, ROUND = "Your bets", "Your round {number}"  # judges are called as they are
 TOLD = "{held} of {made} hold the truth, mean score {score}"
 SOME = "{held} of {made} hold the truth, {left} not bet on, mean score {score}"
 NONE = "does not bet on these"
 SCORED = "{told}; score {score}"  # of one bet, beside what came out
-SAID = "Bets as multiples of the truth, which is the line in the middle. {share} of 100 were to hold it."
+SAID = "Bets in their order, as multiples of the truth, the line in the middle. {share} of 100 were to hold it."
 TRUTH, LESS, MORE = "truth", "÷ {factor}", "× {factor}"
 
 
 @dataclass(frozen=True)
 class Lines:
-    """Of one bettor: a ``lines`` entry is where a bet begins and ends, in per cent of the width, and whether it holds;
-    None for one that was not made."""
+    """Of one bettor, who may be the student (``own``): a ``lines`` entry is where a bet begins and ends, in per cent of
+    the width, and whether it holds; None for one that was not made."""
 
     name: str
     told: str
+    own: bool
     lines: tuple[tuple[float, float, bool] | None, ...]
 
 
@@ -73,5 +74,6 @@ def _lines(bettor: Bettor, reach: int) -> Lines:
     made, left, score = len(bettor.made), len(bettor.bets) - len(bettor.made), bettor.score
     told = NONE if score is None else (SOME if left else TOLD).format(
         held=bettor.held, made=made, left=left, score=score_text(score))
-    return Lines(NAMES.get(bettor.name, bettor.name), told, tuple(
+    name = ROUND.format(number=bettor.round) if bettor.round else YOUR_BETS if bettor.name == YOURS else bettor.name
+    return Lines(name, told, bettor.name in OWN, tuple(
         None if bet is None else (place(bet.low, bet), place(bet.high, bet), bet.holds) for bet in bettor.bets))

@@ -22,11 +22,12 @@ from app.lessons.lesson import INTERVAL, Lesson, Step
 from solvers.study.coverage.bets import JUDGES, LEVEL, Ends
 from solvers.study.coverage.measured import QUANTITIES
 
-__all__ = ["BETTORS", "JUDGES", "LEVEL", "PATH", "QUANTITIES", "YOURS", "Bet", "Bettor", "Ends", "about_bets",
-           "asked_before", "score", "told", "word"]
+__all__ = ["BETTORS", "BY_ROUND", "JUDGES", "LEVEL", "OWN", "PATH", "QUANTITIES", "YOURS", "Bet", "Bettor", "Ends",
+           "about_bets", "asked_before", "score", "told", "word"]
 
-YOURS = "yours"
-BETTORS = (YOURS, *JUDGES)
+YOURS, BY_ROUND = "yours", "yours by round"
+OWN = (YOURS, BY_ROUND)  # whose answers are, and no judge's
+BETTORS = (YOURS, BY_ROUND, *JUDGES)
 WORTHLESS = 2.0  # a score from which on a bet counts nothing: a factor of 100 wide, or, at 0.8, off by one of 1.6
 #: What judges can bet on: a run's error at its end, "fine.error.x.final".
 PATH = re.compile(r"(?:(?P<run>[a-z][a-z0-9_]*)\.)?error\.(?P<quantity>x|v|sigma)\.final")
@@ -65,10 +66,11 @@ class Bet:
 
 @dataclass(frozen=True)
 class Bettor:
-    """Somebody's bets on the same runs, None where he does not bet."""
+    """Somebody's bets, None where he does not bet; of a student perhaps those of one ``round``, counted from 1."""
 
     name: str
     bets: tuple[Bet | None, ...]
+    round: int = 0
 
     @property
     def made(self) -> list[Bet]:

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from app.lessons.bets import PATH, YOURS, Bet, Bettor, Ends, asked_before
-from app.lessons.lesson import Lesson, Numbers, Step, filled
+from app.lessons.bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
+from app.lessons.lesson import EXPLAIN, Lesson, Numbers, Step, filled
 from app.lessons.marks import right
 from app.lessons.outcomes import Outcomes
 
@@ -18,12 +18,20 @@ def laid(lesson: Lesson, step: Step, given: Mapping[str, Intervals], numbers: Nu
     truths = [float(right(lesson, other, numbers, outcomes).value) for other in steps]
     found = []
     for name in step.bets if steps else ():
-        ends = [given[other.key] if name == YOURS else judge_ends(lesson, other, name, numbers, outcomes)
+        ends = [given[other.key] if name in OWN else judge_ends(lesson, other, name, numbers, outcomes)
                 for other in steps]
-        found.append(Bettor(name, tuple(
-            None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked.level)
-            for other, truth, pair in zip(steps, truths, ends, strict=True))))
+        bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked.level)
+                for other, truth, pair in zip(steps, truths, ends, strict=True)]
+        found += _by_round(lesson, steps, bets) if name == BY_ROUND else [Bettor(name, tuple(bets))]
     return found
+
+
+def _by_round(lesson: Lesson, steps: Sequence[Step], bets: Sequence[Bet | None]) -> list[Bettor]:
+    """A student's bets apart by rounds, each of which ends where something is explained."""
+    explained = [sum(other.kind == EXPLAIN for other in lesson.steps[:lesson.steps.index(step)]) for step in steps]
+    rounds = [tuple(bet for bet, before in zip(bets, explained, strict=True) if before == one)
+              for one in sorted(set(explained))]
+    return [Bettor(BY_ROUND, bets, number) for number, bets in enumerate(rounds, 1)]
 
 
 def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: Outcomes) -> Ends | None:

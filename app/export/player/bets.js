@@ -12,11 +12,20 @@ function betOf(ends, truth, level) {
 function bettorsOf(step) {
   const asked = LESSON.steps.slice(0, LESSON.steps.indexOf(step)).filter((other) => other.question?.kind === "interval"
     && progress.answers[other.key] && own(other.question.rules));
-  const ends = {[BETS.yours]: Object.fromEntries(asked.map((other) => [other.key, progress.answers[other.key].first])), ...own(step.judged)};
-  return asked.length === 0 ? [] : step.bets.map((name) => ({name, bets: asked.map(({key, question}) => {
-    const pair = ends[name][key];
-    return pair ? betOf(pair, own(question.rules).value, question.level) : null;
-  })}));
+  const yours = Object.fromEntries(asked.map(({key}) => [key, progress.answers[key].first])), judges = own(step.judged);
+  return asked.length === 0 ? [] : step.bets.flatMap((name) => {
+    const bets = asked.map(({key, question}) => {
+      const pair = (judges[name] ?? yours)[key];
+      return pair ? betOf(pair, own(question.rules).value, question.level) : null;
+    });
+    return name === BETS.by_round ? byRound(name, asked, bets) : [{name, bets}];
+  });
+}
+
+// A student's bets apart by rounds, each of which ends where something is explained.
+function byRound(name, asked, bets) {
+  const explained = asked.map((step) => LESSON.steps.slice(0, LESSON.steps.indexOf(step)).filter(({kind}) => kind === "explain").length);
+  return [...new Set(explained)].map((one, k) => ({name, round: k + 1, bets: bets.filter((_, at) => explained[at] === one)}));
 }
 
 function betsDrawn(bettors) {
@@ -34,7 +43,8 @@ function betsDrawn(bettors) {
   };
   return {reach, said: fill(BETS.said, {share: fixed(100 * mean(every.map((bet) => bet.level)), 0)}),
     ticks: [[0, fill(BETS.less, {factor})], [50, BETS.truth], [100, fill(BETS.more, {factor})]],
-    bettors: bettors.map((bettor) => ({name: BETS.names[bettor.name] ?? bettor.name, told: told(bettor),
+    bettors: bettors.map((bettor) => ({name: bettor.round ? fill(BETS.round, {number: bettor.round})
+      : bettor.name === BETS.yours ? BETS.your_bets : bettor.name, told: told(bettor), own: [BETS.yours, BETS.by_round].includes(bettor.name),
       lines: bettor.bets.map((bet) => bet && [place(bet.ends[0], bet), place(bet.ends[1], bet), bet.holds])}))};
 }
 
@@ -44,13 +54,12 @@ function betsFigure(bettors) {
   const axis = element("div", "", {className: "axis"});
   axis.setAttribute("aria-hidden", "true");
   axis.append(...drawn.ticks.map(([, text]) => element("span", text)));
-  box.append(element("figcaption", drawn.said), ...drawn.bettors.map((lines, k) =>
-    bettorRow(lines, bettors[k].name === BETS.yours ? 12 : 7)), axis);
+  box.append(element("figcaption", drawn.said), ...drawn.bettors.map(bettorRow), axis);
   return box;
 }
 
-function bettorRow({name, told, lines}, high) {
-  const row = element("div"), svg = svgElement("svg", {role: "img", "aria-label": `${name}: ${told}`, height: high * lines.length});
+function bettorRow({name, told, own, lines}) {
+  const high = own ? 12 : 7, row = element("div"), svg = svgElement("svg", {role: "img", "aria-label": `${name}: ${told}`, height: high * lines.length});
   svg.append(svgElement("line", {class: "truth", x1: "50%", x2: "50%", y1: 0, y2: "100%"}));
   lines.forEach((line, k) => line && svg.append(svgElement("line", {class: line[2] ? "held" : "missed",
     x1: `${line[0].toFixed(2)}%`, x2: `${line[1].toFixed(2)}%`, y1: (k + 0.5) * high, y2: (k + 0.5) * high})));

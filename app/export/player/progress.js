@@ -93,6 +93,11 @@ function mark(question, answer) {
 // An answer in words.
 function shown(question, answer) {
   if (question.kind === "choice") return own(question.options)[answer - 1];
-  if (question.kind === "interval") return `${number(answer[0], 4)} to ${number(answer[1], 4)} ${question.unit}`.trim();
-  return question.kind === "text" ? answer : `${number(answer, 4)} ${question.unit}`.trim();
+  if (question.kind === "interval") return answer.map((end) => inUnit(end, question.unit)).join(" to ");
+  return question.kind === "text" ? answer : inUnit(answer, question.unit);
+}
+
+// A value in words, as app/lessons/marks.py has it.
+function inUnit(value, unit) {
+  return LESSON.bare.includes(unit) ? withUnit(value, unit, LESSON.digits) : `${number(value, LESSON.digits)} ${unit}`.trim();
 }

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from html import escape
 
 from app.lessons.bet_lines import Lines, drawn
-from app.lessons.bets import YOURS, Bettor
+from app.lessons.bets import Bettor
 
 WAITED_FOR = "Bets are being laid beside the truth …"
 ROW, OWN_ROW = 7, 12  # pixels from a line to the next: of a judge, of the visitor
@@ -17,15 +17,15 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
     if not bettors:
         return ""
     picture = drawn(bettors)
-    rows = "".join(_row(lines, OWN_ROW if bettor.name == YOURS else ROW)
-                   for bettor, lines in zip(bettors, picture.bettors, strict=True))
+    rows = "".join(map(_row, picture.bettors))
     axis = "".join(f"<span>{text}</span>" for _, text in picture.ticks)
     return f"<figure class='lab-bets'><figcaption>{picture.said}</figcaption>{rows}" \
            f"<div class='lab-bets-axis' aria-hidden='true'>{axis}</div></figure>"
 
 
-def _row(bettor: Lines, high: int) -> str:
+def _row(bettor: Lines) -> str:
     """One bettor: who, how it went, and the lines."""
+    high = OWN_ROW if bettor.own else ROW
     lines = "".join(_line(line, (k + 0.5) * high) for k, line in enumerate(bettor.lines) if line)
     label = escape(f"{bettor.name}: {bettor.told}", quote=True)
     return f"<div class='lab-bettor'><b>{escape(bettor.name)}</b> <span>{escape(bettor.told)}</span>" \
