@@ -9,7 +9,7 @@ from typing import Any
 from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
 from app.lessons.laid import laid
-from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
+from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
 from app.lessons.marks import AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
@@ -96,3 +96,10 @@ def asked_since(lesson: Lesson, step: Step) -> list[Step]:
     before = lesson.steps[:lesson.steps.index(step)]
     first = max((k for k, other in enumerate(before, 1) if other.kind == EXPLAIN), default=0)
     return [other for other in before[first:] if other.question]
+
+
+def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
+    """The step that ends a round, where it shows bets: they are found from the run on, so that they are there when it is
+    explained; nothing of a round runs before its predictions."""
+    ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
+    return ends if ends is not None and ends.bets and step.kind != PREDICT else None

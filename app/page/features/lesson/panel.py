@@ -17,7 +17,7 @@ from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.bets import WAITED_FOR, bets_html
 from app.page.features.lesson.hands import Hands
-from app.page.features.lesson.marking import Classroom, Marker, asked_since
+from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import allow, is_removed
@@ -159,8 +159,8 @@ class Player:
         text = self._gui.add_html(self._explained(lesson, step))
         if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
             self._mark_all(lesson, step, text)
-        if step.bets:
-            self._marker.lay(lesson, step, self._progress, lambda: self._show(
+        if (ahead := bets_ahead(lesson, step)) is not None:
+            self._marker.lay(lesson, ahead, self._progress, lambda: self._show(
                 text, lambda: self._explained(lesson, step)))
         self._acts = acts.found(page.text_html(step.text, self._numbers))
         if step.question is None:
