@@ -99,7 +99,7 @@ def asked_since(lesson: Lesson, step: Step) -> list[Step]:
 
 
 def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
-    """The step that ends a round, where it shows bets: they are found from the run on, so that they are there when it is
-    explained; nothing of a round runs before its predictions."""
+    """The step that ends a round, where it shows bets: they are found from the run on, so that they are there when it
+    is explained; nothing of a round runs before its predictions."""
     ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
     return ends if ends is not None and ends.bets and step.kind != PREDICT else None
