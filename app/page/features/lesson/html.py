@@ -6,6 +6,7 @@ from html import escape
 from string import ascii_lowercase
 
 from app.lessons import shelf
+from app.lessons.bet_lines import scored
 from app.lessons.length import told
 from app.lessons.lesson import TEXT, Lesson, Numbers, Step, filled
 from app.lessons.marks import AnswerMark, shown
@@ -79,7 +80,7 @@ def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: M
             out = f"<td colspan='2'>{escape(mark)}</td>"
         else:
             kind, sign, word = SIGNS[mark.right]
-            came = "for your teacher" if asked.kind == TEXT else escape(mark.expected)
+            came = "for your teacher" if asked.kind == TEXT else escape(scored(mark))
             out = f"<td>{came}</td><td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
         said = escape(filled(shown(asked, answer.first), numbers))
         rows.append(f"<tr><th scope='row'>{escape(filled(step.title, numbers))}</th><td>{said}</td>{out}</tr>")

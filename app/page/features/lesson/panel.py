@@ -14,8 +14,9 @@ from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
 from app.page.features.lesson import acts, core
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
+from app.page.features.lesson.bets import WAITED_FOR, bets_html
 from app.page.features.lesson.hands import Hands
-from app.page.features.lesson.marking import Classroom, Marker, asked_since
+from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import allow, is_removed
@@ -171,6 +172,9 @@ class Player:
         text = self._gui.add_html(self._explained(lesson, step))
         if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
             self._mark_all(lesson, step, text)
+        if (ahead := bets_ahead(lesson, step)) is not None:
+            self._marker.lay(lesson, ahead, self._progress, lambda: self._show(
+                text, lambda: self._explained(lesson, step)))
         self._acts = acts.found(page.text_html(step.text, self._numbers))
         if step.question is None:
             self._buttons(back=True, onward=True)
@@ -257,6 +261,7 @@ class Player:
         """The step's text; where it explains, below what was said and what came out."""
         before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
+        before += bets_html(self._marker.bets.get(step.key, WAITED_FOR)) if step.bets else ""
         return page.step_html(step, self._progress.step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
