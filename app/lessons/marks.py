@@ -39,7 +39,7 @@ def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Ou
     if step.asked.kind == TEXT:
         return AnswerMark(None, "")
     found = right(lesson, step, numbers, outcomes)
-    return AnswerMark(_fits(step.asked, answer, found), found.told)
+    return AnswerMark(fits(step.asked, answer, found), found.told)
 
 
 def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Right:
@@ -70,7 +70,8 @@ def in_unit(asked: Question, found: float | str) -> str:
     return f"{said(found)} {asked.unit}".strip()
 
 
-def _fits(asked: Question, answer: Any, found: Right) -> bool:
+def fits(asked: Question, answer: Any, found: Right) -> bool:
+    """Whether an answer to a question is right, or an interval holds what came out."""
     if asked.kind == CHOICE:
         return answer in found.options
     if isinstance(found.value, str):

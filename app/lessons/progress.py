@@ -1,6 +1,7 @@
 """What a student has done in a lesson, kept by the browser, handed in as a file: what has another form is refused."""
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -49,6 +50,11 @@ class Progress:
         before = self.answers.get(key)
         first, attempts = (before.first, before.attempts) if before else (given, 0)
         self.answers[key] = Answer(first, given, attempts + 1, round(seconds + (before.seconds if before else 0), 1))
+
+    @property
+    def called(self) -> str:
+        """The student's name as a part of a file's."""
+        return re.sub(r"[^\w-]+", "-", self.name).strip("-") or "answers"
 
     def text(self) -> str:
         """As JSON, for the browser to keep or the student to hand in."""

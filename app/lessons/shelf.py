@@ -53,3 +53,9 @@ def _read(folder: Path, files: tuple[tuple[str, int], ...]) -> dict[str, Lesson]
         with suppress(LessonError):
             found[name] = lesson(name, folder)
     return found
+
+
+def after(lesson: Lesson) -> Lesson | None:
+    """The next lesson on the shelf."""
+    every = list(lessons().values())
+    return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None

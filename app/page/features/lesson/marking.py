@@ -11,6 +11,7 @@ from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
 from app.lessons.marks import AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
+from app.page.features.lesson.seat import Seat
 
 LATER = "could not be checked just now"
 POLITE = 10  # more than the engines: marks can wait, stages cannot
@@ -19,11 +20,12 @@ POLITE = 10  # more than the engines: marks can wait, stages cannot
 @dataclass(frozen=True)
 class Classroom:
     """What all visitors of one server share: the lesson that everyone is opened on, if any, whether teacher's notes are
-    shown, and what answers are marked by."""
+    shown, and what answers are marked by. And what each has alone: a ``seat``, where a board paces the lesson."""
 
     lesson: str = ""
     teacher: bool = False
     outcomes: Outcomes = field(default_factory=lambda: Outcomes(politeness=POLITE))
+    seat: Seat | None = None
 
 
 class Marker:

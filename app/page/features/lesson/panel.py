@@ -1,6 +1,5 @@
 """The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
 
-import re
 import threading
 from collections.abc import Callable
 from time import monotonic
@@ -11,21 +10,21 @@ from app import state
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
+from app.lessons.marks import LONGEST, AnswerMark, trouble
 from app.page.features.lesson import acts
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.hands import Hands
 from app.page.features.lesson.marking import Classroom, Marker, asked_since
+from app.page.features.lesson.seat import Seat
+from app.page.features.lesson.way import Way
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import BESIDE
 from app.viewer.widgets import allow, is_removed
 
 FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
-BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
-MAIN, LINK = "<i class='lab-main'></i>", "<i class='lab-link'></i>"  # the button that is meant, and one that is less
+MAIN = "<i class='lab-main'></i>"  # the button that is meant
 KEPT = "Your answers stay in this browser."
-FIRST_PREDICT = f"You predict first: Next opens when your answer is recorded. {KEPT}"
+PACED = "The board shows what the class has answered, without names; nothing of it is stored."
 
 
 class Player:
@@ -44,6 +43,9 @@ class Player:
         self._shown_at = monotonic()
         self._answer: AnswerWidgets | None = None  # of the question that is shown
         self._acts: list[acts.Act] = []  # that the step's text has buttons for
+        self._way: Way | None = None  # on from the step that is shown
+        if classroom.seat:
+            classroom.seat.listen(self._step_opened)
         self._widgets = self._gui.add_folder(None, order=FIRST)
         self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
         self._build()
@@ -63,6 +65,8 @@ class Player:
 
     def close(self) -> None:
         """The visitor has gone."""
+        if self._room.seat:
+            self._room.seat.leave()
         self._marker.close()
 
     def open(self, name: str) -> None:
@@ -72,11 +76,15 @@ class Player:
             return
         with self._lock:
             self._lesson, self._restored = lesson, False
-            self._progress = kept.Progress(lesson.name, lesson.fingerprint)
+            self._progress = self._paced.progress() if self._paced else kept.Progress(lesson.name, lesson.fingerprint)
             self._marker.forget()
         self._controls.offer(lesson.controls, self._below)
         self._rebuild()
         self._on_change()
+
+    def turn_to(self, step: int) -> None:
+        """Show this step of the lesson that is open."""
+        self._go(step - self._progress.step)
 
     def refresh(self) -> None:
         """Call now and then: what a question says of the stage follows it."""
@@ -88,7 +96,7 @@ class Player:
         """The browser has said what it keeps of a lesson, perhaps nothing."""
         with self._lock:
             lesson = self._lesson
-            if lesson is None or name != lesson.name or self._restored:
+            if lesson is None or name != lesson.name or self._restored or self._paced:
                 return
             self._restored = True
             if not text:
@@ -114,7 +122,8 @@ class Player:
         with self._lock:
             if self._lesson is None:
                 return
-            self._progress.step = min(max(self._progress.step + by, 0), len(self._lesson.steps) + 1)
+            last = self._paced.opened if self._paced else len(self._lesson.steps) + 1
+            self._progress.step = min(max(self._progress.step + by, 0), last)
         self._on_change()  # first: a step that is seen is one to come back to
         self._rebuild()
 
@@ -126,7 +135,9 @@ class Player:
                 self._build()
 
     def _build(self) -> None:
-        self._shown_at, self._answer, self._acts = monotonic(), None, []
+        self._shown_at, self._answer, self._acts, self._way = monotonic(), None, [], None
+        if self._paced:
+            self._paced.shows(self._progress.step)
         with self._widgets:
             if self._lesson is None:
                 self._gui.add_html(page.shelf_html(shelf.lessons()))
@@ -142,6 +153,9 @@ class Player:
 
     def _build_intro(self, lesson: Lesson) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
+        if self._paced:  # all have the same numbers
+            self._buttons(back=False, onward=True)
+            return
         hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
         name = self._gui.add_text("Your name", self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
@@ -176,7 +190,7 @@ class Player:
         self._gui.add_html(MAIN)
         record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
                                       disabled=fixed)
-        onward = self._buttons(back=True, onward=answered is not None, main=answered is not None)
+        self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
@@ -184,13 +198,16 @@ class Player:
                 trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
                 return self._show(said, lambda: trouble_said)
             with self._lock:
-                self._progress.answer(step.key, answer, monotonic() - self._shown_at)
+                if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
+                    self._progress.answer(step.key, answer, monotonic() - self._shown_at)
+                    if self._paced:
+                        self._paced.answered(step, answer)
                 self._shown_at = monotonic()
             self._on_change()
             if step.kind == PREDICT:
                 self._rebuild()
             else:
-                self._check(lesson, step, said, onward)
+                self._check(lesson, step, said)
 
         record.on_click(take)
 
@@ -222,23 +239,15 @@ class Player:
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
-        answer = self._progress.answers[step.key]
-        said = filled(shown(step.asked, answer.last), self._numbers)
-        if step.kind == PREDICT:
-            return page.recorded_html(said, "It is recorded; now see what happens.", None)
-        if found is None or isinstance(found, str):
-            return page.recorded_html(said, found or "", None)
-        if found.right is not False:
-            return page.recorded_html(said, "", found.right)
-        told = answer.attempts >= TOLD_AFTER
-        return page.recorded_html(said, f"It is {found.expected}." if told else "Look again, and try once more.", False)
+        return page.taken_html(step, self._progress.answers[step.key], self._numbers, found)
 
-    def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle, onward: viser.GuiButtonHandle) -> None:
+    def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
         with self._lock:
             if is_removed(said):
                 return
-            onward.disabled = False
+            if self._way is not None:
+                self._way.answered()
             said.content = self._taken(step, "" if step.asked.kind == TEXT else "Being checked against the run …")
         self._marker.check(lesson, step, self._progress, lambda found: self._show(
             said, lambda: self._taken(step, found)))
@@ -264,8 +273,7 @@ class Player:
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
         self._mark_all(lesson, None, text)
-        following = next(iter(self._following(lesson)), None)
-        if following:
+        if following := shelf.after(lesson):
             self._gui.add_html(MAIN)
             onward = self._gui.add_button(f"Next lesson: {following.title}")
             onward.on_click(lambda _: self.open(following.name))
@@ -273,35 +281,38 @@ class Player:
         hand_in.on_click(lambda _: self._hand_in(lesson))
         self._buttons(back=True, onward=False)
 
-    def _following(self, lesson: Lesson) -> list[Lesson]:
-        """The lessons after this one."""
-        every = list(shelf.lessons().values())
-        return every[every.index(lesson) + 1:] if lesson in every else []
-
     def _end(self, lesson: Lesson) -> str:
         steps = [step for step in lesson.steps if step.question]
         table = page.compared_html(steps, self._progress.answers, self._marker.marks, self._numbers)
-        return page.end_html(table, sum(step.key not in self._progress.answers for step in steps))
+        return page.end_html(table, sum(step.key not in self._progress.answers for step in steps), bool(self._paced))
 
     def _hand_in(self, lesson: Lesson) -> None:
         with self._lock:
-            called = re.sub(r"[^\w-]+", "-", self._progress.name).strip("-") or "answers"
-            self._client.send_file_download(f"{lesson.name}-{called}.json", self._progress.text().encode(),
-                                            save_immediately=True)
+            self._client.send_file_download(f"{lesson.name}-{self._progress.called}.json",
+                                            self._progress.text().encode(), save_immediately=True)
 
-    def _buttons(self, back: bool, onward: bool, main: bool = True) -> viser.GuiButtonHandle:
-        """Back, next and leave; returns the one for next, which is the ``main`` one where no answer is asked for."""
-        self._gui.add_html(BESIDE)
-        self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: self._go(-1))
-        self._gui.add_html(BESIDE_MAIN if main else BESIDE)
-        following = self._gui.add_button("Next", icon=viser.Icon.CHEVRON_RIGHT, disabled=not onward)
-        following.on_click(lambda _: self._go(1))
-        first = self._step is not None and self._step.kind == PREDICT and not onward
-        self._gui.add_html(f"<p class='lab-lesson lab-kept-here'>{FIRST_PREDICT if first else KEPT}</p>")
-        self._gui.add_html(LINK)
-        leave = self._gui.add_button("Close the lesson")
-        leave.on_click(lambda _: self._leave())
-        return following
+    def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
+        """Back, next and leave; the one for next is the ``main`` one where no answer is asked for."""
+        first = self._step is not None and self._step.kind == PREDICT
+        self._way = Way(self._gui, back, onward, main, first, self._waits, PACED if self._paced else KEPT, self._go,
+                        self._leave)
+
+    def _waits(self) -> bool:
+        """Whether the next step is still to be opened to all."""
+        return self._paced is not None and self._lesson is not None \
+            and self._paced.opened <= self._progress.step <= len(self._lesson.steps)
+
+    def _step_opened(self) -> None:
+        """A further step is open to all: what is seen stays, and what is being typed."""
+        with self._lock:
+            if self._way is not None:
+                self._way.refresh()
+
+    @property
+    def _paced(self) -> Seat | None:
+        """The visitor's seat, while the lesson that is open is the one that is paced from the board."""
+        seat = self._room.seat
+        return seat if seat and seat.lesson == self.name else None
 
     @property
     def _numbers(self) -> Numbers:
