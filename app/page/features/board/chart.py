@@ -11,7 +11,7 @@ from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, filled
 from app.lessons.marks import Right, fits, in_unit
 from app.page.features.board.axis import Axis, axis_for
 
-COLUMNS = 48  # of dots, across the axis
+COLUMNS = 36  # of dots, across the axis
 
 
 def options(asked: Question, numbers: Numbers) -> str:

@@ -182,8 +182,8 @@ def calibration(found: list[Scored]) -> list[str]:
     for name, kind in (("predictions", True), ("observations", False)):
         right, of = share([one for one in found if one not in intervals and (one.step.kind == PREDICT) == kind])
         if of:
-            said.append(f"{right} of {of} {name} were right: {right / of:.0%}")
+            said.append(f"{right} of {of} {name} were right: {100 * right / of:.0f} %")
     held, of = share(intervals)
     if of:
-        said.append(f"{held} of {of} intervals hold what came out: {held / of:.0%}")
+        said.append(f"{held} of {of} intervals hold what came out: {100 * held / of:.0f} %")
     return said

@@ -9,12 +9,15 @@
   const back = () => said.dataset.back && tell("back");
   const turn = () => tell("stage", covers() ? 1 : 0);
   const save = () => tell("save");
+  const scroll = by => section.querySelector(".lab-slide [tabindex]")?.scrollBy({top: by * 0.3 * innerHeight});
   const nothing = () => {};  // of keys that mean something on the page below
   const keys = new Map([
     ["ArrowRight", ["→  Page ↓  Space", "the one next thing, as its button says", next]],
     ["PageDown", ["", "", next]], [" ", ["", "", next]],
     ["ArrowLeft", ["←  Page ↑", "look back; nothing is closed by it", back]],
     ["PageUp", ["", "", back]],
+    ["ArrowDown", ["↓  ↑", "what is longer than the window", () => scroll(1)]],
+    ["ArrowUp", ["", "", () => scroll(-1)]],
     ["v", ["V", "the stage, and back to the board", turn]],
     ["?", ["?", "this list", null]],
     ...["Escape", ".", "r", "p", "1", "2", "3", "e", "m", "l"].map(key => [key, ["", "", nothing]]),
