@@ -11,6 +11,7 @@ import viser
 
 from app.doors.address import is_loopback
 from app.doors.faults import noted
+from app.language.spoken import carried
 from app.lessons.lesson import filled
 from app.page.features.board import saved
 from app.page.features.board.board import BACK, NEXT, Board
@@ -50,7 +51,7 @@ class BoardPanel:
         store.heard["board"] = self._hear
         board.watch(self._news.set)
         self.draw()
-        threading.Thread(target=self._follow, name="board", daemon=True).start()
+        threading.Thread(target=carried(self._follow), name="board", daemon=True).start()
 
     @property
     def covers(self) -> bool:

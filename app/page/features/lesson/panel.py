@@ -7,6 +7,7 @@ from time import monotonic
 import viser
 
 from app import state
+from app.language.spoken import carried
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
@@ -45,7 +46,7 @@ class Player:
         self._acts: list[acts.Act] = []  # that the step's text has buttons for
         self._way: Way | None = None  # on from the step that is shown
         if classroom.seat:
-            classroom.seat.listen(self._step_opened)
+            classroom.seat.listen(carried(self._step_opened))
         self._widgets = self._gui.add_folder(None, order=FIRST)
         self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
         self._build()
