@@ -57,7 +57,14 @@ class Pupil(Raw):
             for text, part in zip(texts, given if isinstance(given, list) else [given], strict=True):
                 self.set(text, str(part))
         self.set(button, True)
-        until(lambda: any("lab-recorded" in text for text in self.html.copy().values()), "the answer taken")
+        until(lambda: self.said("Your answer") or self.said("Please "), "the answer heard")
+        if not self.said("Your answer"):  # what was chosen and the button that was pressed are heard by two threads
+            self.set(button, True)
+            until(lambda: self.said("Your answer"), "the answer taken")
+
+    def said(self, words):
+        """Whether these stand below the question."""
+        return any("lab-recorded" in text and words in text for text in self.html.copy().values())
 
     def _hear(self, message):
         if message["type"] == "GuiRemoveMessage":

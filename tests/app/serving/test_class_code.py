@@ -182,7 +182,7 @@ def test_lab_that_others_reach_makes_up_a_code_and_prints_it():
     """On any address but this machine's own, and with a public name; with it there are frames, without it nothing. And
     another one for the teacher."""
     log = []
-    with serving(arguments=("--host", "0.0.0.0", "--teacher"), coded=True, log=log) as (address, _, line):
+    with serving(arguments=("--host", "0.0.0.0", "--teacher"), coded=1, log=log) as (address, _, line):
         printed = re.search(r"class code is (\S+); (http://\S+)/#code=(\S+)", line)
         assert printed[1] == printed[3] and "0.0.0.0" not in address + printed[2]
         assert get(printed[2])[0] == get(address)[0] == 200  # under this machine's own name for itself, and for others

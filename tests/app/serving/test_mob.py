@@ -56,11 +56,11 @@ class Pupil(Visitor):
 
 
 class Class:
-    """So many pupils, on a thread of their own, who look at a run that goes on."""
+    """A pupil with each of these cookies, on a thread of their own, who look at a run that goes on."""
 
-    def __init__(self, address, cookie, count):
-        self.pupils = [Pupil(address) for _ in range(count)]
-        for pupil in self.pupils:
+    def __init__(self, address, cookies):
+        self.pupils = [Pupil(address) for _ in cookies]
+        for pupil, cookie in zip(self.pupils, cookies, strict=True):
             pupil.cookie = cookie
         self.lost, self._loop = [], asyncio.new_event_loop()
         threading.Thread(target=self._loop.run_forever, daemon=True).start()
@@ -157,7 +157,7 @@ def test_a_class_beside_a_mob(pupils, seconds, turns, tmp_path):
     log, shares, costs, comes, grown = [], [], [], [], []
     with locked(log, tmp_path) as (address, server), ExitStack() as stack:
         cookie = enter(f"http://{address}", CODE)[2][1]
-        class_ = Class(address, cookie, pupils)
+        class_ = Class(address, [cookie] * pupils)
         mob = subprocess.Popen([sys.executable, "-m", "tests.mob", address, CODE], cwd=ROOT, stdout=subprocess.PIPE)
         stack.callback(mob.kill)
         assert mob.stdout.readline() == b"here\n"

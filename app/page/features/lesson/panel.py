@@ -100,8 +100,6 @@ class Player:
             if lesson is None or name != lesson.name or self._restored or self._paced:
                 return
             self._restored = True
-            if not text:
-                return
             try:
                 found = kept.read(text, shelf.lessons().get)
             except kept.NotAnswers:
