@@ -18,7 +18,7 @@ def options(asked: Question, numbers: Numbers) -> str:
     """What there is to choose from, before anything is said of it."""
     rows = "".join(f"<li><b>{letter})</b> <span>{escape(filled(option, numbers))}</span></li>"
                    for letter, option in zip(ascii_lowercase, asked.options, strict=False))
-    return f"<ol class='lab-bars'>{rows}</ol>"
+    return f"<ol class='lab-bars'>{rows}</ol>" if rows else ""
 
 
 def chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Right | None) -> str:

@@ -13,6 +13,7 @@ from app.lessons.markup import html
 from app.page.features.board import chart
 from app.page.features.board.board import COUNTED, REVEALED, Board, Place, has_chart
 
+IN_ONE = 8  # scores, in one column
 NOBODY, WORKING = "Nobody is here yet.", "What came out is being worked out …"
 
 
@@ -96,8 +97,8 @@ def _step(board: Board, place: Place, step: Step) -> str:
         return head + _without_question(board, place)
     if place.stage == COUNTED:
         text = html(filled(step.text, board.numbers), shelf.FOLDER)
-        return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='the question'>{text}" \
-               f"{chart.options(step.asked, board.numbers)}</div>{_counted(board, step, place.at)}"
+        return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='the question'>{text}</div>" \
+               f"{chart.options(step.asked, board.numbers)}{_counted(board, step, place.at)}"
     answers = board.tally.answers(step.key)
     came = board.came_out(step) if place.stage == REVEALED else None
     drawn = chart.chart(step.asked, answers, board.numbers, came if isinstance(came, Right) else None)
@@ -169,7 +170,8 @@ def _end(board: Board) -> str:
     sums = "".join(f"<p class='lab-many'>{told}</p>" for told in calibration(found))
     nothing = "" if found else "<p class='lab-said'>No question has been revealed.</p>"
     return f"<h2>How the class did</h2><div class='lab-sums'>{sums}</div>{nothing}" \
-           f"<ol class='lab-scores' tabindex='0' aria-label='question by question'>{rows}</ol>"
+           f"<ol class='lab-scores{' lab-in-two' * (len(found) > IN_ONE)}' tabindex='0' " \
+           f"aria-label='question by question'>{rows}</ol>"
 
 
 def calibration(found: list[Scored]) -> list[str]:
