@@ -3,7 +3,8 @@
 Two labs have a class each that looks at a run that goes on, and goes through the same lesson; one has a board, whose
 lecturer opens a step and shows its answers every few seconds. They take turns, and the other is held still meanwhile:
 so whatever else the machine does, it does to both. Said is how many frames a second each visitor got, without a board
-and with it, at the slowest and in the median, and how busy the machine was.
+and with it, at the slowest and in the median, and how busy the machine was; and, which others' work changes least, how
+long the server's own process was busy for a frame.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from time import monotonic
 
 from app.commands.bench.class_load import STORE
 from solvers.workers.processes import descendants, free_port
-from tests.app.serving.test_mob import Class
+from tests.app.serving.test_mob import Class, busy
 from tests.paths import ROOT
 from tests.processes import held
 from tests.pupils import Pupil, cookie_of
@@ -57,12 +58,13 @@ class Lab:
     def family(self):
         return [self._server.pid, *descendants(self._server.pid)]
 
-    def rates(self, seconds):
-        """Frames a second of each."""
-        begun = monotonic()
+    def turn(self, seconds):
+        """Frames a second of each, and milliseconds of a processor that the server's process has spent a frame."""
+        begun, spent = monotonic(), busy(self._server.pid)
         threading.Event().wait(seconds)
-        end = monotonic()
-        return [sum(begun <= at < end for at in pupil.frames) / (end - begun) for pupil in self.class_.pupils]
+        end, spent = monotonic(), busy(self._server.pid) - spent
+        counts = [sum(begun <= at < end for at in pupil.frames) for pupil in self.class_.pupils]
+        return [count / (end - begun) for count in counts], 1000 * spent / max(1, sum(counts))
 
     def _lecture(self, lecturer):
         """Step by step, and when the last is shown back and forth: the board is drawn anew each time."""
@@ -101,14 +103,14 @@ def labs(visitors):
 
 
 def measure(visitors, turns, seconds):
-    """Of each turn the frames a second of each visitor: without a board, and with it."""
+    """Of each turn what :meth:`Lab.turn` says: without a board, and with it."""
     without, with_it = [], []
     with labs(visitors) as (plain, board):
         for turn in range(2 * turns):
             lab, other, found = (plain, board, without) if turn % 2 == 0 else (board, plain, with_it)
             with held(other.family):
-                lab.rates(1.0)
-                found.append(lab.rates(seconds))
+                lab.turn(1.0)
+                found.append(lab.turn(seconds))
     return without, with_it
 
 
@@ -117,10 +119,11 @@ def main(visitors=30, turns=6, seconds=8):
     print(f"{visitors} visitors, {turns} turns of {seconds} s each, {os.cpu_count()} processors, "
           f"load {os.getloadavg()[0]:.1f}")
     for name, found in (("without a board", without), ("with a board", with_it)):
-        medians = [statistics.median(rates) for rates in found]
-        of_each = [statistics.mean(rates) for rates in zip(*found, strict=True)]
+        medians = [statistics.median(rates) for rates, _ in found]
+        of_each = [statistics.mean(rates) for rates in zip(*(rates for rates, _ in found), strict=True)]
+        cost = statistics.median(spent for _, spent in found)
         print(f"  {name:16} {statistics.median(of_each):5.1f} frames a second each (median), {min(of_each):.1f} "
-              f"(slowest); turns {' '.join(f'{median:.1f}' for median in medians)}")
+              f"(slowest); {cost:.2f} ms a frame; turns {' '.join(f'{median:.1f}' for median in medians)}")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from app.lessons.lesson import CHOICE, INTERVAL, TEXT
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.page.features.board import saved
 from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
+from app.page.features.board.panel import Lectern
 from app.page.features.board.slides import Door, calibration, says_next, scores, slide
 from tests.processes import until
 
@@ -170,6 +171,20 @@ def test_the_end_says_how_well_the_class_has_known(board):
         "key", "step", "title", "kind", "unit", "options", "count", "late", "answers", "came_out", "right"}
     assert [(question["count"], question["answers"], question["right"]) for question in kept["questions"]] == [
         (3, [1, 2, 2], 2), (3, [3.0, 3.125, 10.0], 2), (0, None, None), (3, [[0, 9], [1, 2], [3, 4]], 2)]
+
+
+@pytest.mark.parametrize("here, link", [
+    ("", "http://10.0.0.5:8080/"), ("http://localhost:8080/", "http://10.0.0.5:8080/"),
+    ("https://lab.school.example/", "https://lab.school.example/")])
+def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link):
+    """That of the lecturer's browser, unless only this machine can mean it."""
+    door = Lectern(board, Door("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
+    assert (door.link, door.warning, door.whole) == (link, "", f"{link}#code=wave%204711")
+
+
+def test_an_address_that_nobody_else_can_open_is_told(board):
+    door = Lectern(board, Door("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
+    assert "Only this computer" in slide(board, board.place, door)
 
 
 def test_what_is_not_revealed_is_not_saved(board):

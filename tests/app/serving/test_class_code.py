@@ -180,9 +180,10 @@ def test_made_up_codes_are_long_and_plain():
 
 def test_lab_that_others_reach_makes_up_a_code_and_prints_it():
     """On any address but this machine's own, and with a public name; with it there are frames, without it nothing. And
-    another one for the teacher."""
+    others for the teacher and for the board."""
     log = []
-    with serving(arguments=("--host", "0.0.0.0", "--teacher"), coded=1, log=log) as (address, _, line):
+    arguments = ("--host", "0.0.0.0", "--teacher", "--lesson", "4", "--board")
+    with serving(arguments=arguments, coded=1, log=log) as (address, _, line):
         printed = re.search(r"class code is (\S+); (http://\S+)/#code=(\S+)", line)
         assert printed[1] == printed[3] and "0.0.0.0" not in address + printed[2]
         assert get(printed[2])[0] == get(address)[0] == 200  # under this machine's own name for itself, and for others
@@ -194,3 +195,5 @@ def test_lab_that_others_reach_makes_up_a_code_and_prints_it():
             until(lambda: visitor.frames > 3, "frames")
     notes = re.search(r"teacher's code.* is (\S+); (http://\S+)/#code=(\S+)", log[0])
     assert notes[1] == notes[3] != printed[1] and notes[2] == printed[2]
+    board = re.search(r"board's code.* is (\S+); (http://\S+)/#code=(\S+) opens", log[0])
+    assert board[1] == board[3] not in (printed[1], notes[1]) and board[2] == printed[2]

@@ -16,7 +16,6 @@ from tests.browser.driving import until
 from tests.browser.page.test_present import SIZES
 from tests.pupils import Pupil, cookie_of
 
-CODE = "wave-4711"
 LESSON = shelf.lesson("04-grid-crossing")
 STEPS, LETTERS, HEADING = LESSON.steps, 28, 40  # pixels for the last row, in a window of 1280 by 720
 ON_THE_BOARD = SIZES.replace("(document.body,", "(document.getElementById('lab-board'),")  # what is below is covered
@@ -89,13 +88,12 @@ def readable(lecturer):
 
 @pytest.mark.parametrize("pupils", [5, pytest.param(30, marks=pytest.mark.slow)])
 def test_a_class_on_the_board(chromium, lecturer_of, pupils, tmp_path):
-    arguments = ("--lesson", "4", "--code", CODE, "--board")
-    with serving(arguments=arguments, coded=2) as (address, _, lines), ExitStack() as stack:
-        own = re.search(r"board's code.* is (\S+);", lines)[1]
-        assert enter(address, "surf-9999")[0] == 403
+    with serving(arguments=("--lesson", "4", "--board"), coded=2) as (address, _, lines), ExitStack() as stack:
+        code, own = (re.search(rf"{whose} code.* is (\S+);", lines)[1] for whose in ("class", "board's"))
+        assert code != own and enter(address, "surf-9999")[0] == 403  # made up, on this machine alone, too
         lecturer = lecturer_of(address, own)
         lecturer.reads("Nobody is here yet.")
-        lecturer.reads(CODE)
+        lecturer.reads(code)
         readable(lecturer)
 
         def come(cookie):
@@ -103,7 +101,7 @@ def test_a_class_on_the_board(chromium, lecturer_of, pupils, tmp_path):
             pupil.find("Next")
             return pupil
 
-        cookies = [cookie_of(address, CODE) for _ in range(pupils)]
+        cookies = [cookie_of(address, code) for _ in range(pupils)]
         class_ = [come(cookie) for cookie in cookies[:-1]]  # and one who comes late
         lecturer.reads(f"{pupils - 1} are here.")
         expected = predictions(lecturer, class_, cookies, come)
