@@ -109,8 +109,11 @@ def test_seats_are_told_when_a_step_is_open_and_of_nothing_else(board):
     seat.listen(lambda: told.append(seat.opened))
     gone.listen(lambda: told.append("gone"))
     gone.leave()
+    board.seat("c").listen(lambda: 1 / 0)
+    last = board.seat("d")
+    last.listen(lambda: told.append("and the last"))
     press(board, NEXT, NEXT, NEXT, NEXT, BACK, NEXT)
-    assert told == [1, 2]
+    assert told == [1, "and the last", 2, "and the last"]
 
 
 def test_how_many_first_then_what_and_then_what_came_out(board):

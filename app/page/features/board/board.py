@@ -11,6 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
+from app.doors.faults import noted
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
 from app.lessons.marks import Right, right
@@ -80,17 +81,17 @@ class Board:
     def press(self, what: str, turn: int) -> None:
         """Do the next thing, or look back, if the board is still as it was when that was pressed."""
         with self._lock:
-            opened, place = self._opened, (self._at, self._opened, self._stages.get(self._at, COUNTED))
-            if turn != self._turn:
+            before = self.place
+            if turn != before.turn:
                 return
             if what == NEXT:
                 self._go_on()
             elif what == BACK:
                 self._at = max(0, self._at - 1)
-            if place == (self._at, self._opened, self._stages.get(self._at, COUNTED)):
+            if self.place == before:
                 return
             self._turn += 1
-            seats = list(self._seats) if self._opened != opened else []
+            seats = list(self._seats) if self._opened != before.opened else []
         self._changed()
         for seat in seats:
             seat.open()
@@ -183,9 +184,12 @@ class BoardSeat:
         self._on_open = on_open
 
     def open(self) -> None:
-        """A further step is open."""
-        if not self._gone:
-            self._on_open()
+        """A further step is open. One page that fails must not keep it from the others."""
+        try:
+            if not self._gone:
+                self._on_open()
+        except Exception as error:
+            noted("a page could not be told that a step is open", error)
 
     def shows(self, step: int) -> None:
         self._board.tally.reach(self._key, step)

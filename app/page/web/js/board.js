@@ -1,10 +1,14 @@
 // The board of a class, on a page that was opened with the board's code: it covers all else, or leaves the stage to be seen.
 // What is on it the page says in a template (features/board); what is pressed goes with the turn that it was meant for.
 (() => {
+  const SILENT = 4000;  // milliseconds without an answer to what was pressed
   const boards = document.getElementsByClassName("lab-board"), body = document.body;
-  let section = null, said = null, buttons = {};
+  let section = null, said = null, waits = null, buttons = {};
   const covers = () => body.classList.contains("lab-board-view");
-  const tell = (what, turn = Number(said.dataset.turn)) => dispatchEvent(new CustomEvent("lab-tell", {detail: {board: [what, turn]}}));
+  function tell(what, turn = Number(said.dataset.turn)) {
+    dispatchEvent(new CustomEvent("lab-tell", {detail: {board: [what, turn]}}));
+    if (what !== "save") waits ??= setTimeout(() => { section.querySelector(".lab-silent").hidden = false; }, SILENT);
+  }
   const next = () => said.dataset.next && tell("next");
   const back = () => said.dataset.back && tell("back");
   const turn = () => tell("stage", covers() ? 1 : 0);
@@ -27,7 +31,9 @@
     section = body.appendChild(document.createElement("section"));
     section.id = "lab-board";
     section.setAttribute("aria-label", "the board");
-    section.innerHTML = "<div class='lab-slide'></div><nav aria-label='what the board shows'></nav>";
+    section.innerHTML = "<div class='lab-slide'></div><p class='lab-silent' role='alert' hidden></p>"
+      + "<nav aria-label='what the board shows'></nav>";
+    section.querySelector(".lab-silent").textContent = "The lab does not answer. Once it does, the board goes on.";
     const nav = section.querySelector("nav");
     for (const [name, label, act] of [["back", "← Look back", back], ["save", "Save", save], ["stage", "", turn], ["next", "", next]]) {
       buttons[name] = nav.appendChild(Object.assign(document.createElement("button"), {type: "button", textContent: label}));
@@ -53,6 +59,9 @@
     if (now === said || !now) return;
     said = now;
     if (!section) build();
+    clearTimeout(waits);
+    waits = null;
+    section.querySelector(".lab-silent").hidden = true;
     const on = said.dataset.covers === "yes", slide = section.querySelector(".lab-slide");
     const top = slide.querySelector("[tabindex]")?.scrollTop || 0, where = slide.querySelector("h2")?.textContent;
     slide.replaceChildren(said.content.cloneNode(true));
