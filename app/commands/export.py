@@ -31,6 +31,8 @@ class Export:
     """A lesson or a scene."""
     out: TextFlag
     """File to write, .html."""
+    core: Annotated[Switch, default_hint("off")] = False
+    """A lesson's file begins with the core alone; its reader may choose all."""
     processes: NumberFlag = 2
     """Processes that run scenes."""
     quiet: Annotated[Switch, default_hint("off")] = False
@@ -39,6 +41,8 @@ class Export:
     def execute(self) -> int:
         require_whole("processes", self.processes, 1, 64)
         is_scene = begins(self.what)
+        if is_scene and self.core:
+            raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
         if is_scene:
             try:
                 scene = read(self.what).scene
@@ -59,7 +63,7 @@ class Export:
                     lesson = shelf.lesson(name)
                 except LessonError as error:
                     raise BadInput("", name, str(error)) from None
-                page = lesson_page(lesson, self.processes, show).encode()
+                page = lesson_page(lesson, self.processes, show, core=self.core).encode()
         target.write(page)
         say(f"{target.text}: {len(page) / 1e6:.1f} MB")
         return 0

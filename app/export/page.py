@@ -20,7 +20,7 @@ from app.templates import rendered
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
 SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "stage", "readout", "budget", "controls",
-           "sha256", "progress", "answers", "lesson", "main")
+           "sha256", "progress", "core", "answers", "lesson", "main")
 USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only where they are asked for
 
 Progress = Callable[[float, str], None]

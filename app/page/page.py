@@ -220,7 +220,7 @@ class Page:
         self.attend(self._watched)
         if self._lectern and not covered:
             self._presenter.begin()
-            self._player.turn_to(step)
+            self._player.turn(self._lectern.board.core, step)
             if (stage := stage_of(self._lectern.board, step)) != self._at:
                 self._at = stage
                 self._controls.show(state.read(stage))

@@ -158,15 +158,16 @@ class Visitors:
 
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
           names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
-          teacher: bool = False, board: bool = False) -> None:
+          teacher: bool = False, core: bool = False, board: bool = False) -> None:
     """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
     ``frames`` a second, if they can be had.
 
     Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
     ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one. With
-    ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. A ``board``
-    shows what the class says to the lesson to those who know its own code; visitors are told apart by cookies, which a
-    code gives, so that there always is a class code then. Raises :class:`ServeError` when host and port cannot be had.
+    ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. With ``core``
+    every lesson begins with its core alone. A ``board`` shows what the class says to the lesson to those who know its
+    own code; visitors are told apart by cookies, which a code gives, so that there always is a class code then. Raises
+    :class:`ServeError` when host and port cannot be had.
     """
     addresses = Addresses(host, names)
     code = code or (made_up() if board or not addresses.private else "")
@@ -174,8 +175,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
-    classroom = Classroom(lesson, teacher)
-    shared = Board(shelf.lesson(lesson), classroom.outcomes) if board else None
+    classroom = Classroom(lesson, teacher, core=core)
+    shared = Board(shelf.lesson(lesson), classroom.outcomes, core) if board else None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(Brief())

@@ -82,6 +82,19 @@ def test_the_one_next_thing_is_what_the_button_says(board):
     assert board.place == end and end.at == board.end == board.opened
 
 
+def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
+    """Steps are counted as the class takes them, there and back, and seats know it."""
+    deep = replace(lesson, steps=tuple(replace(step, core=step.key not in ("why", lesson.steps[1].key))
+                                       for step in lesson.steps))
+    board = Board(deep, Outcomes(), core=True)
+    press(board, *[NEXT] * 4)
+    assert (board.place.at, board.opened, board.total) == (3, 3, 3) and "step 2 of 3" in shown(board)
+    assert board.seat("a").progress().core
+    press(board, BACK)
+    assert board.place.at == 1 and says_next(board, board.place) == "Go forward to step 2"
+    board.close()
+
+
 def test_looking_back_closes_nothing_and_opens_nothing(board):
     press(board, *[NEXT] * 4, BACK)
     assert (board.place.at, board.opened, board.place.now) == (1, 2, False)

@@ -39,10 +39,12 @@ class Place:
 
 
 class Board:
-    """Of one class in one ``lesson``, whose runs the ``outcomes`` have. All have the lesson's first set of numbers:
-    what is shown in one picture must have been asked of all. Any thread may call."""
+    """Of one class in one ``lesson``, or its ``core`` alone, whose runs the ``outcomes`` have. All have the lesson's
+    first set of numbers: what is shown in one picture must have been asked of all. Any thread may call."""
 
-    def __init__(self, lesson: Lesson, outcomes: Outcomes):
+    def __init__(self, lesson: Lesson, outcomes: Outcomes, core: bool = False):
+        self.core = core and bool(lesson.deeper)
+        self._taken = [at for at, step in enumerate(lesson.steps, 1) if step.core or not self.core]
         self.lesson, self.numbers, self._outcomes = lesson, lesson.variants[0], outcomes
         self.tally = Tally(self._changed)
         self._lock = threading.RLock()
@@ -69,6 +71,19 @@ class Board:
         """The place after the last step."""
         return len(self.lesson.steps) + 1
 
+    @property
+    def total(self) -> int:
+        """How many steps the class takes."""
+        return len(self._taken)
+
+    def number(self, at: int) -> int:
+        """Which of the steps that the class takes is at a place, or was the last before it."""
+        return sum(taken <= at for taken in self._taken)
+
+    def after(self, at: int) -> int:
+        """The place that follows."""
+        return self.lesson.beside(at, 1, self.core)
+
     def step(self, at: int) -> Step | None:
         """The step at a place."""
         return self.lesson.steps[at - 1] if 0 < at < self.end else None
@@ -87,7 +102,7 @@ class Board:
             if what == NEXT:
                 self._go_on()
             elif what == BACK:
-                self._at = max(0, self._at - 1)
+                self._at = self.lesson.beside(self._at, -1, self.core)
             if self.place == before:
                 return
             self._turn += 1
@@ -135,13 +150,13 @@ class Board:
         """The one next thing."""
         step, stage = self.step(self._at), self._stages.get(self._at, COUNTED)
         if self._at < self._opened:
-            self._at += 1
+            self._at = self.after(self._at)
         elif step and has_chart(step) and stage < REVEALED:
             self.tally.close(step.key)
             self._stages[self._at] = stage + 1
             self._work_out(step)
         elif self._at < self.end:
-            self._at = self._opened = self._opened + 1
+            self._at = self._opened = self.after(self._opened)
             if (step := self.step(self._at)) and has_chart(step):
                 self._work_out(step)
 
@@ -178,7 +193,7 @@ class BoardSeat:
     def progress(self) -> Progress:
         lesson = self._board.lesson
         return Progress(lesson.name, lesson.fingerprint, step=min(self._entry.step, self.opened),
-                        answers=self._entry.answers)
+                        answers=self._entry.answers, core=self._board.core)
 
     def listen(self, on_open: Callable[[], None]) -> None:
         self._on_open = on_open

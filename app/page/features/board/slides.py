@@ -42,9 +42,10 @@ class Scored:
 
 def slide(board: Board, place: Place, door: Door) -> str:
     """All of a place but its buttons."""
-    step, steps = board.step(place.at), len(board.lesson.steps)
-    where = f"step {place.at} of {steps}" if step else "the beginning" if place.at == 0 else "the end"
-    now = f"you look back; the class is at step {min(place.opened, steps)}"
+    step = board.step(place.at)
+    where = f"step {board.number(place.at)} of {board.total}" if step else \
+        "the beginning" if place.at == 0 else "the end"
+    now = f"you look back; the class is at step {board.number(place.opened)}"
     past = "" if place.now else f"<b class='lab-looks-back'>{now}</b>"
     count = f"<span>{_here(board.tally.here)}</span>" if place.at else ""  # at the beginning it is said below
     top = f"<header><span>{where}</span>{past}{count}</header>"
@@ -54,13 +55,13 @@ def slide(board: Board, place: Place, door: Door) -> str:
 
 def says_next(board: Board, place: Place) -> str:
     """What the next press does; "" where there is nothing more."""
-    step = board.step(place.at)
+    step, following = board.step(place.at), board.after(place.at)
     if not place.now:
-        return "Show how the class did" if place.at + 1 == board.end else f"Go forward to step {place.at + 1}"
+        return "Show how the class did" if following == board.end else f"Go forward to step {board.number(following)}"
     if step and has_chart(step) and place.stage < REVEALED:
         return "Show the answers" if place.stage == COUNTED else "Reveal what came out"
-    if place.at + 1 < board.end:
-        return f"Open step {place.at + 1} for all"
+    if following < board.end:
+        return f"Open step {board.number(following)} for all"
     return "Show how the class did" if place.at < board.end else ""
 
 
@@ -108,7 +109,7 @@ def _step(board: Board, place: Place, step: Step) -> str:
 
 def _without_question(board: Board, place: Place) -> str:
     here, come = board.tally.here, board.tally.reached(place.at)
-    following = board.step(place.at + 1)
+    following = board.step(board.after(place.at))
     onward = f"Next: {following.kind.capitalize()}: {filled(following.title, board.numbers)}" if following else \
         "Next: the end, and how the class did"
     said = NOBODY if here == 0 else f"{come} of {here} have come to this step"

@@ -12,7 +12,7 @@ from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
 from app.lessons.marks import LONGEST, AnswerMark, trouble
-from app.page.features.lesson import acts
+from app.page.features.lesson import acts, core
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.hands import Hands
@@ -76,16 +76,11 @@ class Player:
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
-            self._lesson, self._restored = lesson, False
-            self._progress = self._paced.progress() if self._paced else kept.Progress(lesson.name, lesson.fingerprint)
+            self._lesson, self._restored, self._progress = lesson, False, self._room.begun(lesson)
             self._marker.forget()
         self._controls.offer(lesson.controls, self._below)
         self._rebuild()
         self._on_change()
-
-    def turn_to(self, step: int) -> None:
-        """Show this step of the lesson that is open."""
-        self._go(step - self._progress.step)
 
     def refresh(self) -> None:
         """Call now and then: what a question says of the stage follows it."""
@@ -100,12 +95,8 @@ class Player:
             if lesson is None or name != lesson.name or self._restored or self._paced:
                 return
             self._restored = True
-            try:
-                found = kept.read(text, shelf.lessons().get)
-            except kept.NotAnswers:
+            if (found := kept.of_lesson(text, lesson)) is None:
                 return
-            if found.fingerprint != lesson.fingerprint:
-                return  # the lesson has been changed since: its questions may mean something else
             self._progress = found
             self._marker.forget()
         self._rebuild()
@@ -121,8 +112,8 @@ class Player:
         with self._lock:
             if self._lesson is None:
                 return
-            last = self._paced.opened if self._paced else len(self._lesson.steps) + 1
-            self._progress.step = min(max(self._progress.step + by, 0), last)
+            at = self._lesson.beside(self._progress.step, by, self._progress.core)
+            self._progress.step = min(at, self._paced.opened) if self._paced else at
         self._on_change()  # first: a step that is seen is one to come back to
         self._rebuild()
 
@@ -141,16 +132,16 @@ class Player:
             if self._lesson is None:
                 self._gui.add_html(page.shelf_html(shelf.lessons()))
             else:
-                self._gui.add_html(page.head_html(self._lesson, self._progress))
+                head = self._gui.add_html(page.head_html(self._lesson, self._progress))
                 at, steps = self._progress.step, self._lesson.steps
                 if at == 0:
-                    self._build_intro(self._lesson)
+                    self._build_intro(self._lesson, head)
                 elif at <= len(steps):
                     self._build_step(self._lesson, steps[at - 1])
                 else:
                     self._build_end(self._lesson)
 
-    def _build_intro(self, lesson: Lesson) -> None:
+    def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
         if self._paced:  # all have the same numbers
             self._buttons(back=False, onward=True)
@@ -158,7 +149,22 @@ class Player:
         hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
         name = self._gui.add_text("Your name", self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
+        if lesson.deeper:
+            core.add_choice(self._gui, lesson, self._progress.core, lambda only: self._choose_core(lesson, only, head))
         self._buttons(back=False, onward=True)
+
+    def _choose_core(self, lesson: Lesson, only: bool, head: viser.GuiHtmlHandle) -> None:
+        with self._lock:
+            self._progress.core = only
+        self._on_change()
+        self._show(head, lambda: page.head_html(lesson, self._progress))
+
+    def turn(self, only: bool, step: int) -> None:
+        """Take the core alone from now on, or all again, and go on with the step of this number."""
+        with self._lock:
+            self._progress.core, self._progress.step = only, step
+        self._on_change()
+        self._rebuild()
 
     def _call(self, name: str) -> None:
         with self._lock:
@@ -220,14 +226,11 @@ class Player:
     def _act(self, said: object) -> None:
         """The visitor has pressed what a step's text tells him to do: a step's number, and that of the act."""
         with self._lock:
-            step, number = self._step, said[1] if isinstance(said, list) and len(said) == 2 else None
-            if step is None or not isinstance(said, list) or said[0] != self._progress.step:
-                return
-            act = self._acts[number] if type(number) is int and 0 <= number < len(self._acts) else None
-            stage = filled(step.stage, self._numbers) if number == "stage" else ""
+            act, step = acts.pressed(said, self._progress.step, self._acts), self._step
+            stage = filled(step.stage, self._numbers) if step and act == acts.STAGE else ""
         if stage:
             self._controls.show(state.read(stage))
-        elif act is not None:
+        elif isinstance(act, acts.Act):
             acts.do(act, self._controls)
 
     @property
@@ -259,7 +262,7 @@ class Player:
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Mark what a step looks back on, or everything at the end, and show it there."""
-        steps = asked_since(lesson, step) if step else [other for other in lesson.steps if other.question]
+        steps = asked_since(lesson, step) if step else list(lesson.questions.values())
         self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
             text, lambda: self._explained(lesson, step) if step else self._end(lesson)))
 
@@ -274,32 +277,30 @@ class Player:
         self._mark_all(lesson, None, text)
         if following := shelf.after(lesson):
             self._gui.add_html(MAIN)
-            onward = self._gui.add_button(f"Next lesson: {following.title}")
-            onward.on_click(lambda _: self.open(following.name))
+            self._gui.add_button(f"Next lesson: {following.title}").on_click(lambda _: self.open(following.name))
+        if self._progress.core and not self._paced:
+            self._gui.add_button(core.GO_DEEPER).on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
         hand_in = self._gui.add_button("Hand in", icon=viser.Icon.DOWNLOAD, hint="save your answers as a file")
-        hand_in.on_click(lambda _: self._hand_in(lesson))
+        hand_in.on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
 
     def _end(self, lesson: Lesson) -> str:
-        steps = [step for step in lesson.steps if step.question]
-        table = page.compared_html(steps, self._progress.answers, self._marker.marks, self._numbers)
-        return page.end_html(table, sum(step.key not in self._progress.answers for step in steps), bool(self._paced))
+        return page.end_html(lesson, self._progress, self._marker.marks, self._numbers, bool(self._paced))
 
-    def _hand_in(self, lesson: Lesson) -> None:
+    def _hand_in(self) -> None:
         with self._lock:
-            self._client.send_file_download(f"{lesson.name}-{self._progress.called}.json",
-                                            self._progress.text().encode(), save_immediately=True)
+            self._client.send_file_download(self._progress.file_name, self._progress.text().encode(),
+                                            save_immediately=True)
 
     def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
         """Back, next and leave; the one for next is the ``main`` one where no answer is asked for."""
-        first = self._step is not None and self._step.kind == PREDICT
-        self._way = Way(self._gui, back, onward, main, first, self._waits, PACED if self._paced else KEPT, self._go,
-                        self._leave)
-
-    def _waits(self) -> bool:
-        """Whether the next step is still to be opened to all."""
-        return self._paced is not None and self._lesson is not None \
-            and self._paced.opened <= self._progress.step <= len(self._lesson.steps)
+        lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced
+        assert lesson is not None
+        self._way = Way(
+            self._gui, back, onward, main, step is not None and step.kind == PREDICT,
+            lambda: paced is not None and paced.opened <= at <= len(lesson.steps), PACED if paced else KEPT, self._go,
+            self._leave, lambda: self.turn(True, lesson.beside(at, 1, core=True)),
+            step is not None and not step.core and not paced)
 
     def _step_opened(self) -> None:
         """A further step is open to all: what is seen stays, and what is being typed."""
@@ -310,8 +311,7 @@ class Player:
     @property
     def _paced(self) -> Seat | None:
         """The visitor's seat, while the lesson that is open is the one that is paced from the board."""
-        seat = self._room.seat
-        return seat if seat and seat.lesson == self.name else None
+        return self._room.seat if self._room.seat and self._room.seat.lesson == self.name else None
 
     @property
     def _numbers(self) -> Numbers:

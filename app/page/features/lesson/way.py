@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import viser
 
+from app.page.features.lesson import core
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import is_removed
 
@@ -32,12 +33,15 @@ class Way:
         Tells whether the next step is still to be opened to all.
     kept
         A sentence: what becomes of answers.
-    go, leave
-        Are called to go so many steps on, and to close the lesson.
+    go, leave, skip
+        Are called to go so many steps on, to close the lesson, and to skip what is deeper.
+    deeper
+        Whether there is a button for that.
     """
 
     def __init__(self, gui: viser.GuiApi, back: bool, done: bool, main: bool, first: bool, waits: Callable[[], bool],
-                 kept: str, go: Callable[[int], None], leave: Callable[[], None]):
+                 kept: str, go: Callable[[int], None], leave: Callable[[], None], skip: Callable[[], None],
+                 deeper: bool):
         self._done, self._first, self._waits, self._kept = done, first, waits, kept
         gui.add_html(BESIDE)
         gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: go(-1))
@@ -45,6 +49,9 @@ class Way:
         self._following = gui.add_button("Next", icon=viser.Icon.CHEVRON_RIGHT, disabled=waits() or not done)
         self._following.on_click(lambda _: go(1))
         self._below = gui.add_html(self._said)
+        if deeper:
+            gui.add_html(LINK)
+            gui.add_button(core.SKIP).on_click(lambda _: skip())
         gui.add_html(LINK)
         gui.add_button("Close the lesson").on_click(lambda _: leave())
 
