@@ -58,8 +58,7 @@ class Serve:
         require_number("frames", self.frames, 0, MOST_FRAMES)
         lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
         if self.board and not lesson:
-            raise BadInput("lesson", self.lesson, "give the lesson that --board is for, by name or number "
-                           "(mpm-lab lesson list)")
+            raise BadInput("", "--board", "needs --lesson with the name or number of a lesson (mpm-lab lesson list)")
         from app.page import serving  # here: bad input and --help must not wait for the page's imports
         try:
             serving.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
