@@ -47,7 +47,7 @@ def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Ou
     if step.asked.kind == TEXT:
         return AnswerMark(None, "")
     found = right(lesson, step, numbers, outcomes)
-    right_or_not = _fits(step.asked, answer, found)
+    right_or_not = fits(step.asked, answer, found)
     if step.asked.kind != INTERVAL:
         return AnswerMark(right_or_not, found.told)
     low, high = map(float, answer)
@@ -84,7 +84,8 @@ def in_unit(asked: Question, found: float | str) -> str:
     return f"{said(found)} {asked.unit}".strip()
 
 
-def _fits(asked: Question, answer: Any, found: Right) -> bool:
+def fits(asked: Question, answer: Any, found: Right) -> bool:
+    """Whether an answer to a question is right, or an interval holds what came out."""
     if asked.kind == CHOICE:
         return answer in found.options
     if isinstance(found.value, str):

@@ -13,6 +13,7 @@ from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
 from app.lessons.marks import AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
+from app.page.features.lesson.seat import Seat
 
 LATER = "could not be checked just now"
 POLITE = 10  # more than the engines: marks can wait, stages cannot
@@ -21,15 +22,19 @@ POLITE = 10  # more than the engines: marks can wait, stages cannot
 @dataclass(frozen=True)
 class Classroom:
     """What all visitors of one server share: the lesson that everyone is opened on, if any, whether teacher's notes are
-    shown, what answers are marked by, and whether lessons begin with their core alone."""
+    shown, what answers are marked by, and whether lessons begin with their core alone. And what each has alone: a
+    ``seat``, where a board paces the lesson."""
 
     lesson: str = ""
     teacher: bool = False
     outcomes: Outcomes = field(default_factory=lambda: Outcomes(politeness=POLITE))
     core: bool = False
+    seat: Seat | None = None
 
     def begun(self, lesson: Lesson) -> Progress:
-        """How somebody begins a lesson."""
+        """How somebody begins a lesson, or goes on with the one that is paced."""
+        if self.seat and self.seat.lesson == lesson.name:
+            return self.seat.progress()
         return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.deeper))
 
 
