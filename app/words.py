@@ -210,7 +210,8 @@ def command_line(scene: Scene) -> str:
 
 def brief(silence: str) -> str:
     """Why an estimator says nothing, for where there is little room and the readout has the reason."""
-    name, found, _ = silence.partition(f": {tr('not valid here')}")
+    not_valid = tr("not valid here")  # as the sentence says it
+    name, found, _ = silence.partition(f": {not_valid}")
     return tr("{name} is not valid here", name=name) if found else silence
 
 

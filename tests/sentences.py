@@ -32,7 +32,7 @@ FILES = ("scene/rules.py", "scene/scene.py", "scene/step_bound.py", "scene/regis
 NOT_SAID = ("option", "debug", "info", "warning", "error", "exception", "compile", "on_progress", "unknown")
 NAMES = re.compile("[A-Z_]*(NAMES?|UNITS?|SETTING|PLACES|SPEEDS|CLOCK|VELOCITY|STRESS|ORDER|DRIFT|AXES|FIGURES)")
 #: What else is for nobody's eyes, by how it begins.
-SILENT = ("%d ", "<", "of the ", "times ", "does not hold", "cannot be told", "double ", "single ")
+SILENT = ("%d ", "<", "of the ", "times ", "does not hold", "cannot be told", "double precision", "single precision")
 WORD = re.compile(r"[^\W\d_]{2,}")
 PLACE = re.compile(r"\{(\w+)\}")
 Text = tuple[str, str]  # a template, and the file where it stands
@@ -52,7 +52,8 @@ def _of(tree: ast.AST) -> Iterator[str]:
         text = _template(node)
         words = WORD.findall(PLACE.sub(" ", text))
         said = len(words) > 1 or (words and PLACE.search(text)) if " " in text.strip() else nested
-        if said and (max(map(len, words), default=0) > 2 or text.endswith(" ")) and not text.startswith(SILENT):
+        least = 2 if text.endswith(" ") else 3  # letters of a word: "or " begins what follows
+        if said and max(map(len, words), default=0) >= least and not text.startswith(SILENT):
             yield text
 
 

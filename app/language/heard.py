@@ -14,7 +14,7 @@ from app.language.spoken import ENGLISH, catalogue, kept, language
 FOLDER = "solvers/"
 LONGEST = 1000  # characters of a sentence: none of ours is as long
 MOST_WAYS = 30  # to put a sentence into a template that are tried
-MOST_TEXTS = 500  # that are looked up for one sentence: one that quotes much from outside may have any number
+MOST_TEXTS, DEEPEST = 500, 20  # that are looked up for one sentence: one that quotes from outside may have any number
 SEPARATORS = re.compile(r"; |: |, | \(")  # between what a sentence is made of where no template says so
 PLACE, WORD = re.compile(r"\{(\w+)\}"), re.compile(r"[^\W\d_]{2,}")
 
@@ -26,7 +26,16 @@ class Understood(NamedTuple):
     said: str
 
 
-Looked = dict[str, Understood | None]  # texts of a sentence, and what is understood of them
+class Looked:
+    """What has been looked up of a sentence, and how deep within it one is looking."""
+
+    def __init__(self) -> None:
+        self.texts: dict[str, Understood | None] = {}
+        self.depth = 0
+
+    @property
+    def enough(self) -> bool:
+        return len(self.texts) >= MOST_TEXTS or self.depth >= DEEPEST
 
 
 class Template:
@@ -68,13 +77,14 @@ class Translator:
 
     def __init__(self, words: Mapping[str, str]):
         self._words = {text: said for text, said in words.items() if not PLACE.search(text)}
+        self.templates = [Template(text, said) for text, said in words.items() if text not in self._words]
         self._beginnings = [text for text in self._words if text.endswith(" ") and not text.startswith(" ")]
         self._between = [text for text in self._words if text.endswith(" ") and text.startswith(" ")]
-        self.templates = [Template(text, said) for text, said in words.items() if text not in self._words]
+        self._endings = {PLACE.split(text)[0] for text in words if text.startswith(" ") and text not in self._between}
 
     def __call__(self, sentence: str) -> str:
         """The sentence, or itself where nobody knows it."""
-        return self._part(sentence, {}).said
+        return self._part(sentence, Looked()).said
 
     def _part(self, text: str, looked: Looked) -> Understood:
         """What stands in a place: a name or a number stays as it is."""
@@ -83,10 +93,12 @@ class Translator:
     def _known(self, text: str, looked: Looked) -> Understood | None:
         """A text that is known, or made of what is; None where it is not. What has been ``looked`` up is kept for the
         rest of its sentence."""
-        if text not in looked and len(looked) < MOST_TEXTS:
-            looked[text] = None  # of itself it is not made
-            looked[text] = max(self._ways(text, looked), default=None, key=lambda way: way.known)
-        return looked.get(text)
+        if text not in looked.texts and not looked.enough:
+            looked.texts[text] = None  # of itself it is not made
+            looked.depth += 1
+            looked.texts[text] = max(self._ways(text, looked), default=None, key=lambda way: way.known)
+            looked.depth -= 1
+        return looked.texts.get(text)
 
     def _ways(self, text: str, looked: Looked) -> Iterator[Understood]:
         if text in self._words:
@@ -101,6 +113,10 @@ class Translator:
             if text.startswith(begun):
                 rest = self._part(text.removeprefix(begun), looked)
                 yield Understood(len(begun) + rest.known, self._words[begun] + rest.said)
+        for end in self._endings:
+            if (at := text.rfind(end)) > 0 and (tail := self._known(text[at:], looked)):
+                head = self._part(text[:at], looked)
+                yield Understood(head.known + tail.known, head.said + tail.said)
         yield from self._joined(text, looked)
 
     def _joined(self, text: str, looked: Looked) -> Iterator[Understood]:
@@ -115,14 +131,20 @@ class Translator:
                     yield Understood(head.known + tail.known, f"{head.said}{text[begin:end]}{tail.said}")
         for word in self._between:
             first, _, last = text.rpartition(word)
-            if first and (before := self._known(first, looked)) and (after := self._known(last, looked)):
+            before, after = (self._known(one, looked) or self._name(one) for one in (first, last))
+            if first and before and after:
                 yield Understood(before.known + after.known, f"{before.said}{self._words[word]}{after.said}")
+
+    @staticmethod
+    def _name(text: str) -> Understood | None:
+        """A name, which is one word, stays as it is."""
+        return None if " " in text else Understood(0, text)
 
     def _named(self, head: str) -> Understood | None:
         label = max((words for words in self._words if head.startswith(f"{words} ")), key=len, default=None)
         if label is not None:
             return Understood(len(label), self._words[label] + head.removeprefix(label))
-        return None if " " in head else Understood(0, head)
+        return self._name(head)
 
 
 @functools.lru_cache
