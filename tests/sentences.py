@@ -1,5 +1,5 @@
-"""The sentences of the solvers that a visitor of the page may read, found in their code, and the words of their
-registries: as templates with places, ``give a whole number from {least} to {most}``, for ``app/language/de.po``."""
+"""The sentences of the solvers that a visitor of the page may read, found in their code, those about links, and the words
+of the solvers' registries: as templates with places, ``give a whole number from {least} to {most}``, for ``app/language/de.po``."""
 
 import ast
 import re
@@ -42,9 +42,14 @@ def sentences() -> Iterator[Text]:
     """All of them."""
     for pattern in FILES:
         for path in sorted((ROOT / "solvers").glob(pattern)):
-            for text in _of(ast.parse(path.read_text(encoding="utf-8"))):
-                yield text, _named(path)
+            yield from _in(path)
+    yield from _in(ROOT / "app" / "state.py")
     yield from _registries()
+
+
+def _in(path: Path) -> Iterator[Text]:
+    for text in _of(ast.parse(path.read_text(encoding="utf-8"))):
+        yield text, path.relative_to(ROOT).as_posix()
 
 
 def _of(tree: ast.AST) -> Iterator[str]:
@@ -143,7 +148,3 @@ def _registries() -> Iterator[Text]:
         yield noun, "solvers/solver/soundness.py"
     for count in ("no", "one", "two", "three"):
         yield count, "solvers/judging/placing.py"
-
-
-def _named(path: Path) -> str:
-    return path.relative_to(ROOT).as_posix()

@@ -1,4 +1,4 @@
-"""Sentences of the solvers in the visitor's language. They are composed in English, often in another process, and come
+"""Sentences of the solvers, and of links that cannot be read, in the visitor's language. They are composed in English, often in another process, and come
 here as they are: which of the catalogue's templates a sentence is made of is found by its words, and what stands in the
 places of that template is looked for in the same way. Of several ways to understand it the one counts that understands
 the most letters."""
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from app.language.spoken import ENGLISH, catalogue, kept, language
 
-FOLDER = "solvers/"
+PLACES = ("solvers/", "app/state.py")  # where such sentences are made
 LONGEST = 1000  # characters of a sentence: none of ours is as long
 MOST_WAYS = 30  # to put a sentence into a template that are tried
 MOST_TEXTS, DEEPEST = 500, 20  # that are looked up for one sentence: one that quotes from outside may have any number
@@ -150,7 +150,7 @@ class Translator:
 @functools.lru_cache
 def translator(code: str) -> Translator:
     """That of a language."""
-    return Translator(catalogue(code).of_files(FOLDER))
+    return Translator(catalogue(code).of_files(PLACES))
 
 
 def heard(sentence: str) -> str:
