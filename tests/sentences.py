@@ -1,5 +1,6 @@
-"""The sentences of the solvers that a visitor of the page may read, found in their code, those about links, and the words
-of the solvers' registries: as templates with places, ``give a whole number from {least} to {most}``, for ``app/language/de.po``."""
+"""The sentences of the solvers that a visitor of the page may read, found in their code, those about links, and the
+words of the solvers' registries: as templates with places, ``give a whole number from {least} to {most}``, for
+``app/language/de.po``."""
 
 import ast
 import re

@@ -153,5 +153,6 @@ def fill(text: str, **numbers: str) -> str:
 
 def spans(text: str, places: Mapping[str, str]) -> list[Span]:
     """The text in spans, with what is in the places of their names; a place of another name stays as it is."""
-    return [(KINDS.get(piece[1:-1], ""), places[piece[1:-1]]) if piece[1:-1] in places else ("", piece)
-            for piece in re.split(r"(\{\w+\})", text) if piece]
+    pieces = re.split(r"\{(\w+)\}", text)  # every second one is the name of a place
+    return [(KINDS.get(piece, ""), places[piece]) if k % 2 and piece in places
+            else ("", f"{{{piece}}}" if k % 2 else piece) for k, piece in enumerate(pieces) if piece]

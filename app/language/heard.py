@@ -1,7 +1,7 @@
-"""Sentences of the solvers, and of links that cannot be read, in the visitor's language. They are composed in English, often in another process, and come
-here as they are: which of the catalogue's templates a sentence is made of is found by its words, and what stands in the
-places of that template is looked for in the same way. Of several ways to understand it the one counts that understands
-the most letters."""
+"""Sentences of the solvers, and of links that cannot be read, in the visitor's language. They are composed in English,
+often in another process, and come here as they are: which of the catalogue's templates a sentence is made of is found
+by its words, and what stands in the places of that template is looked for in the same way. Of several ways to
+understand it the one counts that understands the most letters."""
 
 import functools
 import re
