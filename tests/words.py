@@ -1,4 +1,5 @@
-"""All words that another language must have others for, found in the code: ``python -m tests.words`` puts new ones into
+"""All words that another language must have others for, found in the code of the app and the sentences of the solvers
+(:mod:`tests.sentences`): ``python -m tests.words`` puts new ones into
 ``app/language/de.po``, without a translation, and takes out those that are said no more."""
 
 import re
@@ -10,6 +11,7 @@ from babel.messages.extract import extract_from_dir
 from babel.messages.pofile import read_po, write_po
 
 from tests.paths import ROOT
+from tests.sentences import sentences
 
 APP, GERMAN = ROOT / "app", ROOT / "app" / "language" / "de.po"
 KEYWORDS = {"tr": None, "trn": (1, 2), "later": None}  # of app/language/spoken.py, and of the scripts
@@ -33,6 +35,8 @@ def template() -> Catalog:
     found = Catalog(project="mpm-lab", charset="utf-8")
     for file, _, text, _, _ in extract_from_dir(APP, METHODS, keywords=KEYWORDS):
         found.add(text, locations=[(f"app/{file}", None)])
+    for text, file in sentences():
+        found.add(text, locations=[(file, None)])
     return found
 
 

@@ -119,7 +119,8 @@ def periods_of(series: dict[str, np.ndarray], scene: Scene) -> float:
 
 def _reason(report: FrameReport) -> list[str]:
     """Why a run is lost, without when: the headline has that."""
-    return [on_page(report.reason.partition(": ")[2] or report.reason)] if report.reason else []
+    reason = on_page(report.reason or "")
+    return [reason.partition(": ")[2] or reason] if reason else []
 
 
 def _norm(sizes: np.ndarray | None) -> float:
