@@ -10,7 +10,8 @@ from app import state
 from app.doors.faults import noted
 from app.frame.scale import ColourScale
 from app.frame.sentence import Said
-from app.language.spoken import carried
+from app.language.heard import heard
+from app.language.spoken import carried, language, tr
 from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.features.board.panel import BoardPanel, Lectern, stage_of
@@ -59,7 +60,7 @@ class Page:
     def __init__(self, client: viser.ClientHandle, pool: PageLinks, classroom: Classroom,
                  lectern: Lectern | None = None):
         self.client, self._ready, self._links, self._classroom = client, False, pool, classroom
-        self.token = secrets.token_urlsafe(12)
+        self.token, self.language = secrets.token_urlsafe(12), language()
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._keeping = threading.Lock()
         self._watched = self._takes = True  # the browser shows the page, and takes what is sent to it
@@ -142,18 +143,19 @@ class Page:
         self._measurements.build(client.gui)
         self._controls.open_on(OPENING)
         tabs = client.gui.add_tab_group()
-        with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
+        with tabs.add_tab(tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
             client.gui.add_html("<div class='lab-sparks-here'></div>")  # on a phone
             self._controls.build(explore)
             self._sharing = Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
-        with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
+        with tabs.add_tab(tr("Lessons"), viser.Icon.SCHOOL) as lessons:
             self._player = Player(client, lessons, self._classroom, self._controls, self._store, self._keep)
-        with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
+        with tabs.add_tab(tr("Cost"), viser.Icon.HOURGLASS):
             self._cost = CostTab(client, self._session, self._controls.load)
-        with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
+        with tabs.add_tab(tr("About"), viser.Icon.INFO_CIRCLE):
             client.gui.add_html("<i class='lab-replay'></i>")
-            self._replay = client.gui.add_button("Replay the story", hint="what the page opens on, in four beats")
+            self._replay = client.gui.add_button(tr("Replay the story"),
+                                                   hint=tr("what the page opens on, in four beats"))
             add_about(client.gui)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
@@ -180,7 +182,7 @@ class Page:
         try:
             self._controls.show(state.read(text))
         except state.StateError as error:
-            self._session.refuse(f"The link cannot be followed: {error}")
+            self._session.refuse(tr("The link cannot be followed: {reason}", reason=heard(str(error))))
 
     def _keep(self) -> None:
         """Have the browser keep what is seen: in its address, and the answers to a lesson."""

@@ -20,7 +20,7 @@ from app.doors.address import Addresses
 from app.doors.code import BOARD, CLASS, TEACHER, ClassCode, Guest, made_up
 from app.doors.faults import Brief
 from app.identity import ICON
-from app.language.spoken import carried
+from app.language.spoken import carried, later, tr
 from app.lessons import shelf
 from app.page.ending import ending, in_background
 from app.page.features.board.board import Board
@@ -38,9 +38,9 @@ CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after
 MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
-FULL = "Every place on this server is taken. This page tries again by itself; nothing needs to be done."
-OVER = "The lab has been closed. Once it is open again, this page comes back by itself."
-FAILED = "The page could not be made. Reload it, or see the terminal for the reason."
+FULL = later("Every place on this server is taken. This page tries again by itself; nothing needs to be done.")
+OVER = later("The lab has been closed. Once it is open again, this page comes back by itself.")
+FAILED = later("The page could not be made. Reload it, or see the terminal for the reason.")
 AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
 
 
@@ -81,7 +81,7 @@ class Visitors:
         if admitted:
             self._admit(client)
         else:
-            self._show(client, OVER if over else FULL + AGAIN)
+            self._show(client, tr(OVER) if over else tr(FULL) + AGAIN)
 
     def disconnect(self, client: Any) -> None:
         """Close the visitor's page, now or as soon as it is made."""
@@ -111,7 +111,8 @@ class Visitors:
         with self._lock:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
-        closing = [threading.Thread(target=self._send_home, args=(page,), daemon=True) for page in pages]
+        closing = [threading.Thread(target=carried(self._send_home, page.language), args=(page,), daemon=True)
+                   for page in pages]
         for thread in closing:
             thread.start()
         return closing
@@ -128,7 +129,7 @@ class Visitors:
 
     def _send_home(self, page: Any) -> None:
         page.fall_silent()
-        self._show(page.client, OVER)
+        self._show(page.client, tr(OVER))
         page.client.flush()
         page.close()
 
@@ -151,7 +152,7 @@ class Visitors:
         if page is not None:
             page.close()
         if not gone:
-            self._show(client, OVER if over else FAILED)
+            self._show(client, tr(OVER if over else FAILED))
         with self._lock:
             self._pages.pop(visitor, None)
 
