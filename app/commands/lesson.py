@@ -1,7 +1,7 @@
 """``mpm-lab lesson list|check|guide|grade``: lessons without a page."""
 
 import os
-from collections.abc import Sized
+from collections.abc import Callable, Iterable, Sized
 from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
@@ -11,9 +11,10 @@ import tyro
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, put_text, say
 from app.commands.progress import working
+from app.language.spoken import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import Lesson, LessonError
 from solvers.outside.quoting import file_name
-from solvers.scene.rules import require_whole
+from solvers.scene.rules import require_choice, require_whole
 
 if TYPE_CHECKING:
     from app.lessons.progress import Progress
@@ -34,7 +35,7 @@ class LessonList:
 
     def execute(self) -> int:
         from app.lessons import shelf
-        lessons, mistakes = _read(())
+        lessons, mistakes = _read((), lambda name: [shelf.lesson(name)])
         width = max(map(len, shelf.names()), default=0)
         for lesson in lessons:
             put_text(f"{lesson.name:<{width}}  {lesson.minutes:>3} min  {lesson.title}\n")
@@ -43,7 +44,7 @@ class LessonList:
 
 @dataclass(frozen=True)
 class LessonCheck:
-    """Run every scene of lessons and check every claim, headless.
+    """Run every scene of lessons and check every claim, headless, in every language that they have.
 
     Exit status: 0 all claims hold, 1 one does not, 2 bad input, or a lesson's file has a mistake (the others are
     checked).
@@ -67,9 +68,10 @@ class LessonCheck:
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
+        from app.lessons import shelf
         from app.lessons.checking import checks
         from app.lessons.outcomes import Outcomes, scene_texts
-        lessons, mistakes = _read(self.names)
+        lessons, mistakes = _read(self.names, shelf.in_every_language)
         with working(self.quiet) as show, closing(Outcomes(self.processes)) as outcomes:
             texts = [text for lesson in lessons for numbers in lesson.variants[:self.variants]
                      for text in scene_texts(lesson, numbers)]
@@ -78,9 +80,10 @@ class LessonCheck:
         failed = [check for check in found if not check.holds]
         for check in failed:
             say(check)
-        told = f"{_count(lessons)}, {len(found)} checks, {len(failed)} failed" if lessons else "nothing was checked"
+        names = list(dict.fromkeys(lesson.name for lesson in lessons))
+        told = f"{_count(names)}, {len(found)} checks, {len(failed)} failed" if lessons else "nothing was checked"
         told += f"; {_count(mistakes)} could not be read" if mistakes else ""
-        put_result({"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
+        put_result({"schema": CHECKS_SCHEMA, "lessons": names,
                     "checks": [vars(check) for check in found], "not_read": mistakes}, target, lambda _: told)
         return BAD_INPUT if mistakes else FAILED if failed else OK
 
@@ -98,21 +101,25 @@ class LessonGuide:
     """Lesson, by name or number."""
     out: Annotated[PathFlag, default_hint("Markdown on standard output")] = None
     """File for the guide: .md, or .html to read and print."""
+    lang: TextFlag = ENGLISH
+    """Language: en or de; of a lesson that is not in it all but the lesson."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
-        from app.lessons import guide
+        require_choice("lang", self.lang, tuple(LANGUAGES))
+        from app.lessons import guide, shelf
         from app.lessons.outcomes import Outcomes
         ending = "" if self.out is None else next((kind for kind in guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
             raise BadInput("out", self.out, f"give a file that ends in {' or '.join(guide.KINDS)}")
         target = None if self.out is None else Target("out", self.out)
-        lessons, _ = _read((self.name,))
-        if not lessons:
-            return BAD_INPUT
-        with working(self.quiet), closing(Outcomes(1)) as outcomes:
-            text = guide.KINDS[ending or ".md"](lessons[0], outcomes)
+        with speaking(self.lang):
+            lessons, _ = _read((self.name,), lambda name: [shelf.lesson(name)])
+            if not lessons:
+                return BAD_INPUT
+            with working(self.quiet), closing(Outcomes(1)) as outcomes:
+                text = guide.KINDS[ending or ".md"](lessons[0], outcomes)
         put_text(text, target)
         return OK
 
@@ -174,13 +181,14 @@ def _count(lessons: Sized) -> str:
     return f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}"
 
 
-def _read(names: tuple[str, ...]) -> tuple[list[Lesson], dict[str, str]]:
-    """The lessons of these names, or all, and by name what is wrong with those that cannot be read, which is told."""
+def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]]) -> tuple[list[Lesson], dict[str, str]]:
+    """The lessons of these names, or all, as one ``find``s them, and by name what is wrong with those that cannot be
+    read, which is told."""
     from app.lessons import shelf
-    lessons, mistakes = [], {}
+    lessons, mistakes = list[Lesson](), dict[str, str]()
     for name in dict.fromkeys(map(lesson_called, names)) if names else shelf.names():
         try:
-            lessons.append(shelf.lesson(name))
+            lessons += find(name)
         except LessonError as error:
             say(error)
             mistakes[name] = str(error)

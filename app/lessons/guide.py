@@ -3,8 +3,9 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from app.language.spoken import language, tr
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import CHOICE, TEXT, Lesson, Numbers, Step
+from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
 from app.lessons.marks import in_unit, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
@@ -17,29 +18,32 @@ PAGE = Path(__file__).parent / "guide.html"
 
 def markdown(lesson: Lesson, outcomes: Outcomes) -> str:
     """The guide as Markdown. Runs what the right answers need."""
-    parts = [f"# {lesson.title}", f"*Teacher's guide. {lesson.minutes} minutes.*", "Afterwards students can",
+    parts = [f"# {lesson.title}", tr("*Teacher's guide. {minutes} minutes.*", minutes=lesson.minutes),
+             tr("Afterwards students can"),
              "\n".join(f"* {goal}" for goal in lesson.goals)]
     if lesson.prerequisites:
-        parts.append(f"Do before: {', '.join(lesson.prerequisites)}.")
-    parts += [f"Open the class on it: `mpm-lab serve --lesson {lesson.name}`. Handed-in files become one table by "
-              "`mpm-lab lesson grade FILES`.", *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
+        parts.append(tr("Do before: {lessons}.", lessons=", ".join(lesson.prerequisites)))
+    parts += [tr("Open the class on it: `mpm-lab serve --lesson {name}`. Handed-in files become one table by "
+                 "`mpm-lab lesson grade FILES`.", name=lesson.name),
+              *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
     for number, step in enumerate(lesson.steps, 1):
-        stage = f"On the stage: `{step.stage}`" if step.stage else ""
-        parts += [f"## {number}. {step.kind.capitalize()}: {step.title}", step.text, stage,
+        stage = tr("On the stage: `{scene}`", scene=step.stage) if step.stage else ""
+        parts += [f"## {number}. {tr(TITLES[step.kind])}: {step.title}", step.text, stage,
                   *_question(lesson, step, outcomes), _quoted(step.notes)]
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
 
 def page(lesson: Lesson, outcomes: Outcomes) -> str:
     """The guide as one html file, with its pictures in it."""
-    return rendered(PAGE, title=lesson.title, body=html(markdown(lesson, outcomes), FOLDER))
+    return rendered(PAGE, language=language(), title=lesson.title, body=html(markdown(lesson, outcomes), FOLDER))
 
 
 def _variants(lesson: Lesson) -> Iterator[str]:
     names = list(lesson.variants[0])
     if names:
         rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
-        yield "Numbers differ from student to student, drawn from the name:\n\n" + grid(["variant", *names], rows)
+        told = tr("Numbers differ from student to student, drawn from the name:")
+        yield f"{told}\n\n{grid([tr('variant'), *names], rows)}"
 
 
 def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
@@ -49,26 +53,27 @@ def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
     if asked.options:
         yield "\n".join(f"{k}. {option}" for k, option in enumerate(asked.options, 1))
     if asked.kind == TEXT:
-        yield "**Answer:** free text, which is not marked."
+        yield tr("**Answer:** free text, which is not marked.")
         return
     answers = [_answer(lesson, step, numbers, outcomes) for numbers in lesson.variants]
     if len(set(answers)) == 1:
-        yield f"**Answer:** {answers[0]}"
+        yield tr("**Answer:** {answer}", answer=answers[0])
     else:
-        yield "**Answer:**\n\n" + grid(["variant", "answer"], ([str(k), one] for k, one in enumerate(answers, 1)))
+        rows = ([str(k), one] for k, one in enumerate(answers, 1))
+        yield tr("**Answer:**") + "\n\n" + grid([tr("variant"), tr("answer")], rows)
 
 
 def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> str:
     try:
         found = right(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
-        return f"could not be worked out: {error}"
+        return tr("could not be worked out: {why}", why=error)
     return found.told if step.asked.kind == CHOICE else in_unit(step.asked, found.value)
 
 
 def _quoted(notes: str) -> str:
     """Notes set apart from what students see."""
-    return "\n".join(f"> {line}" for line in ["**Teacher**", "", *notes.splitlines()]) if notes.strip() else ""
+    return "\n".join(f"> {line}" for line in [tr("**Teacher**"), "", *notes.splitlines()]) if notes.strip() else ""
 
 
 KINDS: dict[str, Callable[[Lesson, Outcomes], str]] = {".md": markdown, ".html": page}

@@ -65,14 +65,14 @@ function handIn() {
 function trouble(question, answer) {
   const real = (value) => typeof value === "number" && Number.isFinite(value) && Math.abs(value) < LESSON.most;
   if (question.kind === "text")
-    return typeof answer === "string" && answer.trim() && [...answer].length <= LESSON.longest ? "" : `write one to ${LESSON.longest} characters`;
+    return typeof answer === "string" && answer.trim() && [...answer].length <= LESSON.longest ? "" : tr("Please write one to {most} characters.", {most: LESSON.longest});
   if (question.kind === "choice")
-    return Number.isInteger(answer) && answer >= 1 && answer <= question.options[0].length ? "" : "choose one of the answers";
+    return Number.isInteger(answer) && answer >= 1 && answer <= question.options[0].length ? "" : tr("Please choose one of the answers.");
   if (question.kind === "interval") {
-    if (!Array.isArray(answer) || answer.length !== 2 || !answer.every(real)) return "give two numbers, the least and the most";
-    return answer[0] <= answer[1] ? "" : "the first number must not be above the second";
+    if (!Array.isArray(answer) || answer.length !== 2 || !answer.every(real)) return tr("Please give two numbers, the least and the most.");
+    return answer[0] <= answer[1] ? "" : tr("The first number must not be above the second.");
   }
-  return real(answer) ? "" : "give a number";
+  return real(answer) ? "" : tr("Please give a number.");
 }
 
 // Whether an answer is right (null: nobody marks it), and what is, in words; null where it could not be found out.
@@ -89,6 +89,6 @@ function mark(question, answer) {
 // An answer in words.
 function shown(question, answer) {
   if (question.kind === "choice") return own(question.options)[answer - 1];
-  if (question.kind === "interval") return `${number(answer[0], 4)} to ${number(answer[1], 4)} ${question.unit}`.trim();
+  if (question.kind === "interval") return tr("{low} to {high} {unit}", {low: number(answer[0], 4), high: number(answer[1], 4), unit: question.unit}).trim();
   return question.kind === "text" ? answer : `${number(answer, 4)} ${question.unit}`.trim();
 }

@@ -2,7 +2,9 @@
 
 import viser
 
+from app.language.spoken import localised, tr
 from app.page.panels.head import WEB
+from app.page.panels.languages import links
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
@@ -13,9 +15,8 @@ from solvers.solver.soundness import CONTRADICTIONS, MOST_ERROR
 
 def add_about(gui: viser.GuiApi) -> None:
     """Fill the tab: something to try, the page, each estimator behind its name, and what to believe."""
-    gui.add_html((WEB / "try.html").read_text(encoding="utf-8"))
-    about = (WEB / "about.html").read_text(encoding="utf-8")
-    gui.add_html(about.format(problems="".join(view.about for view in VIEWS.values()),
+    gui.add_html(_text("try.html"))
+    gui.add_html(_text("about.html").format(problems="".join(view.about for view in VIEWS.values()),
                               divisions=", ".join(view.division for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(f"The estimator {estimator.title}", expand_by_default=False):
@@ -27,5 +28,9 @@ def add_about(gui: viser.GuiApi) -> None:
         titles = [problem.scene.TITLE for problem in PROBLEMS.values() if remedy.name in problem.scene.REMEDIES]
         only = f" ({', '.join(titles)} only)" * (len(titles) < len(PROBLEMS))
         remedies += f"<dt>{remedy.label}{only}</dt><dd>{remedy.explanation}.</dd>"
-    trust = (WEB / "trust.html").read_text(encoding="utf-8")
-    gui.add_html(trust.format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
+    gui.add_html(_text("trust.html").format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
+    gui.add_html(f"<nav class='lab-about lab-languages' aria-label='{tr('language')}'>{links()}</nav>")
+
+
+def _text(name: str) -> str:
+    return localised(WEB / name).read_text(encoding="utf-8")

@@ -5,38 +5,46 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from string import ascii_lowercase
 
+from app.language.spoken import language, later, speaking, tr, trn
 from app.lessons import shelf
-from app.lessons.lesson import TEXT, Lesson, Numbers, Step, filled
+from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, filled
 from app.lessons.marks import AnswerMark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
 from app.page.features.lesson import acts
 
 FIGURE = re.compile(r"(<img [^>]*>)")
-SIGNS = {True: ("right", "✓", "right"), False: ("wrong", "✗", "not so"), None: ("unmarked", "", "")}
+#: Of marks the name in the style, the sign, and what it says.
+SIGNS = {True: ("right", "✓", later("right")), False: ("wrong", "✗", later("not so")), None: ("unmarked", "", "")}
 
 
 def shelf_html(lessons: Mapping[str, Lesson]) -> str:
     """What there is to choose from. How far one has come in each only the browser knows (``js/lessons.js``)."""
     rows = "".join(
         f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
-        f"data-fingerprint='{lesson.fingerprint}'><span class='lab-number'>{k}</span><b>{escape(lesson.title)}</b>"
-        f"<small>{lesson.minutes} min</small><small class='lab-come'></small></button></li>"
+        f"data-fingerprint='{lesson.fingerprint}'><span class='lab-number'>{k}</span><b{lang(lesson)}>"
+        f"{escape(lesson.title)}</b><small>{lesson.minutes} min</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
-    return "<div class='lab-lesson lab-shelf'><p>You predict, run, observe, and then read why.</p>" \
+    return f"<div class='lab-lesson lab-shelf'><p>{tr('You predict, run, observe, and then read why.')}</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
+
+
+def lang(lesson: Lesson) -> str:
+    """The attribute of what a lesson says where that is not in the language that is spoken."""
+    return "" if lesson.language == language() else f" lang='{lesson.language}'"
 
 
 def head_html(lesson: Lesson, progress: Progress) -> str:
     """Title, and how far one has come."""
     total, at = len(lesson.steps), progress.step
-    where = "introduction" if at == 0 else f"step {at} of {total}" if at <= total else "the end"
+    where = tr("introduction") if at == 0 else tr("step {at} of {total}", at=at, total=total) if at <= total \
+        else tr("the end")
     segments = "".join(f"<i class='{'lab-now' if k == at else 'lab-past' if k < at else ''}'></i>"
                        for k in range(1, total + 1))
-    bar = f"<div class='lab-segments' role='progressbar' aria-label='progress' aria-valuemin='0' " \
+    bar = f"<div class='lab-segments' role='progressbar' aria-label='{tr('progress')}' aria-valuemin='0' " \
           f"aria-valuemax='{total}' aria-valuenow='{min(at, total)}'>{segments}</div>"
-    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i><b>{escape(lesson.title)}</b>" \
-           f"<div>{where}</div>{bar}</div>"
+    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
+           f"<b{lang(lesson)}>{escape(lesson.title)}</b><div>{where}</div>{bar}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
@@ -44,23 +52,28 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = shelf.lessons()
     before = [known[name].title if name in known else name for name in lesson.prerequisites]
-    needs = f"<p>Do before: {escape('; '.join(before))}.</p>" if before else ""
-    return f"<div class='lab-lesson'><p>{lesson.minutes} minutes. Afterwards you can</p><ul>{goals}</ul>{needs}" \
-           f"{text_html(lesson.intro, numbers)}{_notes(lesson.notes, teacher)}</div>"
+    needs = f"<p>{tr('Do before: {lessons}.', lessons=escape('; '.join(before)))}</p>" if before else ""
+    afterwards = tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
+    only = f"<p>{tr('This lesson is in English.')}</p>" if lang(lesson) else ""
+    return f"<div class='lab-lesson'>{only}<p>{afterwards}</p><ul{lang(lesson)}>{goals}</ul>{needs}" \
+           f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
 
 
-def step_html(step: Step, number: int, numbers: Numbers, before: str, teacher: bool) -> str:
+def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
     """A step's text, below what is said ``before`` it, which is html. What it asks for is a button that does it."""
-    text = acts.with_buttons(text_html(step.text, numbers))
-    if step.stage and acts.PUT not in text:
-        text += f"<p>The run that this is about:</p>{acts.PUT}"
-    kind = f"<span class='lab-kind lab-kind-{step.kind}'>{step.kind.capitalize()}</span>"
-    return f"<div class='lab-lesson' data-step='{number}'>{kind}<h2>{escape(filled(step.title, numbers))}</h2>" \
-           f"{before}{text}{_notes(step.notes, teacher)}</div>"
+    kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
+    title = f"<h2{lang(lesson)}>{escape(filled(step.title, numbers))}</h2>"
+    with speaking(lesson.language):
+        text = acts.with_buttons(text_html(step.text, numbers))
+        if step.stage and acts.put() not in text:
+            text += f"<p>{tr('The run that this is about:')}</p>{acts.put()}"
+    return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{title}" \
+           f"{before}{_own(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
 
 
-def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str) -> str:
-    """A question's options, of which one is ``chosen``, counted from 1; ``key`` tells them from those of another."""
+def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:
+    """A question's options, of which one is ``chosen``, counted from 1; ``key`` tells them from those of another,
+    ``lang`` is html's attribute of that name, or ""."""
     rows = "".join(
         f"<label class='lab-choice'><input type='radio' name='lab-answer' value='{k}' data-question='{escape(key)}'"
         f"{' checked' * (k == chosen)}{' disabled' * fixed}><span><b>{letter})</b> {escape(option)}</span></label>"
@@ -68,51 +81,62 @@ def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: s
     return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='Answer'>{rows}</div>"
 
 
-def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: Mapping[str, AnswerMark | str],
-                  numbers: Numbers) -> str:
+def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
+                  marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
     """Each answer beside what came out; ``marks`` has a sentence where there is no mark yet."""
-    rows = []
+    rows, own = [], lang(lesson)
     for step in steps:
         asked, answer = step.question, answers.get(step.key)
         if asked is None or answer is None:
             continue
-        mark = marks.get(step.key, "being worked out …")
+        mark = marks.get(step.key, tr("being worked out …"))
         if isinstance(mark, str):
             out = f"<td colspan='2'>{escape(mark)}</td>"
         else:
             kind, sign, word = SIGNS[mark.right]
-            came = "for your teacher" if asked.kind == TEXT else escape(mark.expected)
-            out = f"<td>{came}</td><td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
+            came = tr("for your teacher") if asked.kind == TEXT else escape(mark.expected)
+            word = tr(word) if word else ""
+            out = f"<td{own if asked.kind == CHOICE else ''}>{came}</td>" \
+                  f"<td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
         said = escape(filled(shown(asked, answer.first), numbers))
-        rows.append(f"<tr><th scope='row'>{escape(filled(step.title, numbers))}</th><td>{said}</td>{out}</tr>")
+        rows.append(f"<tr><th scope='row'{own}>{escape(filled(step.title, numbers))}</th>"
+                    f"<td{own if asked.kind == CHOICE else ''}>{said}</td>{out}</tr>")
     if not rows:
         return ""
-    head = "<tr><th></th><th scope='col'>you said</th><th scope='col'>came out</th><th></th></tr>"
+    head = f"<tr><th></th><th scope='col'>{tr('you said')}</th><th scope='col'>{tr('came out')}</th><th></th></tr>"
     return f"<table class='lab-compared'>{head}{''.join(rows)}</table>"
 
 
 def recorded_html(said: str, comment: str, right: bool | None) -> str:
     """That an answer has been taken: what it was, and what is to be said of it."""
     kind, sign, word = SIGNS[right]
-    mark = f" <span class='lab-{kind}'>{sign} {word}</span>" if sign else ""
-    return f"<div class='lab-lesson lab-recorded' role='status'>Your answer: <b>{escape(said)}</b>{mark} " \
+    mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
+    return f"<div class='lab-lesson lab-recorded' role='status'>{tr('Your answer:')} <b>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 
 
 def end_html(table: str, missing: int) -> str:
     """The end: all answers, and what to do with them."""
-    left = f"<p>{missing} question{'s are' if missing > 1 else ' is'} still open; go back to answer." \
-           "</p>" if missing else ""
-    return f"<div class='lab-lesson'><h2>The end</h2>{left}{table}<p><b>Hand in</b> saves a file with your answers " \
-           "and times, and your name if you have given one. Nothing is sent to anybody.</p></div>"
+    open_ones = trn("{count} question is still open; go back to answer.",
+                    "{count} questions are still open; go back to answer.", missing)
+    left = f"<p>{open_ones}</p>" if missing else ""
+    what = tr("<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. Nothing "
+              "is sent to anybody.")
+    return f"<div class='lab-lesson'><h2>{tr('The end')}</h2>{left}{table}<p>{what}</p></div>"
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:
     """Of a lesson, its figures as buttons that show them large."""
-    return FIGURE.sub(r"<button type='button' class='lab-enlarge' aria-label='enlarge the figure'>\1"
-                      "<span aria-hidden='true'>enlarge</span></button>",
+    return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{tr('enlarge the figure')}'>\1"
+                      rf"<span aria-hidden='true'>{tr('enlarge')}</span></button>",
                       html(filled(markdown, numbers), shelf.FOLDER))
 
 
-def _notes(notes: str, teacher: bool) -> str:
-    return f"<aside class='lab-teacher'><b>Teacher</b>{html(notes, shelf.FOLDER)}</aside>" if notes and teacher else ""
+def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
+    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, html(notes, shelf.FOLDER))}</aside>" \
+        if notes and teacher else ""
+
+
+def _own(lesson: Lesson, words: str) -> str:
+    """What a lesson says, as html, so that a browser knows in which language it is."""
+    return f"<div{lang(lesson)}>{words}</div>" if lang(lesson) else words

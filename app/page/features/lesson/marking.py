@@ -6,13 +6,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
+from app.language.spoken import carried, later, tr
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
 from app.lessons.marks import AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
 
-LATER = "could not be checked just now"
+LATER = later("could not be checked just now")
 POLITE = 10  # more than the engines: marks can wait, stages cannot
 
 
@@ -63,7 +64,7 @@ class Marker:
         try:
             return mark(lesson, step, answer, drawn(lesson, progress.name), self._outcomes)
         except (RunFailed, ClaimError):
-            return LATER
+            return tr(LATER)
 
     def _later(self, work: Callable[[], None]) -> None:
         def safely() -> None:
@@ -72,7 +73,7 @@ class Marker:
             except Exception:
                 logging.getLogger(__name__).exception("an answer could not be marked")
 
-        self._thread.submit(safely)
+        self._thread.submit(carried(safely))
 
 
 def asked_since(lesson: Lesson, step: Step) -> list[Step]:

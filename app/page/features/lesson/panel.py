@@ -8,6 +8,7 @@ from time import monotonic
 import viser
 
 from app import state
+from app.language.spoken import later, speaking, tr
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
@@ -24,8 +25,8 @@ from app.viewer.widgets import allow, is_removed
 FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
 BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
 MAIN, LINK = "<i class='lab-main'></i>", "<i class='lab-link'></i>"  # the button that is meant, and one that is less
-KEPT = "Your answers stay in this browser."
-FIRST_PREDICT = f"You predict first: Next opens when your answer is recorded. {KEPT}"
+KEPT = later("Your answers stay in this browser.")
+FIRST_PREDICT = later("You predict first: Next opens when your answer is recorded. Your answers stay in this browser.")
 
 
 class Player:
@@ -142,8 +143,8 @@ class Player:
 
     def _build_intro(self, lesson: Lesson) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
-        hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
-        name = self._gui.add_text("Your name", self._progress.name, hint=hint)
+        hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
+        name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         self._buttons(back=False, onward=True)
 
@@ -158,7 +159,8 @@ class Player:
         text = self._gui.add_html(self._explained(lesson, step))
         if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
             self._mark_all(lesson, step, text)
-        self._acts = acts.found(page.text_html(step.text, self._numbers))
+        with speaking(lesson.language):
+            self._acts = acts.found(page.text_html(step.text, self._numbers))
         if step.question is None:
             self._buttons(back=True, onward=True)
             return
@@ -168,20 +170,20 @@ class Player:
         answered = self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
         widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
-                                lambda: self._controls.state.scene)
+                                lambda: self._controls.state.scene, page.lang(lesson))
         self._answer = None if fixed else widgets
         for text in widgets.texts:
             allow(text, LONGEST)
         said = self._gui.add_html("" if answered is None else self._taken(step, None))
         self._gui.add_html(MAIN)
-        record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
-                                      disabled=fixed)
+        record = self._gui.add_button(tr("Record my prediction") if step.kind == PREDICT
+                                      else tr("Check my answer"), disabled=fixed)
         onward = self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
             if why := trouble(step.asked, answer):
-                trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
+                trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>"
                 return self._show(said, lambda: trouble_said)
             with self._lock:
                 self._progress.answer(step.key, answer, monotonic() - self._shown_at)
@@ -225,13 +227,14 @@ class Player:
         answer = self._progress.answers[step.key]
         said = filled(shown(step.asked, answer.last), self._numbers)
         if step.kind == PREDICT:
-            return page.recorded_html(said, "It is recorded; now see what happens.", None)
+            return page.recorded_html(said, tr("It is recorded; now see what happens."), None)
         if found is None or isinstance(found, str):
             return page.recorded_html(said, found or "", None)
         if found.right is not False:
             return page.recorded_html(said, "", found.right)
         told = answer.attempts >= TOLD_AFTER
-        return page.recorded_html(said, f"It is {found.expected}." if told else "Look again, and try once more.", False)
+        return page.recorded_html(said, tr("It is {answer}.", answer=found.expected) if told
+                                  else tr("Look again, and try once more."), False)
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle, onward: viser.GuiButtonHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
@@ -239,15 +242,16 @@ class Player:
             if is_removed(said):
                 return
             onward.disabled = False
-            said.content = self._taken(step, "" if step.asked.kind == TEXT else "Being checked against the run …")
+            said.content = self._taken(step, "" if step.asked.kind == TEXT
+                                       else tr("Being checked against the run …"))
         self._marker.check(lesson, step, self._progress, lambda found: self._show(
             said, lambda: self._taken(step, found)))
 
     def _explained(self, lesson: Lesson, step: Step) -> str:
         """The step's text; where it explains, below what was said and what came out."""
-        before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
+        before = page.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
-        return page.step_html(step, self._progress.step, self._numbers, before, self._room.teacher)
+        return page.step_html(lesson, step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Mark what a step looks back on, or everything at the end, and show it there."""
@@ -267,9 +271,10 @@ class Player:
         following = next(iter(self._following(lesson)), None)
         if following:
             self._gui.add_html(MAIN)
-            onward = self._gui.add_button(f"Next lesson: {following.title}")
+            onward = self._gui.add_button(tr("Next lesson: {title}", title=following.title))
             onward.on_click(lambda _: self.open(following.name))
-        hand_in = self._gui.add_button("Hand in", icon=viser.Icon.DOWNLOAD, hint="save your answers as a file")
+        hand_in = self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD,
+                                       hint=tr("save your answers as a file"))
         hand_in.on_click(lambda _: self._hand_in(lesson))
         self._buttons(back=True, onward=False)
 
@@ -280,7 +285,7 @@ class Player:
 
     def _end(self, lesson: Lesson) -> str:
         steps = [step for step in lesson.steps if step.question]
-        table = page.compared_html(steps, self._progress.answers, self._marker.marks, self._numbers)
+        table = page.compared_html(lesson, steps, self._progress.answers, self._marker.marks, self._numbers)
         return page.end_html(table, sum(step.key not in self._progress.answers for step in steps))
 
     def _hand_in(self, lesson: Lesson) -> None:
@@ -292,14 +297,15 @@ class Player:
     def _buttons(self, back: bool, onward: bool, main: bool = True) -> viser.GuiButtonHandle:
         """Back, next and leave; returns the one for next, which is the ``main`` one where no answer is asked for."""
         self._gui.add_html(BESIDE)
-        self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: self._go(-1))
+        previous = self._gui.add_button(tr("Back"), icon=viser.Icon.ARROW_LEFT, disabled=not back)
+        previous.on_click(lambda _: self._go(-1))
         self._gui.add_html(BESIDE_MAIN if main else BESIDE)
-        following = self._gui.add_button("Next", icon=viser.Icon.CHEVRON_RIGHT, disabled=not onward)
+        following = self._gui.add_button(tr("Next"), icon=viser.Icon.CHEVRON_RIGHT, disabled=not onward)
         following.on_click(lambda _: self._go(1))
         first = self._step is not None and self._step.kind == PREDICT and not onward
-        self._gui.add_html(f"<p class='lab-lesson lab-kept-here'>{FIRST_PREDICT if first else KEPT}</p>")
+        self._gui.add_html(f"<p class='lab-lesson lab-kept-here'>{tr(FIRST_PREDICT if first else KEPT)}</p>")
         self._gui.add_html(LINK)
-        leave = self._gui.add_button("Close the lesson")
+        leave = self._gui.add_button(tr("Close the lesson"))
         leave.on_click(lambda _: self._leave())
         return following
 
