@@ -48,7 +48,7 @@ class Catalogue:
         return self._words.gettext(text)
 
     def several(self, one: str, many: str, count: float) -> str:
-        return self._words.ngettext(one, many, count)  # type: ignore[arg-type]  # a count may be 2.5
+        return self._words.ngettext(one, many, int(count) if count == int(count) else 2)  # 2.5 are several
 
     def of_files(self, folder: str) -> dict[str, str]:
         """The texts of files in a folder, for those whose language is none of Python."""
