@@ -84,7 +84,8 @@ def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, 
                      for run in runs]}
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
                        for k, run in enumerate(runs))
-    parts = {"title": escape(heading), "version": __version__, "kind": "lesson" if lesson else "scene",
+    own = f" lang=\"{lesson['language']}\"" if lesson and lesson["language"] != language() else ""
+    parts = {"title": escape(heading), "lang": own, "version": __version__, "kind": "lesson" if lesson else "scene",
              "language": language(), "empty": tr("Press <b>On the stage</b> in the lesson: its run begins here."),
              "style": faces() + tokens() + _file("player.css"), "mark": MARK, "icon": ICON,
              "data": _json(data), "runs": packed,

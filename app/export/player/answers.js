@@ -10,7 +10,7 @@ function choiceWidget(question, answer, fixed) {
   box.append(element("legend", tr("Answer")));
   own(question.options).forEach((option, k) => {
     const line = element("label"), button = element("input", "", {type: "radio", name: "answer", value: k + 1, checked: answer === k + 1});
-    line.append(button, element("span", option));
+    line.append(button, ofLesson("span", option));
     box.append(line);
   });
   return [box, () => {

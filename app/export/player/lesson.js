@@ -28,9 +28,12 @@ function showStep() {
   lessonBox.replaceChildren(where, bar, ...(at === 0 ? introduction() : at <= total ? stepParts(LESSON.steps[at - 1]) : ending()));
 }
 
+// Words of the lesson, which may be in another language than the file.
+const ofLesson = (tag, text, properties = {}) => element(tag, text, {lang: LESSON.language, ...properties});
+
 // What the lesson's author has written, which is html already; nothing that a student writes comes here.
 function written(html) {
-  const box = element("div", "", {className: "text", lang: LESSON.language});
+  const box = ofLesson("div", "", {className: "text"});
   box.innerHTML = html;
   for (const table of box.querySelectorAll("table")) {
     const scroll = element("div", "", {className: "scroll", tabIndex: 0});
@@ -50,7 +53,7 @@ function budgetButton() {
 
 function introduction() {
   const goals = element("ul"), name = element("input", "", {type: "text", value: progress.name, maxLength: LESSON.longest_name, autocomplete: "off"});
-  goals.append(...LESSON.goals.map((goal) => element("li", goal)));
+  goals.append(...LESSON.goals.map((goal) => ofLesson("li", goal)));
   name.disabled = Object.keys(progress.answers).length > 0;  // its numbers are those of the answers
   name.addEventListener("input", () => {
     progress.name = [...name.value.trim()].slice(0, LESSON.longest_name).join("");
@@ -69,7 +72,7 @@ function introduction() {
 
 function stepParts(step) {
   const heading = element("h2"), kind = element("span", KINDS[step.kind], {className: step.kind});
-  heading.append(kind, " ", own(step.title));
+  heading.append(kind, " ", ofLesson("b", own(step.title), {className: "title"}));
   const parts = [heading];
   if (step.kind === "explain") parts.push(compared(askedBefore(step)));
   parts.push(written(own(step.html)));
@@ -136,7 +139,8 @@ function compared(steps) {
     const answer = progress.answers[step.key].first, found = mark(step.question, answer), line = element("tr");
     const [kind, sign] = SIGNS[found ? found.right : null];
     const came = step.question.kind === "text" ? tr("for your teacher") : found ? found.told : tr("could not be checked");
-    line.append(element("th", own(step.title), {scope: "row"}), element("td", shown(step.question, answer)), element("td", came),
+    const cell = step.question.kind === "choice" ? ofLesson : element;
+    line.append(ofLesson("th", own(step.title), {scope: "row"}), cell("td", shown(step.question, answer)), cell("td", came),
       element("td", sign, {className: kind}));
     return line;
   });

@@ -29,7 +29,8 @@ def add_about(gui: viser.GuiApi) -> None:
         only = f" ({', '.join(titles)} only)" * (len(titles) < len(PROBLEMS))
         remedies += f"<dt>{remedy.label}{only}</dt><dd>{remedy.explanation}.</dd>"
     gui.add_html(_text("trust.html").format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
-    gui.add_html(f"<nav class='lab-about lab-languages' aria-label='{tr('language')}'>{links()}</nav>")
+    name = tr("language")
+    gui.add_html(f"<nav class='lab-about lab-languages' aria-label='{name}'>{links()}</nav>")
 
 
 def _text(name: str) -> str:

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from app import state
-from app.language.spoken import LANGUAGES, speaking
+from app.language.spoken import ENGLISH, speaking
 from app.lessons import shelf
 from app.lessons.lesson import drawn, filled
 from app.page.features.lesson import acts
@@ -63,10 +63,20 @@ def test_an_act_means_what_its_widget_would_do(act, meant):
     assert hand.done == [meant]
 
 
-@pytest.mark.parametrize("name", shelf.names())
-def test_every_act_of_a_lesson_can_be_done_in_its_scene(name):
-    """Where the step's run is on the stage the value is one that the field may have; each run has a button."""
-    lesson = shelf.lesson(name)
+@pytest.mark.parametrize("lesson", [lesson for name in shelf.names() for lesson in shelf.in_every_language(name)],
+                         ids=lambda lesson: lesson.file)
+def test_every_act_of_a_lesson_can_be_done_in_its_scene(lesson):
+    """Where the step's run is on the stage the value is one that the field may have; each run has a button. A lesson in
+    another language has the same acts."""
+    with speaking(lesson.language):
+        _done(lesson)
+
+
+def _done(lesson):
+    told = [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))] for step in lesson.steps]
+    with speaking(ENGLISH):
+        assert told == [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))]
+                        for step in shelf.lesson(lesson.name).steps]
     numbers, text = drawn(lesson, ""), "bar"
     for step in lesson.steps:
         text = filled(step.stage, numbers) or text

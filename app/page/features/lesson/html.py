@@ -25,7 +25,8 @@ def shelf_html(lessons: Mapping[str, Lesson]) -> str:
         f"data-fingerprint='{lesson.fingerprint}'><span class='lab-number'>{k}</span><b{lang(lesson)}>"
         f"{escape(lesson.title)}</b><small>{lesson.minutes} min</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
-    return f"<div class='lab-lesson lab-shelf'><p>{tr('You predict, run, observe, and then read why.')}</p>" \
+    how = tr("You predict, run, observe, and then read why.")
+    return f"<div class='lab-lesson lab-shelf'><p>{how}</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
 
 
@@ -41,7 +42,8 @@ def head_html(lesson: Lesson, progress: Progress) -> str:
         else tr("the end")
     segments = "".join(f"<i class='{'lab-now' if k == at else 'lab-past' if k < at else ''}'></i>"
                        for k in range(1, total + 1))
-    bar = f"<div class='lab-segments' role='progressbar' aria-label='{tr('progress')}' aria-valuemin='0' " \
+    name = tr("progress")
+    bar = f"<div class='lab-segments' role='progressbar' aria-label='{name}' aria-valuemin='0' " \
           f"aria-valuemax='{total}' aria-valuenow='{min(at, total)}'>{segments}</div>"
     return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
            f"<b{lang(lesson)}>{escape(lesson.title)}</b><div>{where}</div>{bar}</div>"
@@ -52,9 +54,11 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = shelf.lessons()
     before = [known[name].title if name in known else name for name in lesson.prerequisites]
-    needs = f"<p>{tr('Do before: {lessons}.', lessons=escape('; '.join(before)))}</p>" if before else ""
+    first = tr("Do before: {lessons}.", lessons=escape("; ".join(before)))
+    needs = f"<p>{first}</p>" if before else ""
     afterwards = tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
-    only = f"<p>{tr('This lesson is in English.')}</p>" if lang(lesson) else ""
+    untranslated = tr("This lesson is in English.")
+    only = f"<p>{untranslated}</p>" if lang(lesson) else ""
     return f"<div class='lab-lesson'>{only}<p>{afterwards}</p><ul{lang(lesson)}>{goals}</ul>{needs}" \
            f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
 
@@ -66,7 +70,8 @@ def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher
     with speaking(lesson.language):
         text = acts.with_buttons(text_html(step.text, numbers))
         if step.stage and acts.put() not in text:
-            text += f"<p>{tr('The run that this is about:')}</p>{acts.put()}"
+            about = tr("The run that this is about:")
+            text += f"<p>{about}</p>{acts.put()}"
     return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{title}" \
            f"{before}{_own(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
 
@@ -103,7 +108,8 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
                     f"<td{own if asked.kind == CHOICE else ''}>{said}</td>{out}</tr>")
     if not rows:
         return ""
-    head = f"<tr><th></th><th scope='col'>{tr('you said')}</th><th scope='col'>{tr('came out')}</th><th></th></tr>"
+    said, came = tr("you said"), tr("came out")
+    head = f"<tr><th></th><th scope='col'>{said}</th><th scope='col'>{came}</th><th></th></tr>"
     return f"<table class='lab-compared'>{head}{''.join(rows)}</table>"
 
 
@@ -111,7 +117,8 @@ def recorded_html(said: str, comment: str, right: bool | None) -> str:
     """That an answer has been taken: what it was, and what is to be said of it."""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
-    return f"<div class='lab-lesson lab-recorded' role='status'>{tr('Your answer:')} <b>{escape(said)}</b>{mark} " \
+    yours = tr("Your answer:")
+    return f"<div class='lab-lesson lab-recorded' role='status'>{yours} <b>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 
 
@@ -122,18 +129,21 @@ def end_html(table: str, missing: int) -> str:
     left = f"<p>{open_ones}</p>" if missing else ""
     what = tr("<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. Nothing "
               "is sent to anybody.")
-    return f"<div class='lab-lesson'><h2>{tr('The end')}</h2>{left}{table}<p>{what}</p></div>"
+    end = tr("The end")
+    return f"<div class='lab-lesson'><h2>{end}</h2>{left}{table}<p>{what}</p></div>"
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:
     """Of a lesson, its figures as buttons that show them large."""
-    return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{tr('enlarge the figure')}'>\1"
-                      rf"<span aria-hidden='true'>{tr('enlarge')}</span></button>",
+    name, short = tr("enlarge the figure"), tr("enlarge")
+    return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{name}'>\1"
+                      rf"<span aria-hidden='true'>{short}</span></button>",
                       html(filled(markdown, numbers), shelf.FOLDER))
 
 
 def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
-    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, html(notes, shelf.FOLDER))}</aside>" \
+    teacher_says = tr("Teacher")
+    return f"<aside class='lab-teacher'><b>{teacher_says}</b>{_own(lesson, html(notes, shelf.FOLDER))}</aside>" \
         if notes and teacher else ""
 
 
