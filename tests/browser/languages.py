@@ -1,5 +1,5 @@
-"""Finds what is to be read on a page outside the catalogue: in the language of ``tests/pseudo.py`` every text of the code
-stands between two brackets, and what does not has not been asked for."""
+"""Finds what is to be read on a page outside the catalogue: in the language of ``tests/pseudo.py`` every text of the
+code stands between two brackets, and what does not has not been asked for."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOT_READ = ("script, style, template, code, kbd, math, noscript, body [lang], [d
             " [data-dock-griphandle]")
 ATTRIBUTES = ("title", "aria-label", "placeholder", "alt", "aria-valuetext", "data-says", "data-words", "data-waits",
               "data-answer")
-#: All texts, each with all of its block, for a sentence may have parts in italics: of each what stands outside brackets.
+#: All texts, each with all of its block, for a sentence may have parts in italics: of each what is outside brackets.
 OUTSIDE = """([skip, attributes]) => {
   const found = [], blocks = new Map();
   const add = (where, text) => {

@@ -1,4 +1,4 @@
-"""The page in several languages: chosen, kept by every link, each visitor his own; and no text outside the catalogue."""
+"""The page in several languages: chosen, kept by every link, each visitor his own; no text is outside the catalogue."""
 
 from __future__ import annotations
 
@@ -27,14 +27,15 @@ CODE = "wave-4711"
 @pytest.fixture(scope="module")
 def address():
     """Of a lab for a class, in which there is one language more."""
-    with serving({"MPM_LAB_EXTENSIONS": "tests.pseudo"}, ("--code", CODE, "--lesson", LESSON), coded=True) as (found, *_):
+    arguments = ("--code", CODE, "--lesson", LESSON)
+    with serving({"MPM_LAB_EXTENSIONS": "tests.pseudo"}, arguments, coded=True) as (found, *_):
         yield found
 
 
 @contextmanager
 def visiting(chromium, address, query="", fragment=SCENE, locale="en-GB", size=SIZE):
-    """A visitor whose browser has a language, at an address with a query and a fragment, in a class that knows its code;
-    any error in the console fails the test."""
+    """A visitor whose browser has a language, at an address with a query and a fragment, in a class that knows its
+    code; any error in the console fails the test."""
     context = chromium.new_context(viewport=size, locale=locale)
     page, errors = context.new_page(), []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
@@ -158,7 +159,8 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
             if step.stage:
                 page.locator(".lab-put").click()
                 look("on the stage")
-        again_until(page.locator("[data-lab=lab-link] + div button").last.click, page.locator(".lab-shelf").count, "all")
+        leave = page.locator("[data-lab=lab-link] + div button").last
+        again_until(leave.click, page.locator(".lab-shelf").count, "all lessons")
         look("lessons")
         for tab in ("Cost", "About", "Explore"):
             page.evaluate(f"dispatchEvent(new CustomEvent('lab-tab', {{detail: '{tab}'}}))")
