@@ -28,7 +28,7 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
     """All of it as a JSON object, with the stages of some problems."""
     return {"formats": formats(), "codes": quantise.CODES,
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
-                      "smallest": scale.SMALLEST, "zero": scale.ZERO},
+                      "smallest": scale.SMALLEST, "zero": tr(scale.ZERO)},
             "axis": {"steps": field.STEPS, "room": field.ROOM, "stems": field.MOST_STEMS},
             "crossings": {"window": crossings.WINDOW, "seconds": crossings.LEAST_SECONDS},
             "colours": _colours(), "edge": layout.EDGE,

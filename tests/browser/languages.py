@@ -32,16 +32,16 @@ OUTSIDE = """([skip, attributes]) => {
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node; node = walk.nextNode();) {
     let block = node.parentElement;
-    if (block.closest(skip)) continue;
+    if (block.closest(skip) || !block.checkVisibility()) continue;
     while (inline(block)) block = block.parentElement;
     blocks.set(block, (blocks.get(block) || "") + node.data);
   }
   for (const [block, text] of blocks) add(block.className?.baseVal ?? block.className ?? block.tagName, text);
   for (const name of attributes)
     for (const element of document.querySelectorAll(`[${name}]`))
-      if (!element.closest(skip)) add(name, element.getAttribute(name));
+      if (!element.closest(skip) && element.checkVisibility()) add(name, element.getAttribute(name));
   for (const input of document.querySelectorAll("input[role=combobox], input[aria-haspopup=listbox]"))
-    if (!input.closest(skip)) add("chosen", input.value);
+    if (!input.closest(skip) && input.checkVisibility()) add("chosen", input.value);
   for (const name of [...document.documentElement.style]) if (name.startsWith("--says-"))
     add(name, getComputedStyle(document.documentElement).getPropertyValue(name));
   return found;
@@ -52,14 +52,14 @@ NAME = re.compile(rf"(?<!\w)(?:{'|'.join(NAMES)})(?!\w)", re.IGNORECASE)
 BRACKETS = re.compile("⟦[^⟦⟧]*⟧")
 
 
-def words_of(text: str) -> bool:
-    """Whether something is said outside brackets."""
+def words_of(text: str) -> str:
+    """What is said outside brackets; "" where that is no word."""
     while BRACKETS.search(text):
         text = BRACKETS.sub("", text)
-    return re.search(r"[^\W\d_]{3,}", NAME.sub("", text)) is not None
+    return text.strip() if re.search(r"[^\W\d_]{3,}", NAME.sub("", text)) else ""
 
 
 def outside(page) -> dict[str, str]:
     """Words that are outside brackets, by the texts in which they are: each with where it is."""
     said = page.evaluate(OUTSIDE, [NOT_READ, ATTRIBUTES])
-    return {text.strip()[:200]: where for text, where in said if words_of(text)}
+    return {text.strip()[:200]: where for where, text in said if words_of(text)}

@@ -121,7 +121,8 @@ function tellTaken(step, box, checked) {
     : !found ? tr("It could not be checked.") : found.right !== false ? ""
     : answer.attempts >= LESSON.told_after ? tr("It is {answer}.", {answer: found.told}) : tr("Look again, and try once more.");
   box.hidden = false;
-  box.replaceChildren(tr("Your answer:"), " ", element("b", shown(step.question, answer.last)), " ", element("span", sign, {className: kind}), " ", comment);
+  const said = step.question.kind === "choice" ? ofLesson : element;
+  box.replaceChildren(tr("Your answer:"), " ", said("b", shown(step.question, answer.last)), " ", element("span", sign, {className: kind}), " ", comment);
 }
 
 // The steps with questions since the explanation before a step.

@@ -195,7 +195,8 @@ def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, mon
 
     def look(state):
         found.update({text: (state, where) for text, where in outside(page).items() if text not in found})
-        found.update({text: (state, "drawn") for text in page.evaluate("drawn.texts.splice(0)") if words_of(text)})
+        drawn = page.evaluate("drawn.texts.splice(0)")  # line by line
+        found.update({words_of("\n".join(drawn)): (state, "drawn")} if words_of("\n".join(drawn)) else {})
 
     look("introduction")
     page.locator("button.next").click()

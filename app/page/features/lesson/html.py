@@ -113,12 +113,13 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
     return f"<table class='lab-compared'>{head}{''.join(rows)}</table>"
 
 
-def recorded_html(said: str, comment: str, right: bool | None) -> str:
-    """That an answer has been taken: what it was, and what is to be said of it."""
+def recorded_html(said: str, comment: str, right: bool | None, lang: str = "") -> str:
+    """That an answer has been taken: what it was, and what is to be said of it; ``lang`` is the attribute of what was
+    chosen."""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
     yours = tr("Your answer:")
-    return f"<div class='lab-lesson lab-recorded' role='status'>{yours} <b>{escape(said)}</b>{mark} " \
+    return f"<div class='lab-lesson lab-recorded' role='status'>{yours} <b{lang}>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 
 
