@@ -8,10 +8,10 @@ from typing import Any
 
 from app.language.spoken import carried, later, tr
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
-from app.lessons.marks import AnswerMark, mark
+from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
+from app.lessons.marks import TOLD_AFTER, AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.progress import Progress
+from app.lessons.progress import Answer, Progress
 
 LATER = later("could not be checked just now")
 POLITE = 10  # more than the engines: marks can wait, stages cannot
@@ -81,3 +81,15 @@ def asked_since(lesson: Lesson, step: Step) -> list[Step]:
     before = lesson.steps[:lesson.steps.index(step)]
     first = max((k for k, other in enumerate(before, 1) if other.kind == EXPLAIN), default=0)
     return [other for other in before[first:] if other.question]
+
+
+def comment(step: Step, answer: Answer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
+    """What is said after an answer that has been ``found`` so, and whether it is right, as far as that is said."""
+    if step.kind == PREDICT:
+        return tr("It is recorded; now see what happens."), None
+    if found is None or isinstance(found, str):
+        return found or "", None
+    if found.right is not False:
+        return "", found.right
+    told = answer.attempts >= TOLD_AFTER
+    return tr("It is {answer}.", answer=found.expected) if told else tr("Look again, and try once more."), False

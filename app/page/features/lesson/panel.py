@@ -12,12 +12,12 @@ from app.language.spoken import later, speaking, tr
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import CHOICE, EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
+from app.lessons.marks import LONGEST, AnswerMark, shown, trouble
 from app.page.features.lesson import acts
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.hands import Hands
-from app.page.features.lesson.marking import Classroom, Marker, asked_since
+from app.page.features.lesson.marking import Classroom, Marker, asked_since, comment
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import allow, is_removed
@@ -224,20 +224,10 @@ class Player:
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
-        said = filled(shown(step.asked, self._progress.answers[step.key].last), self._numbers)
+        answer = self._progress.answers[step.key]
+        said = filled(shown(step.asked, answer.last), self._numbers)
         own = page.lang(self._lesson) if self._lesson and step.asked.kind == CHOICE else ""
-        return page.recorded_html(said, *self._comment(step, found), own)
-
-    def _comment(self, step: Step, found: AnswerMark | str | None) -> tuple[str, bool | None]:
-        """What follows the answer, and whether it is right, as far as that is said."""
-        if step.kind == PREDICT:
-            return tr("It is recorded; now see what happens."), None
-        if found is None or isinstance(found, str):
-            return found or "", None
-        if found.right is not False:
-            return "", found.right
-        told = self._progress.answers[step.key].attempts >= TOLD_AFTER
-        return tr("It is {answer}.", answer=found.expected) if told else tr("Look again, and try once more."), False
+        return page.recorded_html(said, *comment(step, answer, found), own)
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle, onward: viser.GuiButtonHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
