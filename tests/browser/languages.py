@@ -10,9 +10,10 @@ from solvers.scene.registry import ESTIMATORS
 #: Words that every language has: names of the lab, of methods, estimators and people, and units.
 NAMES = ("mpm-lab", "mpm", "uGIMP", "cpGIMP", "GIMP", "CPDI", "B-splines?", "CFL", "RMS", "GCI", "Xing", "Stern",
          "kPa", "MPa", "GPa", "min", "mm/s", "Esc", *map(re.escape, ESTIMATORS))
-#: What is not for reading, or is no word: code and formulas; the lessons' own text, and languages' names, which say in
-#: which language they are; texts through which scripts and the server talk; what the viewer has and never shows here.
-NOT_READ = ("script, style, template, code, kbd, math, noscript, body [lang], [data-lab~=lab-store] + div,"
+#: What is not for reading, or is no word: code and formulas; texts through which scripts and the server talk; what the
+#: viewer has and never shows here; and the estimators' explanations, a file in each language. Nor is what says itself
+#: that it is in another language: the lessons' own text, languages' names, long texts that are English so far.
+NOT_READ = ("script, style, template, code, kbd, math, noscript, [data-lab~=lab-store] + div, .lab-explanation,"
             " .lab-lines, [data-mantine-shared-portal-node], .mantine-Notification-root, .u-legend, [data-dock-header],"
             " [data-dock-griphandle]")
 ATTRIBUTES = ("title", "aria-label", "placeholder", "alt", "aria-valuetext", "data-says", "data-words", "data-waits",
@@ -25,25 +26,27 @@ OUTSIDE = """([skip, attributes]) => {
     for (const sign of text) {
       if (sign === "⟦") depth += 1; else if (sign === "⟧") depth -= 1; else if (depth <= 0) rest += sign;
     }
-    found.push([where, rest + (depth ? " unclosed " + text : "")]);
+    found.push([where, rest]);
   };
   const inline = element => element.parentElement && !element.matches("text, tspan, button, [class*=Button-label]")
     && ["inline", "contents"].includes(getComputedStyle(element).display);
+  const html = document.documentElement, foreign = element => element.closest("[lang]").lang !== html.lang;
+  const unread = element => element.closest(skip) || foreign(element) || !element.checkVisibility();
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node; node = walk.nextNode();) {
     let block = node.parentElement;
-    if (block.closest(skip) || !block.checkVisibility()) continue;
+    if (unread(block)) continue;
     while (inline(block)) block = block.parentElement;
     blocks.set(block, (blocks.get(block) || "") + node.data);
   }
   for (const [block, text] of blocks) add(block.className?.baseVal ?? block.className ?? block.tagName, text);
   for (const name of attributes)
     for (const element of document.querySelectorAll(`[${name}]`))
-      if (!element.closest(skip) && element.checkVisibility()) add(name, element.getAttribute(name));
+      if (!unread(element)) add(name, element.getAttribute(name));
   for (const input of document.querySelectorAll("input[role=combobox], input[aria-haspopup=listbox]"))
-    if (!input.closest(skip) && input.checkVisibility()) add("chosen", input.value);
-  for (const name of [...document.documentElement.style]) if (name.startsWith("--says-"))
-    add(name, getComputedStyle(document.documentElement).getPropertyValue(name));
+    if (!unread(input)) add("chosen", input.value);
+  for (const name of [...html.style]) if (name.startsWith("--says-"))
+    add(name, getComputedStyle(html).getPropertyValue(name));
   return found;
 }"""
 

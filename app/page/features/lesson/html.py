@@ -81,9 +81,11 @@ def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: s
     ``lang`` is html's attribute of that name, or ""."""
     rows = "".join(
         f"<label class='lab-choice'><input type='radio' name='lab-answer' value='{k}' data-question='{escape(key)}'"
-        f"{' checked' * (k == chosen)}{' disabled' * fixed}><span><b>{letter})</b> {escape(option)}</span></label>"
+        f"{' checked' * (k == chosen)}{' disabled' * fixed}><span{lang}><b>{letter})</b> {escape(option)}</span>"
+        "</label>"
         for k, (letter, option) in enumerate(zip(ascii_lowercase, options, strict=False), 1))
-    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='Answer'>{rows}</div>"
+    name = tr("Answer")
+    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='{name}'>{rows}</div>"
 
 
 def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
