@@ -24,7 +24,8 @@ def add_about(gui: viser.GuiApi) -> None:
     own = "" if language() == ENGLISH else f" lang='{language()}'"  # what it stands in may be English
     rules, remedies = "", ""
     for rule in CONTRADICTIONS.values():
-        rules += f"<li{own}>{tr(rule.sentence, size=tr('more than {most:g}', most=rule.most))}</li>"
+        size = tr("more than {most:g}", most=rule.most)
+        rules += f"<li{own}>{tr(rule.sentence, size=size)}</li>"
     for remedy in REMEDIES.values():
         titles = [tr(problem.scene.TITLE) for problem in PROBLEMS.values() if remedy.name in problem.scene.REMEDIES]
         label = tr(remedy.label)
