@@ -74,7 +74,7 @@ def test_a_visitor_changes_the_language_and_what_is_seen_stays(chromium, address
         assert spoken(page) == "en" and "lang=" not in at(page)[0]
         switch(page, "de")
         until(lambda: "cells=20" in at(page)[1], "the same scene")
-        assert "lang=de" in at(page)[0] and page.locator("#lab-head h1").inner_text().endswith("Wie falsch ist es?")
+        assert "lang=de" in at(page)[0] and page.locator("#lab-head h1").text_content().endswith("Wie falsch ist es?")
         page.reload()
         there(page)
         assert spoken(page) == "de"

@@ -53,8 +53,8 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     """The lesson's beginning: what it is for, and its first words."""
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = shelf.lessons()
-    before = [known[name].title if name in known else name for name in lesson.prerequisites]
-    first = tr("Do before: {lessons}.", lessons=escape("; ".join(before)))
+    before = [_title(known[name]) if name in known else escape(name) for name in lesson.prerequisites]
+    first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
     afterwards = tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
     untranslated = tr("This lesson is in English.")
@@ -148,6 +148,10 @@ def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
     teacher_says = tr("Teacher")
     return f"<aside class='lab-teacher'><b>{teacher_says}</b>{_own(lesson, html(notes, shelf.FOLDER))}</aside>" \
         if notes and teacher else ""
+
+
+def _title(lesson: Lesson) -> str:
+    return f"<span{lang(lesson)}>{escape(lesson.title)}</span>" if lang(lesson) else escape(lesson.title)
 
 
 def _own(lesson: Lesson, words: str) -> str:
