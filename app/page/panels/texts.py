@@ -33,8 +33,7 @@ def add_about(gui: viser.GuiApi) -> None:
             label = tr("{label} ({problems} only)", label=label, problems=", ".join(titles))
         remedies += f"<dt{own}>{label}</dt><dd{own}>{tr(remedy.explanation)}.</dd>"
     gui.add_html(_text("trust.html").format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
-    name = tr("language")
-    gui.add_html(f"<nav class='lab-about lab-languages' aria-label='{name}'>{links()}</nav>")
+    gui.add_html(f"<div class='lab-about lab-languages'>{links()}</div>")
 
 
 def _text(name: str) -> str:
