@@ -29,8 +29,8 @@ def test_every_text_has_a_translation():
 
 @pytest.mark.parametrize("marks", [PLACE, TAG], ids=["places", "tags"])
 def test_a_translation_has_the_places_and_tags_of_its_text(marks):
-    """Of two forms each those of either: that of one may do without its count. And a sentence of the solvers, which is made
-    in English, may have an ending in a place of its own, for which another language has no use."""
+    """Of two forms each those of either: that of one may do without its count. And a sentence of the solvers, which is
+    made in English, may have an ending in a place of its own, for which another language has no use."""
     wrong = []
     for entry in CATALOGUE:
         asked = [sorted(marks.findall(text)) for text in (entry.msgid, entry.msgid_plural) if text]
