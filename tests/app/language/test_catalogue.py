@@ -13,6 +13,7 @@ from tests.words import APP, GERMAN, template
 CATALOGUE = polib.pofile(str(GERMAN))
 TEXTS = {entry.id if isinstance(entry.id, tuple) else (entry.id,) for entry in template() if entry.id}
 TOLD_BY = {"tr": 1, "later": 1, "trn": 2}  # how many texts each takes
+LEFT_OUT = {"problem"}  # "the same ring": another language says "the same", for its gender
 PLACE, TAG = re.compile(r"\{(\w*)[^}]*\}"), re.compile(r"</?\w+")
 
 
@@ -36,7 +37,9 @@ def test_a_translation_has_the_places_and_tags_of_its_text(marks):
         asked = [sorted(marks.findall(text)) for text in (entry.msgid, entry.msgid_plural) if text]
         said = [sorted(marks.findall(text)) for text in entry.msgstr_plural.values() or [entry.msgstr]]
         heard = all(place.startswith("solvers/") for place, _ in entry.occurrences)
-        wrong += [entry.msgid for one in said if one not in asked and not (heard and set(one) <= set(asked[0]))]
+        less = [heard or set(asked[0]) - set(one) <= LEFT_OUT for one in said]
+        wrong += [entry.msgid for one, may in zip(said, less, strict=True)
+                  if one not in asked and not (may and set(one) <= set(asked[0]))]
     assert wrong == []
 
 
