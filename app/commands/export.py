@@ -10,9 +10,10 @@ from app.commands.lesson import lesson_called
 from app.commands.output import Target, say
 from app.commands.progress import working
 from app.export.lattice import within_reach
+from app.language.spoken import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import LessonError
 from app.state import StateError, begins, read
-from solvers.scene.rules import require_whole
+from solvers.scene.rules import require_choice, require_whole
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class Export:
     """File to write, .html."""
     core: Annotated[Switch, default_hint("off")] = False
     """A lesson's file begins with the core alone; its reader may choose all."""
+    lang: TextFlag = ENGLISH
+    """Language of the file: en or de; a lesson that is not in it keeps its own words."""
     processes: NumberFlag = 2
     """Processes that run scenes."""
     quiet: Annotated[Switch, default_hint("off")] = False
@@ -40,6 +43,7 @@ class Export:
 
     def execute(self) -> int:
         require_whole("processes", self.processes, 1, 64)
+        require_choice("lang", self.lang, tuple(LANGUAGES))
         is_scene = begins(self.what)
         if is_scene and self.core:
             raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
@@ -52,7 +56,8 @@ class Export:
                 raise BadInput("", self.what, refusal)
         name = self.what if is_scene else lesson_called(self.what)
         target = Target("out", self.out, ending=".html")
-        with working(self.quiet) as show:  # imports here: bad input and --help must not wait for the page's
+        # Imports here: bad input and --help must not wait for the page's.
+        with working(self.quiet) as show, speaking(self.lang):
             if is_scene:
                 from app.export.page import scene_page
                 page = scene_page(name, self.processes, show).encode()

@@ -11,9 +11,10 @@ import tyro
 from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, put_text, say
 from app.commands.progress import working
+from app.language.spoken import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import Lesson, LessonError
 from solvers.outside.quoting import file_name
-from solvers.scene.rules import require_whole
+from solvers.scene.rules import require_choice, require_whole
 
 if TYPE_CHECKING:
     from app.lessons.progress import Progress
@@ -35,8 +36,9 @@ class LessonList:
     EXAMPLE: ClassVar[str] = "mpm-lab lesson list"
 
     def execute(self) -> int:
+        from app.lessons import shelf
         from app.lessons.length import told
-        lessons, mistakes = _read(())
+        lessons, mistakes = _read((), lambda name: [shelf.lesson(name)])
         rows = [(lesson.name, told(lesson), lesson.title) for lesson in lessons]
         names, times = (max((len(row[column]) for row in rows), default=0) for column in (0, 1))
         for name, time, title in rows:
@@ -46,7 +48,7 @@ class LessonList:
 
 @dataclass(frozen=True)
 class LessonCheck:
-    """Run every scene of lessons and check every claim, headless.
+    """Run every scene of lessons and check every claim, headless, in every language that they have.
 
     So are the pages for a class in lessons/classes/, of which the timetables are added up and held against the cores.
     Exit status: 0 all claims hold, 1 one does not, 2 bad input, or a lesson's file has a mistake (the others are
@@ -76,7 +78,7 @@ class LessonCheck:
         from app.lessons.outcomes import Outcomes, scene_texts
         known = classes.names()
         others = tuple(name for name in self.names if name not in known)
-        lessons, mistakes = _read(others, known) if others or not self.names else ([], {})
+        lessons, mistakes = _read(others, shelf.in_every_language, known) if others or not self.names else ([], {})
         pages = _read_each([name for name in known if name in (self.names or known)], classes.page, mistakes)
         with working(self.quiet) as show, closing(Outcomes(self.processes)) as outcomes:
             texts = [text for lesson in (*lessons, *(page.claims for page in pages))
@@ -87,10 +89,11 @@ class LessonCheck:
         failed = [check for check in found if not check.holds]
         for check in failed:
             say(check)
-        read = [_count(lessons)] * bool(lessons) + [_count(pages, "page", " for a class")] * bool(pages)
+        names = list(dict.fromkeys(lesson.name for lesson in lessons))
+        read = [_count(names)] * bool(names) + [_count(pages, "page", " for a class")] * bool(pages)
         told = ", ".join((*read, f"{len(found)} checks", f"{len(failed)} failed")) if read else "nothing was checked"
         told += f"; {_count(mistakes, 'file')} could not be read" if mistakes else ""
-        values = {"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
+        values = {"schema": CHECKS_SCHEMA, "lessons": names,
                   "classes": [page.name for page in pages], "checks": [vars(check) for check in found],
                   "not_read": mistakes}
         put_result(values, target, lambda _: told)
@@ -112,21 +115,25 @@ class LessonGuide:
     """File for the guide: .md, or .html to read and print."""
     core: Annotated[Switch, default_hint("off")] = False
     """Of the core alone, without the deeper steps."""
+    lang: TextFlag = ENGLISH
+    """Language: en or de; of a lesson that is not in it all but the lesson."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
-        from app.lessons import guide
+        require_choice("lang", self.lang, tuple(LANGUAGES))
+        from app.lessons import guide, shelf
         from app.lessons.outcomes import Outcomes
         ending = "" if self.out is None else next((kind for kind in guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
             raise BadInput("out", self.out, f"give a file that ends in {' or '.join(guide.KINDS)}")
         target = None if self.out is None else Target("out", self.out)
-        lessons, _ = _read((self.name,))
-        if not lessons:
-            return BAD_INPUT
-        with working(self.quiet), closing(Outcomes(1)) as outcomes:
-            text = guide.KINDS[ending or ".md"](lessons[0], outcomes, self.core)
+        with speaking(self.lang):
+            lessons, _ = _read((self.name,), lambda name: [shelf.lesson(name)])
+            if not lessons:
+                return BAD_INPUT
+            with working(self.quiet), closing(Outcomes(1)) as outcomes:
+                text = guide.KINDS[ending or ".md"](lessons[0], outcomes, self.core)
         put_text(text, target)
         return OK
 
@@ -192,13 +199,14 @@ def _count(some: Sized, one: str = "lesson", more: str = "") -> str:
     return f"{len(some)} {one}{'s' * (len(some) != 1)}{more}"
 
 
-def _read(names: tuple[str, ...], also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
-    """The lessons of these names, or all, and by name what is wrong with those that cannot be read, which is told; a
-    name that is none is told with those that could be given ``also``."""
+def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
+          also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
+    """The lessons of these names, or all, as one ``find``s them, and by name what is wrong with those that cannot be
+    read, which is told; a name that is none is told with those that could be given ``also``."""
     from app.lessons import shelf
     mistakes: dict[str, str] = {}
     called = dict.fromkeys(lesson_called(name, also) for name in names) if names else shelf.names()
-    return _read_each(called, shelf.lesson, mistakes), mistakes
+    return [lesson for found in _read_each(called, find, mistakes) for lesson in found], mistakes
 
 
 def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict[str, str]) -> list[Read]:

@@ -3,6 +3,7 @@
 from contextlib import closing
 from typing import Any
 
+from app.language.spoken import tr
 from app.lessons import bet_lines
 from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
 from app.lessons.laid import judge_ends
@@ -12,9 +13,9 @@ from app.lessons.outcomes import Outcomes
 
 def bet_words() -> dict[str, Any]:
     """The picture's words, as ``app.lessons.bet_lines`` has them."""
-    return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": bet_lines.YOUR_BETS, "round": bet_lines.ROUND,
-            "told": bet_lines.TOLD, "some": bet_lines.SOME,
-            "none": bet_lines.NONE, "scored": bet_lines.SCORED, "said": bet_lines.SAID, "truth": bet_lines.TRUTH,
+    return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": tr(bet_lines.YOUR_BETS), "round": tr(bet_lines.ROUND),
+            "told": tr(bet_lines.TOLD), "some": tr(bet_lines.SOME), "none": tr(bet_lines.NONE),
+            "scored": tr(bet_lines.SCORED), "said": tr(bet_lines.SAID), "truth": tr(bet_lines.TRUTH),
             "less": bet_lines.LESS, "more": bet_lines.MORE, "most": bet_lines.MOST}
 
 

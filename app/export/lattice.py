@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from app import state
+from app.language.spoken import tr
+from app.lessons.told import FIELDS, SENTENCES
 from app.problems.views import VIEWS
 from app.words import METHODS as NAMES
 from solvers.scene.rules import SceneError
@@ -20,11 +22,9 @@ RING_CELLS = (1.0, 0.5, 1.5, 0.75, 1.25, 2.0)  # in two dimensions twice as many
 METHODS = ("cpdi", "ugimp", "mpm", "bspline", "cpgimp")  # in the order in which they are worth seeing
 FULL = {"cells": 5, "amplitude": 4, "method": 3}  # how many of each: sixty runs
 #: How a lesson's text names a control, and the field that it is.
-CONTROLS = {"Cells": "cells", "Amplitude A": "amplitude", "Method": "method", "CFL number": "cfl",
-            "Particles / cell": "ppc", "Modulus E": "modulus"}
+CONTROLS = {name: field for name, field in FIELDS.items() if field != "body_force"}
 MOST_WORK = 1.5e8  # particle-steps of a run that is recorded only so that a slider goes further
 LONGEST_RUN = 2e9  # and of one that is asked for: a minute or two
-_ACT = re.compile(r"\*\*(?P<control>[^*]+)\*\*(?: to)? `(?P<value>[^`]+)`")
 
 
 @dataclass(frozen=True)
@@ -62,10 +62,14 @@ def axis(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> Slid
 
 
 def named(scene: Scene, text: str) -> list[SliderAxis]:
-    """Axes of what a lesson's text has one set or choose: "Set **Cells** to `80`", "Choose **Method** `uGIMP`"."""
+    """Axes of what a lesson's text, in the language that is spoken, has one set or choose: "Set **Cells** to `80`",
+    "Choose **Method** `uGIMP`"."""
     found: dict[str, list[Any]] = {}
-    for act in _ACT.finditer(text):
-        field = CONTROLS.get(act["control"])
+    called = {tr(name): field for name, field in CONTROLS.items()}
+    between = "|".join(re.escape(tr(SENTENCES[verb]).partition("{name}")[2].partition("{value}")[0])
+                       for verb in ("Set", "Choose"))
+    for act in re.finditer(rf"\*\*(?P<control>[^*]+)\*\*(?:{between})`(?P<value>[^`]+)`", text):
+        field = called.get(act["control"])
         if field and (value := _value(scene, field, act["value"])) is not None:
             found.setdefault(field, []).append(value)
     return [made for field, values in found.items()
@@ -121,7 +125,7 @@ def _value(scene: Scene, field: str, text: str) -> Any:
     if field == "method":
         plain = text.lower()
         return next((code for code, method in NAMES.items()
-                     if plain in (code, method.name.lower(), method.full.lower())), None)
+                     if plain in (code, method.name.lower(), str(method).lower())), None)
     try:
         number = float(text.split()[0].replace(",", "."))
     except (ValueError, IndexError):

@@ -9,6 +9,8 @@ from app.export import lattice
 from app.export.bets import bet_words, judged
 from app.export.page import Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
+from app.frame.budget import QUESTION
+from app.language.spoken import later, speaking, tr
 from app.lessons import progress, shelf
 from app.lessons.claims import ClaimError, needed
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
@@ -21,7 +23,9 @@ from app.words import QUANTITIES, SYMBOLS
 COUNTS = {"cells": 3, "amplitude": 3, "method": 3}
 DENSE = (0.5, 0.7, 0.9, 1.2, 1.4, 1.5, 1.55, 1.6, 1.8, 2.0, 2.5, 3.0)  # times the own, where one looks for a place
 MOST_RUNS = 12  # of a stage's lattice
-ELSEWHERE = ("slow-motion", "look-back", "trace", "effects", "details", "pin")  # no recording has these
+#: Controls that no recording has, and how the file names them.
+ELSEWHERE = {"slow-motion": later("slow motion"), "look-back": later("look back"), "trace": later("trace"),
+             "effects": later("effects"), "details": later("details"), "pin": later("pin")}
 
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
@@ -47,9 +51,10 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
     """A step's state with what its text has one set, and, where there is room, with more of what the lesson offers."""
     shown = state.read(stage)
     kept = quantities(shown)
-    kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
-    scene = planned(shown, (), kept).scene
-    axes = lattice.named(scene, text)
+    with speaking(lesson.language):
+        kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
+        scene = planned(shown, (), kept).scene
+        axes = lattice.named(scene, text)
     if (sought := _sought(lesson, step)) and sought not in {axis.field for axis in axes}:
         own = getattr(scene, sought) if sought != "cfl" else scene.courant_number
         values = [type(own)(float(f"{factor * own:.3g}")) for factor in DENSE]
@@ -125,11 +130,14 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
               "bets": step.bets, "judged": _alike(bets.get(step.key, [{}])),
               "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
+    with speaking(lesson.language):
+        asks = tr(QUESTION)
     return {"name": lesson.name, "title": lesson.title, "minutes": lesson.minutes,
             "core_minutes": lesson.core_minutes, "begins_core": core and bool(lesson.deeper), "goals": lesson.goals,
             "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
             "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
-            "elsewhere": [name for name in ELSEWHERE if name in lesson.controls], "steps": steps,
+            "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
+            "language": lesson.language, "asks": asks, "steps": steps,
             "schema": progress.SCHEMA, "longest_name": progress.LONGEST_NAME, "longest": LONGEST, "most": MOST,
             "bare": BARE, "digits": DIGITS,
             "told_after": TOLD_AFTER, "bets": bet_words(),
@@ -149,6 +157,6 @@ def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[
                             "level": asked.level}
     if asked.kind == DRAG:
         low, high, step = REACH[asked.control]
-        made["drag"] = {"name": f"{NAMES[asked.control]} {SYMBOLS.get(asked.control, '')}".strip(), "low": low,
+        made["drag"] = {"name": f"{tr(NAMES[asked.control])} {SYMBOLS.get(asked.control, '')}".strip(), "low": low,
                         "high": high, "step": step, "powers": asked.control in POWERS}
     return made

@@ -14,6 +14,7 @@ from app.export.plan import Plan, described, planned
 from app.export.record import Wanted, recording, recordings
 from app.export.vocabulary import vocabulary
 from app.identity import ICON, MARK, faces
+from app.language.spoken import catalogue, language, tr
 from app.problems.views import VIEWS
 from app.templates import rendered
 
@@ -35,14 +36,19 @@ def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping
     one = planned(shown, (), quantities(shown))
     one = planned(one.state, lattice.around(one.scene, counts), one.quantities)
     recorded = record([one], processes, on_progress)
-    return assembled(one.scene.title.capitalize(), [one], recorded, None)
+    return assembled(_titled(one), [one], recorded, None)
 
 
 def recorded_page(shown: state.State) -> str:
     """The page of a state and of no runs around it, recorded by this process itself."""
     one = planned(shown, (), quantities(shown))
     recorded = _each_once([one], lambda once: [recording(wanted) for wanted in once])
-    return assembled(one.scene.title.capitalize(), [one], recorded, None)
+    return assembled(_titled(one), [one], recorded, None)
+
+
+def _titled(one: Plan) -> str:
+    title = tr(one.scene.title)
+    return title[:1].upper() + title[1:]
 
 
 def quantities(shown: state.State) -> tuple[str, ...]:
@@ -72,12 +78,15 @@ def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, 
     places = {id(run): number for number, run in enumerate(runs)}
     stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs}) for k, one in enumerate(plans)]
     texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # most runs say the same
-    data = {**vocabulary({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson, "texts": texts,
+    data = {"words": catalogue(language()).of_files("app/export/player/"),
+            **vocabulary({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson, "texts": texts,
             "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
                      for run in runs]}
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
                        for k, run in enumerate(runs))
-    parts = {"title": escape(heading), "version": __version__, "kind": "lesson" if lesson else "scene",
+    own = f" lang=\"{lesson['language']}\"" if lesson and lesson["language"] != language() else ""
+    parts = {"title": escape(heading), "lang": own, "version": __version__, "kind": "lesson" if lesson else "scene",
+             "language": language(), "empty": tr("Press <b>On the stage</b> in the lesson: its run begins here."),
              "style": faces() + tokens() + _file("player.css"), "mark": MARK, "icon": ICON,
              "data": _json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"

@@ -7,6 +7,7 @@ from typing import Any
 from app.export import lattice
 from app.export.lattice import SliderAxis
 from app.export.record import CURVE_POINTS, Wanted
+from app.language.spoken import language, tr
 from app.problems.views import VIEWS
 from app.state import State, read, write
 from app.words import METHODS, in_a_line, unit_of, with_unit
@@ -69,7 +70,7 @@ def wanted(plans: Sequence[Plan]) -> dict[tuple[int, str], Wanted]:
     """What is to be recorded, by the number of the plan and the text of the run."""
     most = _most(plans)
     return {(number, text): Wanted(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]), plan.quantities,
-                                   plan.state.difference, plan.state.domains)
+                                   plan.state.difference, plan.state.domains, language())
             for number, plan in enumerate(plans) for text in plan.runs}
 
 
@@ -94,7 +95,7 @@ def _bytes(plan: Plan, particles: int) -> int:
 def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
     """The plan as the player reads it; ``numbers`` are those of the recorded runs, by their texts."""
     state, scene = plan.state, plan.scene
-    return {"axes": [{"field": axis.field, "label": LABELS[axis.field], "start": axis.start, "values": axis.values,
+    return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
                       "says": [said(type(scene), axis.field, value) for value in axis.values]} for axis in plan.axes],
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
             "says": ["" if text.startswith("!") else in_a_line(read(text).scene) for text in plan.texts],

@@ -17,6 +17,7 @@ from app.frame.planar import PlanarStage
 from app.frame.scale import LEAST_REACH, LEAST_TOP
 from app.frame.silences import why_no_field
 from app.frame.stage import one_in
+from app.language.spoken import ENGLISH, speaking
 from app.problems.views import VIEWS
 from solvers.running.run import build
 from solvers.scene.causes import CAUSES, FIELDS
@@ -45,6 +46,7 @@ class Wanted:
     quantities: tuple[str, ...]
     difference: bool = False  # whether how far the estimates are from the truth is kept for each particle
     domains: bool = False  # whether what each particle stands for is kept, of a problem whose stage can outline it
+    language: str = ENGLISH  # in which it says what it says
 
 
 def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
@@ -70,6 +72,11 @@ def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
 
 def recording(wanted: Wanted) -> dict[str, Any]:
     """The recording as a JSON object: ``head`` says what is there, ``tracks`` how to read ``data``, in base64."""
+    with speaking(wanted.language):
+        return _recorded(wanted)
+
+
+def _recorded(wanted: Wanted) -> dict[str, Any]:
     scene = state.read(wanted.scene).scene
     solver = build(scene)
     solver.compile()

@@ -14,6 +14,7 @@ from app.frame.layout import Seat
 from app.frame.marks import Label, Room
 from app.frame.palette import LIGHT
 from app.frame.stage import Stage, Words
+from app.language.spoken import tr
 from app.problems.views import VIEWS
 from solvers.scene import causes
 from solvers.scene.registry import ESTIMATORS
@@ -21,26 +22,27 @@ from solvers.scene.registry import ESTIMATORS
 #: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
 ROOMS = {"wide": Room(720.0, high=0.58, gutter=0.18), "narrow": Room(336.0, high=0.84)}
 LATER = "…"  # what a run or a frame says
-SAID = Words((ESTIMATE[0], TRUTH), (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
 
 
 def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
     """All of it as a JSON object, with the stages of some problems."""
     return {"formats": formats(), "codes": quantise.CODES,
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
-                      "smallest": scale.SMALLEST, "zero": scale.ZERO},
+                      "smallest": scale.SMALLEST, "zero": tr(scale.ZERO)},
             "axis": {"steps": field.STEPS, "room": field.ROOM, "stems": field.MOST_STEMS},
             "crossings": {"window": crossings.WINDOW, "seconds": crossings.LEAST_SECONDS},
             "colours": _colours(), "edge": layout.EDGE,
-            "quantities": {key: vars(quantity) for key, quantity in words.QUANTITIES.items()},
-            "compare": (SIDE_BY_SIDE, DIFFERENCE), "unknown": counting("{remark}", "{unknown}"),
-            "sentences": {"unstable": sentence.UNSTABLE, "last": sentence.LAST, "lost": sentence.LOST,
-                          "now": sentence.NOW, "paused": sentence.PAUSED, "less": sentence.LESS,
-                          "more": sentence.MORE, "all": sentence.ALL_OF_IT, "not_counted": silences.NOT_COUNTED},
-            "budget": {"causes": {name: {"words": said, "meaning": budget.MEANINGS[name], "colour": CAUSES[name].light}
-                                  for name, said in causes.CAUSES.items()}, "fields": causes.FIELDS,
-                       "units": budget.UNITS, "seen": budget.SEEN, "caption": budget.CAPTION,
-                       "question": budget.QUESTION},
+            "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
+                           for key, of in words.QUANTITIES.items()},
+            "compare": (tr(SIDE_BY_SIDE), tr(DIFFERENCE)), "unknown": counting("{remark}", "{unknown}"),
+            "sentences": {"unstable": tr(sentence.UNSTABLE), "last": tr(sentence.LAST), "lost": tr(sentence.LOST),
+                          "now": tr(sentence.NOW), "paused": tr(sentence.PAUSED), "less": tr(sentence.LESS),
+                          "more": tr(sentence.MORE), "all": sentence.ALL_OF_IT,
+                          "not_counted": tr(silences.NOT_COUNTED)},
+            "budget": {"causes": {name: {"words": tr(said), "meaning": tr(budget.MEANINGS[name]),
+                                         "colour": CAUSES[name].light} for name, said in causes.CAUSES.items()},
+                       "fields": causes.FIELDS, "units": budget.UNITS, "seen": budget.SEEN,
+                       "caption": tr(budget.CAPTION), "question": tr(budget.QUESTION)},
             "magnifications": words.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
             "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)}}
@@ -55,7 +57,7 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
     """
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
-            "alike": ALIKE.format(stage.HALVES),
+            "alike": tr(ALIKE).format(tr(stage.HALVES)),
             "rooms": {name: _laid_out(stage, room.settled()) for name, room in ROOMS.items()}}
 
 
@@ -63,7 +65,8 @@ def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
     """A stage in a room."""
     places = stage.places(room, Seat.ALONE)
     top = layout.top(room, room.high)
-    labels: list[Label] = [*stage.labels(SAID, places),
+    said = Words((tr(ESTIMATE[0]), tr(TRUTH)), (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
+    labels: list[Label] = [*stage.labels(said, places),
                            *field.labels(places, stage.PLOT.ends, FieldWords(LATER, LATER), 1, LATER, True)]
     of = [label for label in colour_bar.labels(top, room.gutter > 0, "x", []) if label.text]
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}

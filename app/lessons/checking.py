@@ -31,12 +31,12 @@ def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> I
         for step in lesson.steps:
             for claim in step.claims:
                 text = filled(claim.text, numbers)
-                yield Check(lesson.name, step.title, claim.line, text, *_claim(lesson, step, text, numbers, outcomes))
+                yield Check(lesson.file, step.title, claim.line, text, *_claim(lesson, step, text, numbers, outcomes))
             if step.question and expressions(step.question, numbers):
                 asked = step.question
                 text = "one option is right" if asked.kind == CHOICE else \
                     f"{filled(asked.expected, numbers)} has a value"
-                yield Check(lesson.name, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
+                yield Check(lesson.file, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
 
 
 def _claim(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:

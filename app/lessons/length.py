@@ -26,6 +26,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from app import state
+from app.language.spoken import tr
 from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, PREDICT, RUN, TEXT, Lesson, Step, filled
 from app.lessons.rounds import rounds
 
@@ -60,8 +61,8 @@ def measured(lesson: Lesson) -> Lesson:
 def told(lesson: Lesson) -> str:
     """A lesson's minutes, as a list of lessons has them."""
     if not lesson.deeper:
-        return f"{lesson.minutes} min"
-    return f"{lesson.core_minutes} min core, {lesson.minutes} min in all"
+        return tr("{minutes} min", minutes=lesson.minutes)
+    return tr("{core} min core, {minutes} min in all", core=lesson.core_minutes, minutes=lesson.minutes)
 
 
 def round_minutes(steps: Sequence[Step], lesson: Lesson) -> int:

@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from app.language.spoken import ENGLISH, later
 from solvers.outside import quoting
 
 PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
@@ -34,8 +35,10 @@ CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "motion", "stretch
 REACH = {"cells": (8.0, 160.0, 1.0), "ppc": (1.0, 8.0, 1.0), "amplitude": (-4.0, -0.8, 0.01),
          "modulus": (0.0, 3.0, 0.01), "cfl": (-2.0, 0.5, 0.01)}
 POWERS = ("amplitude", "modulus", "cfl")
-NAMES = {"cells": "Cells", "ppc": "Particles / cell", "amplitude": "Amplitude", "modulus": "Modulus",
-         "cfl": "CFL number"}
+NAMES = {"cells": later("Cells"), "ppc": later("Particles / cell"), "amplitude": later("Amplitude"),
+         "modulus": later("Modulus"), "cfl": later("CFL number")}
+#: What the kinds of steps are called.
+TITLES = {PREDICT: later("Predict"), RUN: later("Run"), OBSERVE: later("Observe"), EXPLAIN: later("Explain")}
 PLACE = re.compile(r"\{([A-Za-z]\w*)\}")
 Numbers = Mapping[str, float | int | str]
 
@@ -115,7 +118,8 @@ class Step:
 class Lesson:
     """A lesson. ``controls`` are those of the page that it needs, ``variants`` the sets of numbers of which a student
     gets one, ``fingerprint`` tells whether a file handed in is of this very lesson. ``minutes`` are those of all steps,
-    ``core_minutes`` those of the core, as :mod:`app.lessons.length` reckons them."""
+    ``core_minutes`` those of the core, as :mod:`app.lessons.length` reckons them. ``language`` is that of its words,
+    with which nothing else of it changes."""
 
     name: str
     title: str
@@ -129,6 +133,12 @@ class Lesson:
     fingerprint: str = ""
     minutes: int = 0
     core_minutes: int = 0
+    language: str = ENGLISH
+
+    @property
+    def file(self) -> str:
+        """What its file is called, without the ending."""
+        return self.name if self.language == ENGLISH else f"{self.name}.{self.language}"
 
     @functools.cached_property
     def questions(self) -> dict[str, Step]:

@@ -1,8 +1,10 @@
 """Whether an answer is right: derived from the runs each time, never kept."""
 
+import functools
 from dataclasses import dataclass
 from typing import Any
 
+from app.language.spoken import tr
 from app.lessons.bets import Bet
 from app.lessons.claims import ClaimError, decide, said, value
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, filled
@@ -62,7 +64,8 @@ def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> R
     if asked.kind == CHOICE:
         options = (asked.correct,) if asked.correct is not None else \
             tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
-        return Right(" or ".join(filled(asked.options[k - 1], numbers) for k in options), options)
+        told = functools.reduce(_or, [filled(asked.options[k - 1], numbers) for k in options] or [""])
+        return Right(told, options)
     expected = value(texts[-1], scope)
     if asked.kind == INTERVAL and (isinstance(expected, str) or expected <= 0):
         raise ClaimError(f"{texts[-1]} is {said(expected)}: intervals are bets on a size; ask for one above 0")
@@ -70,6 +73,10 @@ def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> R
     if asked.kind != INTERVAL and not isinstance(expected, str):
         told += f" (± {100 * asked.tolerance:g} %)"
     return Right(told, value=expected)
+
+
+def _or(one: str, other: str) -> str:
+    return tr("{one} or {other}", one=one, other=other)
 
 
 def expressions(asked: Question, numbers: Numbers) -> list[str]:
@@ -97,21 +104,22 @@ def fits(asked: Question, answer: Any, found: Right) -> bool:
 
 
 def trouble(asked: Question, answer: Any) -> str:
-    """Why something is no answer to a question, in words; "" where it is one."""
+    """Why something is no answer to a question, as a sentence; "" where it is one."""
     if asked.kind == TEXT:
         fits = isinstance(answer, str) and 0 < len(answer.strip()) <= LONGEST
-        return "" if fits else f"write one to {LONGEST} characters"
+        return "" if fits else tr("Please write one to {most} characters.", most=LONGEST)
     if asked.kind == CHOICE:
         fits = isinstance(answer, int) and not isinstance(answer, bool) and 1 <= answer <= len(asked.options)
-        return "" if fits else "choose one of the answers"
+        return "" if fits else tr("Please choose one of the answers.")
     if asked.kind == INTERVAL:
         if not (isinstance(answer, (list, tuple)) and len(answer) == 2 and all(map(_is_real, answer))):
-            return "give two numbers, the least and the most"
+            return tr("Please give two numbers, the least and the most.")
         if answer[0] > answer[1]:
-            return "the first number must not be above the second"
-        return "" if answer[0] > 0 else "give two numbers above 0: a bet is scored by factors, and 0 is infinitely far"
+            return tr("The first number must not be above the second.")
+        return "" if answer[0] > 0 else \
+            tr("Please give two numbers above 0: a bet is scored by factors, and 0 is infinitely far.")
     assert asked.kind in (NUMBER, DRAG)
-    return "" if _is_real(answer) else "give a number"
+    return "" if _is_real(answer) else tr("Please give a number.")
 
 
 def shown(asked: Question, answer: Any) -> str:
@@ -119,7 +127,8 @@ def shown(asked: Question, answer: Any) -> str:
     if asked.kind == CHOICE:
         return asked.options[answer - 1]
     if asked.kind == INTERVAL:
-        return " to ".join(in_unit(asked, float(end)) for end in answer)
+        low, high = (in_unit(asked, float(end)) for end in answer)
+        return tr("{low} to {high}", low=low, high=high)
     return answer if asked.kind == TEXT else in_unit(asked, float(answer))
 
 

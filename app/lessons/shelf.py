@@ -1,12 +1,15 @@
-"""The lessons that there are: a Markdown file each in ``lessons/``."""
+"""The lessons that there are: a Markdown file each in ``lessons/``, and beside it perhaps one with its words in another
+language. What is asked for comes in the language that is spoken, or else in English."""
 
 import threading
+from collections.abc import Iterator
 from contextlib import suppress
-from functools import lru_cache
 from pathlib import Path
 
+from app.language.spoken import ENGLISH, LANGUAGES, kept, language, localised, speaking
 from app.lessons.lesson import Lesson, LessonError
 from app.lessons.reading import read
+from app.lessons.translation import translated
 from solvers.outside import quoting
 
 FOLDER = Path(__file__).parents[2] / "lessons"
@@ -20,7 +23,8 @@ class UnknownLesson(LookupError):
 
 def names(folder: Path = FOLDER) -> list[str]:
     """The names of the lessons, in their order: files are numbered."""
-    return sorted(path.stem for path in folder.glob("*.md") if path.stem not in NO_LESSONS)
+    return sorted(path.stem for path in folder.glob("*.md")
+                  if path.stem not in NO_LESSONS and Path(path.stem).suffix.removeprefix(".") not in LANGUAGES)
 
 
 def called(name: str, folder: Path = FOLDER) -> str:
@@ -35,12 +39,23 @@ def called(name: str, folder: Path = FOLDER) -> str:
 
 def lesson(name: str, folder: Path = FOLDER) -> Lesson:
     """A lesson by its full name."""
-    return read(folder / f"{name}.md")
+    return _in_its_words(read(folder / f"{name}.md"), folder)
+
+
+def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
+    """A lesson, and it again in each language that it has been put into."""
+    for code in LANGUAGES:
+        if code == ENGLISH or (folder / f"{name}.{code}.md").is_file():
+            with speaking(code):
+                found = lesson(name, folder)
+            yield found
 
 
 def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
-    """All lessons by their names, as their files are now, but those with a mistake (``mpm-lab lesson check``)."""
-    files = tuple((name, (folder / f"{name}.md").stat().st_mtime_ns) for name in names(folder))
+    """All lessons by their names, as their files are now, but those with a mistake (``mpm-lab lesson check``); of a
+    translation with one the original."""
+    paths = {name: folder / f"{name}.md" for name in names(folder)}
+    files = tuple((name, path.stat().st_mtime_ns, localised(path).stat().st_mtime_ns) for name, path in paths.items())
     with _READING:  # a class that comes at once reads them once
         return _read(folder, files)
 
@@ -51,11 +66,18 @@ def after(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
     return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
 
 
-@lru_cache(2)
-def _read(folder: Path, files: tuple[tuple[str, int], ...]) -> dict[str, Lesson]:
+@kept(4)
+def _read(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Lesson]:
     """The lessons of files that were last changed then."""
     found = {}
-    for name, _ in files:
+    for name, *_ in files:
         with suppress(LessonError):
-            found[name] = lesson(name, folder)
+            found[name] = original = read(folder / f"{name}.md")
+            found[name] = _in_its_words(original, folder)
     return found
+
+
+def _in_its_words(original: Lesson, folder: Path) -> Lesson:
+    """In the language that is spoken, if it has been put into that."""
+    path = localised(folder / f"{original.name}.md")
+    return original if path.stem == original.name else translated(original, path, language())

@@ -23,7 +23,8 @@ language = "en"
 root_doc = "assets/site/index"
 # A new text in these folders is a page, and one that no list of pages has is a warning, which is an error.
 include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "assets/**.md", "lessons/**.md"]
-exclude_patterns = [".*", "app", "solvers", "tests", "build", "dist", "assets/paper", "lessons/scripts"]
+exclude_patterns = [".*", "app", "solvers", "tests", "build", "dist", "assets/paper", "lessons/scripts",
+                    "lessons/*.de.md"]  # lessons in other languages are on the page, and in their files
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "lesson_pages",
               "formulas", "tables", "identity"]

@@ -7,10 +7,10 @@ function answerWidget(question, answer, fixed) {
 
 function choiceWidget(question, answer, fixed) {
   const box = element("fieldset", "", {className: "options", disabled: fixed});
-  box.append(element("legend", "Answer"));
+  box.append(element("legend", tr("Answer")));
   own(question.options).forEach((option, k) => {
     const line = element("label"), button = element("input", "", {type: "radio", name: "answer", value: k + 1, checked: answer === k + 1});
-    line.append(button, element("span", option));
+    line.append(button, ofLesson("span", option));
     box.append(line);
   });
   return [box, () => {
@@ -42,11 +42,11 @@ function numberIn(text, unit) {
 
 function numberWidget(question, answer, fixed) {
   const text = element("input", "", {type: "text", inputMode: "decimal", maxLength: 40, disabled: fixed, value: answer ?? ""});
-  return [field(question.unit ? `Answer, ${question.unit}` : "Answer", text), () => numberIn(text.value, question.unit)];
+  return [field(question.unit ? tr("Answer, {unit}", question) : tr("Answer"), text), () => numberIn(text.value, question.unit)];
 }
 
 function intervalWidget(question, answer, fixed) {
-  const box = element("div"), texts = ["At least", "At most"].map((side, k) => {
+  const box = element("div"), texts = [tr("At least"), tr("At most")].map((side, k) => {
     const text = element("input", "", {type: "text", inputMode: "decimal", maxLength: 40, disabled: fixed, value: answer ? answer[k] : ""});
     box.append(field(question.unit ? `${side}, ${question.unit}` : side, text));
     return text;
@@ -56,7 +56,7 @@ function intervalWidget(question, answer, fixed) {
 
 function textWidget(question, answer, fixed) {
   const text = element("textarea", "", {rows: 4, maxLength: LESSON.longest, disabled: fixed, value: answer ?? ""});
-  return [field("Answer", text), () => text.value];
+  return [field(tr("Answer"), text), () => text.value];
 }
 
 function dragWidget(question, answer, fixed) {

@@ -14,7 +14,7 @@ function budget() {
     row.firstChild.append(element("small", ` ${meaning}`));
     return row;
   });
-  const head = tableRow(`share of the error of ${field} over the run${run.budget.whose}`, "");
+  const head = tableRow(tr("share of the error of {field} over the run", {field}) + run.budget.whose, "");
   head.className = "head";
   document.getElementById("causes").replaceChildren(...silence ? [] : [head, ...rows]);
   put(document.getElementById("divided"), silence ? capital(silence) + "." : DATA.budget.caption);
@@ -53,7 +53,7 @@ function drawMade(run, field) {
   const left = 58, right = box.width - 8, high = 24, floor = box.height - 20;
   const x = (time) => left + (right - left) * time / end, y = (size) => high + (floor - high) * (top - size) / (top - low);
   const points = (edge) => edge.map((size, k) => [x(times[k]), y(size)]);
-  words(pen, `error of ${field}, RMS over particles`, 0, 3, "left", "top");
+  words(pen, tr("error of {field}, RMS over particles", {field}), 0, 3, "left", "top");
   pen.strokeStyle = "#e2e5eb";
   for (const size of [0, top / 2, top]) {
     if (size) stroke(pen, [[left, y(size)], [right, y(size)]]);

@@ -6,17 +6,17 @@ function buildControls() {
   const {plan, view} = stage, box = document.getElementById("sliders");
   box.replaceChildren(...plan.axes.map((axis, k) => axis.field === "method" ? chooser(axis, k) : slider(axis, k)));
   const quantities = plan.quantities.map((key) => [key, `${DATA.quantities[key].noun} ${DATA.quantities[key].symbol}`]);
-  const looks = [select("Error of", quantities, "quantity")];
-  if (plan.estimators.length > 1) looks.push(select("On the stage", plan.estimators.map((name) => [name, name]), "estimator"));
-  looks.push(select("Magnify error", DATA.magnifications.map((factor) => [factor, `× ${factor}`]), "magnified"),
-    select("Colours", [[false, "linear"], [true, "logarithmic"]], "logarithmic"));
-  if (plan.compares) looks.push(select("Compare", DATA.compare.map((name, k) => [k === 1, name]), "difference"));
-  if (plan.outlines) looks.push(select("Domains", [[true, "outlined"], [false, "not outlined"]], "domains"));
+  const looks = [select(tr("Error of"), quantities, "quantity")];
+  if (plan.estimators.length > 1) looks.push(select(tr("On the stage"), plan.estimators.map((name) => [name, name]), "estimator"));
+  looks.push(select(tr("Magnify error"), DATA.magnifications.map((factor) => [factor, `× ${factor}`]), "magnified"),
+    select(tr("Colours"), [[false, tr("linear")], [true, tr("logarithmic")]], "logarithmic"));
+  if (plan.compares) looks.push(select(tr("Compare"), DATA.compare.map((name, k) => [k === 1, name]), "difference"));
+  if (plan.outlines) looks.push(select(tr("Domains"), [[true, tr("outlined")], [false, tr("not outlined")]], "domains"));
   const speeds = [...new Set([...SPEEDS, view.speed])].sort((a, b) => a - b);
-  looks.push(select("Speed", speeds.map((speed) => [speed, `${number(speed)} periods/s`]), "speed"));
+  looks.push(select(tr("Speed"), speeds.map((speed) => [speed, tr("{speed} periods/s", {speed: number(speed)})]), "speed"));
   document.getElementById("looks").replaceChildren(...looks);
   document.getElementById("reach").textContent = plan.axes.length
-    ? `This file holds ${plan.runs.filter((run) => typeof run !== "string").length} recorded runs: the sliders go from one to another.` : "";
+    ? tr("This file holds {count} recorded runs: the sliders go from one to another.", {count: plan.runs.filter((run) => typeof run !== "string").length}) : "";
 }
 
 function labelled(name, ...widgets) {
@@ -71,7 +71,7 @@ timeline.addEventListener("input", () => {
 stage.onChange.push(() => {
   if (!stage.run) return;
   const at = Math.floor(pictureAt(stage.run, stage.time));
-  playing.textContent = stage.playing ? "Pause" : stage.time >= endOf(stage.run) ? "Again" : "Play";
+  playing.textContent = stage.playing ? tr("Pause") : stage.time >= endOf(stage.run) ? tr("Again") : tr("Play");
   timeline.max = stage.run.tracks.time.rows - 1;
   timeline.value = at;
   timeline.setAttribute("aria-valuetext", `${number(stage.time)} s`);

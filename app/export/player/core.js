@@ -14,33 +14,34 @@ function stepBeside(at, by) {
 
 function whereSaid() {
   const at = progress.step, place = howFar(at), total = walked().length;
-  if (at === 0) return "Introduction";
-  if (at > LESSON.steps.length) return "The end";
-  return progress.core ? `Step ${place} of ${total} of the core` : `Step ${place} of ${total}`;
+  if (at === 0) return tr("Introduction");
+  if (at > LESSON.steps.length) return tr("The end");
+  return progress.core ? tr("Step {at} of {total} of the core", {at: place, total}) : tr("Step {at} of {total}", {at: place, total});
 }
 
 const hasDeeper = () => LESSON.steps.some((step) => !step.core);
 
-const takes = () => hasDeeper() ? `${LESSON.core_minutes} minutes for the core, ${LESSON.minutes} in all. Afterwards you can`
-  : `${LESSON.minutes} minutes. Afterwards you can`;
+const takes = () => hasDeeper()
+  ? tr("{core} minutes for the core, {minutes} in all. Afterwards you can", {core: LESSON.core_minutes, minutes: LESSON.minutes})
+  : tr("{minutes} minutes. Afterwards you can", LESSON);
 
 // In the introduction: a box to take the core alone.
 function coreChoice() {
   if (!hasDeeper()) return [];
   const line = element("label", "", {className: "only"}), box = element("input", "", {type: "checkbox", checked: progress.core});
-  line.append(box, element("span", "Core only"));
+  line.append(box, element("span", tr("Core only")));
   box.addEventListener("change", () => {
     progress.core = box.checked;
     keep();
     document.querySelector("#lesson progress").max = walked().length + 1;
   });
-  const hint = `The core stands by itself and takes ${LESSON.core_minutes} minutes; you can go deeper at its end.`;
+  const hint = tr("The core stands by itself and takes {minutes} minutes; you can go deeper at its end.", {minutes: LESSON.core_minutes});
   return [line, element("p", hint, {className: "hint"})];
 }
 
 // In a deeper step: a way past it, and past all others.
 function skipDeeper() {
-  const button = element("button", "Core only: skip what is deeper", {type: "button", className: "again"});
+  const button = element("button", tr("Core only: skip what is deeper"), {type: "button", className: "again"});
   button.addEventListener("click", () => {
     progress.core = true;
     goTo(stepBeside(progress.step, 1));
@@ -52,10 +53,10 @@ function skipDeeper() {
 function wayDeeper() {
   if (!progress.core) return [];
   const deeper = LESSON.steps.filter((step) => !step.core), minutes = Math.max(1, LESSON.minutes - LESSON.core_minutes);
-  const button = element("button", "Go deeper", {type: "button"});
+  const button = element("button", tr("Go deeper"), {type: "button"});
   button.addEventListener("click", () => {
     progress.core = false;
     goTo(LESSON.steps.indexOf(deeper[0]) + 1);
   });
-  return [element("p", `This was the core. The lesson has ${deeper.length} deeper steps, some ${minutes} minutes.`), button];
+  return [element("p", tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.", {steps: deeper.length, minutes})), button];
 }

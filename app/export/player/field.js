@@ -74,7 +74,7 @@ function drawField(pen, run, pinned, view, at, {name, remark}, place, flashed, s
   const number = withUnit(top, DATA.quantities[view.quantity].unit), told = count ? fill(DATA.unknown, {remark, unknown: count}).replace(/^; /, "") : remark;
   return {"field/high": `+${number}`, "field/zero": "0", "field/low": `−${number.split(" ")[0]}`, "field/name": box.at ? name : "",
     "field/remark": (box.at ? [told] : [name, told]).filter(Boolean).join(": "), ...curve ? {} : {"field/key2": ""},
-    "field/magnified": curve && view.magnified > 1 ? `error × ${view.magnified}` : ""};
+    "field/magnified": curve && view.magnified > 1 ? tr("error × {magnified}", view) : ""};
 }
 
 function drawStems(pen, along, exact, values, x, y, sizes, scale, pixel) {

@@ -1,7 +1,7 @@
 // What the file holds, and what is shown first.
 
 if (typeof DecompressionStream === "undefined") {
-  document.getElementById("empty").textContent = "This browser is too old for the recordings; any of 2023 or later plays them.";
+  document.getElementById("empty").textContent = tr("This browser is too old for the recordings; any of 2023 or later plays them.");
 } else if (DATA.lesson) {
   openLesson();
 } else {

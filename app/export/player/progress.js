@@ -66,15 +66,15 @@ function handIn() {
 function trouble(question, answer) {
   const real = (value) => typeof value === "number" && Number.isFinite(value) && Math.abs(value) < LESSON.most;
   if (question.kind === "text")
-    return typeof answer === "string" && answer.trim() && [...answer].length <= LESSON.longest ? "" : `write one to ${LESSON.longest} characters`;
+    return typeof answer === "string" && answer.trim() && [...answer].length <= LESSON.longest ? "" : tr("Please write one to {most} characters.", {most: LESSON.longest});
   if (question.kind === "choice")
-    return Number.isInteger(answer) && answer >= 1 && answer <= question.options[0].length ? "" : "choose one of the answers";
+    return Number.isInteger(answer) && answer >= 1 && answer <= question.options[0].length ? "" : tr("Please choose one of the answers.");
   if (question.kind === "interval") {
-    if (!Array.isArray(answer) || answer.length !== 2 || !answer.every(real)) return "give two numbers, the least and the most";
-    if (answer[0] > answer[1]) return "the first number must not be above the second";
-    return answer[0] > 0 ? "" : "give two numbers above 0: a bet is scored by factors, and 0 is infinitely far";
+    if (!Array.isArray(answer) || answer.length !== 2 || !answer.every(real)) return tr("Please give two numbers, the least and the most.");
+    if (answer[0] > answer[1]) return tr("The first number must not be above the second.");
+    return answer[0] > 0 ? "" : tr("Please give two numbers above 0: a bet is scored by factors, and 0 is infinitely far.");
   }
-  return real(answer) ? "" : "give a number";
+  return real(answer) ? "" : tr("Please give a number.");
 }
 
 // Whether an answer is right (null: nobody marks it), and what is, in words; null where it could not be found out.
@@ -94,7 +94,7 @@ function mark(question, answer) {
 // An answer in words.
 function shown(question, answer) {
   if (question.kind === "choice") return own(question.options)[answer - 1];
-  if (question.kind === "interval") return answer.map((end) => inUnit(end, question.unit)).join(" to ");
+  if (question.kind === "interval") return tr("{low} to {high}", {low: inUnit(answer[0], question.unit), high: inUnit(answer[1], question.unit)});
   return question.kind === "text" ? answer : inUnit(answer, question.unit);
 }
 

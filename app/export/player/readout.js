@@ -1,6 +1,7 @@
 // Numbers of the run that is shown: time, norms, index and distance of each estimator, its status, and norms over time.
 
 const COLUMN = Object.fromEntries(Object.keys(DATA.quantities).map((key, k) => [key, k]));
+const ROWS = {true: tr("true"), estimated: tr("estimated")};  // beside those of estimators
 const chart = document.getElementById("chart");
 function cell(run, track, at, quantity) {
   const found = run.tracks[track];
@@ -11,25 +12,25 @@ function readout() {
   const {run, view} = stage;
   if (!run) return;
   const at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity], time = stage.time;
-  const told = [["time", `${number(time, 4)} s = ${fixed(time / run.period, 2)} periods`],
-    ["steps", `${Math.round(time / run.step).toLocaleString("en")} of ${withUnit(run.step, "s")}`],
-    ["step", marginText(run.tracks.margin.values[Math.floor(at)])],
-    ["crossings", Number.isFinite(run.tracks.crossed.values[Math.floor(at)])
-      ? `${Math.round(run.tracks.crossed.values[Math.floor(at)]).toLocaleString("en")} so far` : DATA.sentences.not_counted],
-    ["shown", run.shown < run.particles ? `${run.shown} of ${run.particles.toLocaleString("en")} particles`
-      : `${run.particles} particles`]];
+  const told = [[tr("time"), tr("{time} s = {periods} periods", {time: number(time, 4), periods: fixed(time / run.period, 2)})],
+    [tr("steps"), tr("{count} of {step}", {count: Math.round(time / run.step).toLocaleString("en"), step: withUnit(run.step, "s")})],
+    [tr("step"), marginText(run.tracks.margin.values[Math.floor(at)])],
+    [tr("crossings"), Number.isFinite(run.tracks.crossed.values[Math.floor(at)])
+      ? tr("{count} so far", {count: Math.round(run.tracks.crossed.values[Math.floor(at)]).toLocaleString("en")}) : DATA.sentences.not_counted],
+    [tr("shown"), run.shown < run.particles ? tr("{shown} of {all} particles", {shown: run.shown, all: run.particles.toLocaleString("en")})
+      : tr("{all} particles", {all: run.particles})]];
   document.getElementById("facts").replaceChildren(...told.map(([name, text]) => tableRow(name, text)));
-  const rows = [tableRow(`error of ${quantity.symbol}`, "norm", "index", "distance")];
+  const rows = [tableRow(tr("error of {symbol}", quantity), tr("norm"), tr("index"), tr("distance"))];
   rows[0].className = "head";
   const norm = (track, of = run, when = at) => known(cell(of, track, when, view.quantity), withUnit, quantity.unit);
   for (const [name, silence] of Object.entries(saidOf(run, view).rows)) {
     const own = name === "true", ratios = own ? ["", ""] : ["index", "distance"].map((kind) => short(cell(run, `${kind}.${name}`, at, view.quantity)));
-    const made = silence ? silentRow(name, silence) : tableRow(name, norm(`norm.${name}`), ...ratios);
+    const made = silence ? silentRow(ROWS[name] || name, silence) : tableRow(ROWS[name] || name, norm(`norm.${name}`), ...ratios);
     rows.push(DATA.estimators[name] ? marked(made, ...lookOf(name)) : own ? marked(made, TRUTH, []) : made);
   }
   if (stage.pinned) {
     const other = pictureAt(stage.pinned, time);
-    rows.push(marked(tableRow("pinned", norm("norm.true", stage.pinned, other), "", ""), PINNED, []));
+    rows.push(marked(tableRow(tr("pinned"), norm("norm.true", stage.pinned, other), "", ""), PINNED, []));
   }
   document.getElementById("norms").replaceChildren(...rows);
   status(run);
@@ -37,7 +38,7 @@ function readout() {
 }
 
 // The step over the bound of what the present configuration bears; beyond 1 it will not hold.
-const marginText = (margin) => Number.isFinite(margin) ? `${ratio(margin)} of its bound` : NOTHING;
+const marginText = (margin) => Number.isFinite(margin) ? tr("{ratio} of its bound", {ratio: ratio(margin)}) : NOTHING;
 
 // A ratio in a column: else it would seem to go on from the number before.
 const short = (value) => known(value, ratio).replace(" × ", "×");
@@ -103,7 +104,7 @@ function errors(run, view, before) {
   const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), estimate = of(`norm.${view.estimator}`);
   const {less, more, all} = DATA.sentences, index = truth ? estimate / truth : NaN, norm = Number.isFinite(truth) ? truth : estimate;
   const size = (value) => withUnit(value, unit, 2);
-  if (truth <= said.least) return [before + said.still, fill(said.trace, {true: truth ? size(truth) : "zero"})];
+  if (truth <= said.least) return [before + said.still, fill(said.trace, {true: truth ? size(truth) : tr("zero")})];
   if (!said.told.includes("{wrong}")) return [said.told, said.why];
   if (!Number.isFinite(norm) || (said.told.includes("{found}") && !Number.isFinite(index))) return [before + said.unmeasured, said.why];
   const told = before + said.told.replace("{found}", index >= all ? more : less);
@@ -130,7 +131,7 @@ function drawChart(run, view) {
   const left = 58, right = box.width - 8, high = 24, low = box.height - 20;
   const x = (time) => left + (right - left) * Math.min(time / end, 1), y = (size) => low - (low - high) * Math.min(size / top, 1.02);
   const [highest, unit] = withUnit(top, quantity.unit).split(" ");
-  words(pen, `error norm of ${quantity.symbol}`, 0, 3, "left", "top");
+  words(pen, tr("error norm of {symbol}", quantity), 0, 3, "left", "top");
   pen.strokeStyle = "#e2e5eb";
   for (const share of [0, 0.5, 1]) {
     stroke(pen, [[left, y(share * top)], [right, y(share * top)]]);

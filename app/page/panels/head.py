@@ -9,6 +9,7 @@ import viser
 from app.colours import TEXTS, rgb
 from app.identity import MARK, faces
 from app.language.spoken import catalogue, language
+from app.page.panels.languages import links
 from app.templates import rendered
 
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
@@ -30,7 +31,8 @@ def ground() -> str:
     """What the html that a browser loads first has of ours: all style, the page's own frame, the scripts, and what
     these say in the language that is spoken."""
     words = json.dumps(catalogue(language()).of_files("app/page/web/js/"), ensure_ascii=False).replace("<", "\\u003c")
-    return f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + rendered(WEB / "ground.html", mark=MARK) \
+    frame = rendered(WEB / "ground.html", mark=MARK, languages=links())
+    return f"<style>\n{faces()}{_web('css', 'css')}</style>\n{frame}" \
         + f"<script type='application/json' id='lab-words'>{words}</script>\n<script>\n{_web('js', 'js')}</script>"
 
 

@@ -7,10 +7,11 @@ import re
 import pytest
 
 from app import state
+from app.language.spoken import ENGLISH, speaking
 from app.lessons import shelf
 from app.lessons.lesson import drawn, filled
 from app.page.features.lesson import acts
-from app.page.features.lesson.acts import PUT, WHO, Act, do, found, with_buttons
+from app.page.features.lesson.acts import Act, do, found, put, who, with_buttons
 from app.page.features.lesson.html import choices_html, shelf_html, step_html, text_html
 
 SAID = "\n\n".join(("Words.", "- Press **On the stage**.", "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.",
@@ -22,13 +23,13 @@ def test_what_can_be_done_is_a_button_and_the_rest_is_text():
     assert found(html) == [Act("Set", "Cells", "80"), Act("Choose", "Method", "B-spline"), Act("Press", "Pause", "")]
     shown = with_buttons(html)
     assert re.findall(r"data-act='(\w+)'", shown) == ["stage", "0", "1", "2"]
-    assert PUT in shown and "Set <b>Cells</b> to <b>80</b></button>" in shown
+    assert put() in shown and "Set <b>Cells</b> to <b>80</b></button>" in shown
     assert "Set <strong>Particle</strong> to <code>10</code>." in shown
 
 
 def test_who_made_the_error_is_asked_by_a_button():
     html = text_html("- Press **On the stage**.\n- Press **Who made this error?**\n", {})
-    assert found(html) == [] and WHO in with_buttons(html)
+    assert found(html) == [] and who() in with_buttons(html)
 
 
 class Hand:
@@ -63,16 +64,25 @@ def test_an_act_means_what_its_widget_would_do(act, meant):
 
 
 @pytest.mark.parametrize("core", [True, False], ids=["core", "all"])
-@pytest.mark.parametrize("name", shelf.names())
-def test_every_act_of_a_lesson_can_be_done_in_its_scene(name, core):
+@pytest.mark.parametrize("lesson", [lesson for name in shelf.names() for lesson in shelf.in_every_language(name)],
+                         ids=lambda lesson: lesson.file)
+def test_every_act_of_a_lesson_can_be_done_in_its_scene(lesson, core):
     """Where the step's run is on the stage the value is one that the field may have; each run has a button. In the core
-    alone the stage has only what the core has put there."""
-    lesson = shelf.lessons()[name]
+    alone the stage has only what the core has put there. A lesson in another language has the same acts."""
+    with speaking(lesson.language):
+        _done(lesson, core)
+
+
+def _done(lesson, core):
+    told = [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))] for step in lesson.steps]
+    with speaking(ENGLISH):
+        assert told == [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))]
+                        for step in shelf.lesson(lesson.name).steps]
     numbers, text = drawn(lesson, ""), "bar"
-    for number, step in enumerate(lesson.walk(core), 1):
+    for step in lesson.walk(core):
         text = filled(step.stage, numbers) or text
-        html = step_html(step, number, numbers, "", False)
-        assert html.count(PUT) == bool(step.stage)
+        html = step_html(lesson, step, numbers, "", False)
+        assert html.count(put()) == bool(step.stage)
         hand = Hand(text)
         for act in found(text_html(step.text, numbers)):
             if act.name == "On the stage":

@@ -48,7 +48,7 @@ EMPTY = {"schema": "mpm-lab/answers/1", "lesson": "99", "fingerprint": "", "name
 def shelf_of_one(tmp_path, monkeypatch):
     """A folder with one lesson, in the place of ours."""
     (tmp_path / "01-test.md").write_text(SAVED, encoding="utf-8")
-    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons):
+    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons, shelf.in_every_language):
         monkeypatch.setattr(function, "__defaults__", (tmp_path,))
     for function in (classes.names, classes.page):
         monkeypatch.setattr(function, "__defaults__", (tmp_path / "classes",))

@@ -1,4 +1,5 @@
-"""What a lesson tells its reader to do, as buttons that do it: "Set **Cells** to `80`" on a line of its own."""
+"""What a lesson tells its reader to do, as buttons that do it: "Set **Cells** to `80`" on a line of its own. The words
+are those of the language that is spoken: a lesson's own."""
 
 import itertools
 import re
@@ -8,29 +9,27 @@ from html import unescape
 
 from app import words
 from app.frame.budget import QUESTION
+from app.language.spoken import ENGLISH, carried, kept, language, later, speaking, tr
+from app.lessons.told import FIELDS, SENTENCES
 from app.page.features.lesson.hands import Hands
 from app.words import size_in, unit_of
 from solvers.scene.scene import Scene
 
-LINE = re.compile(r"<li>\s*(?:<p>)?(Press|Set|Choose) <strong>([^<]+)</strong>(?: to)?(?: <code>([^<]+)</code>)?\.?"
-                  r"(?:</p>)?\s*</li>")
-#: Widgets that say a field of the scene, by the words that stand beside them.
-FIELDS = {"Cells": "cells", "Particles / cell": "ppc", "Amplitude A": "amplitude", "Modulus E": "modulus",
-          "CFL number": "cfl", "Method": "method", "Body force": "body_force"}
-STAGE = "On the stage"  # pressed it puts the step's run there; chosen, an estimator
-LOOKS, PRESSED = ("Error of", STAGE), ("Play", "Pause", "Reset", "Step")
+STAGE = later("On the stage")  # pressed it puts the step's run there; chosen, an estimator
+LOOKS, PRESSED = (later("Error of"), STAGE), (later("Play"), later("Pause"), later("Reset"), later("Step"))
 ASKED = QUESTION  # pressed it opens the error budget, by the page's script (``js/budget.js``)
-PUT = f"<button type='button' class='lab-act lab-put' data-act='stage'>{STAGE}</button>"
-WHO = f"<button type='button' class='lab-act' data-act='budget'>{ASKED}</button>"
+NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
 
 
 @dataclass(frozen=True)
 class Act:
-    """Such as to "Set" what is called "Cells" to "80"; what is pressed has no value."""
+    """Such as to "Set" what is called "Cells" to "80"; what is pressed has no value. Verb and name are English, the
+    value is in the ``language`` of the text."""
 
     verb: str
     name: str
     value: str
+    language: str = ENGLISH
 
     @property
     def known(self) -> bool:
@@ -40,9 +39,19 @@ class Act:
         return bool(self.value) and (self.name in FIELDS or self.name in LOOKS)
 
 
+def put() -> str:
+    """The button that puts a step's run on the stage."""
+    return f"<button type='button' class='lab-act lab-put' data-act='stage'>{tr(STAGE)}</button>"
+
+
+def who() -> str:
+    """The button that asks who made the error."""
+    return f"<button type='button' class='lab-act' data-act='budget'>{tr(ASKED)}</button>"
+
+
 def found(html: str) -> list[Act]:
     """What can be done of what a step's html asks for, in its order."""
-    return [act for act in map(_act, LINE.finditer(html)) if act.known]
+    return [act for act in map(_act, _lines().finditer(html)) if act.known]
 
 
 def with_buttons(html: str) -> str:
@@ -53,17 +62,34 @@ def with_buttons(html: str) -> str:
     def button(line: re.Match[str]) -> str:
         act = _act(line)
         if (act.verb, act.name) == ("Press", STAGE):
-            return f"<li class='lab-to-do'>{PUT}</li>"
+            return f"<li class='lab-to-do'>{put()}</li>"
         if (act.verb, act.name) == ("Press", ASKED):
-            return f"<li class='lab-to-do'>{WHO}</li>"
+            return f"<li class='lab-to-do'>{who()}</li>"
         if not act.known:
             return line[0]
-        verb, name, value = line.groups()
-        to = f"{' to' * (verb == 'Set')} <b>{value}</b>" if value else ""
-        return f"<li class='lab-to-do'><button type='button' class='lab-act' data-act='{next(count)}'>{verb} " \
-               f"<b>{name}</b>{to}</button></li>"
+        name, value = (f"<b>{part}</b>" for part in _parts(line))
+        return f"<li class='lab-to-do'><button type='button' class='lab-act' data-act='{next(count)}'>" \
+               f"{tr(SENTENCES[act.verb]).format(name=name, value=value)}</button></li>"
 
-    return LINE.sub(button, html)
+    return _lines().sub(button, html)
+
+
+@kept(8)
+def _lines() -> re.Pattern[str]:
+    """The lines of html that are acts."""
+    told = "|".join(f"(?P<{verb}>{_pattern(tr(sentence), verb)})" for verb, sentence in SENTENCES.items())
+    return re.compile(rf"<li>\s*(?:<p>)?(?:{told})\.?(?:</p>)?\s*</li>")
+
+
+def _pattern(sentence: str, verb: str) -> str:
+    return re.escape(sentence).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>") \
+        .replace(r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>")
+
+
+def _parts(line: re.Match[str]) -> tuple[str, str]:
+    """Name and value as they stand there."""
+    said = line.groupdict()
+    return said[f"{line.lastgroup}_name"], said.get(f"{line.lastgroup}_value") or ""
 
 
 def pressed(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
@@ -78,7 +104,9 @@ def pressed(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
 
 
 def _act(line: re.Match[str]) -> Act:
-    return Act(*(unescape(part or "") for part in line.groups()))
+    name, value = map(unescape, _parts(line))
+    known = {tr(one): one for one in NAMES}
+    return Act(f"{line.lastgroup}", known.get(name, name), value, language())
 
 
 def do(act: Act, controls: Hands) -> None:
@@ -88,11 +116,12 @@ def do(act: Act, controls: Hands) -> None:
     elif act.name in LOOKS:
         controls.look(**_looked(act))
     else:
-        controls.change(FIELDS[act.name], f"{act.name} {act.value}", _meant(act))
+        controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", carried(_meant(act), act.language))
 
 
 def _looked(act: Act) -> dict[str, str]:
-    quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
+    with speaking(act.language):
+        quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
     return {"quantity": quantities[act.value]} if act.name == "Error of" else {"estimator": act.value}
 
 

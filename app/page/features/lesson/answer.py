@@ -7,6 +7,7 @@ from typing import Any
 
 import viser
 
+from app.language.spoken import tr
 from app.lessons.lesson import (
     CHOICE,
     DRAG,
@@ -32,10 +33,11 @@ LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box wou
 
 class AnswerWidgets:
     """Made where the gui stands. ``value`` is what they say now: None, or a text, where it is no answer yet. A control
-    that has been moved on the stage is answered with what the ``stage`` has."""
+    that has been moved on the stage is answered with what the ``stage`` has. ``lang`` is html's attribute of that name
+    for what the lesson says, or ""."""
 
     def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
-                 stage: Callable[[], Scene]):
+                 stage: Callable[[], Scene], lang: str = ""):
         self._asked, self._stage = step.asked, stage
         self._chosen: int | None = answer if self._asked.kind == CHOICE else None
         self.texts: list[viser.GuiTextHandle] = []
@@ -44,7 +46,7 @@ class AnswerWidgets:
         asked = self._asked
         if asked.kind == CHOICE:
             options = [filled(option, numbers) for option in asked.options]
-            gui.add_html(page.choices_html(options, answer, fixed, step.key))
+            gui.add_html(page.choices_html(options, answer, fixed, step.key, lang))
         elif asked.kind == DRAG:
             self._said = gui.add_html("")
             if step.kind == PREDICT:  # of a run that has not been yet
@@ -54,9 +56,9 @@ class AnswerWidgets:
             ends = answer or ("", "")
             self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _shown(end), disabled=fixed,
                                        hint=_hint(asked))
-                          for side, end in zip(("At least", "At most"), ends, strict=True)]
+                          for side, end in zip((tr("At least"), tr("At most")), ends, strict=True)]
         else:
-            label = f"Answer, {asked.unit}" if asked.unit else "Answer"
+            label = tr("Answer, {unit}", unit=asked.unit) if asked.unit else tr("Answer")
             self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == TEXT, disabled=fixed,
                                        hint=_hint(asked))]
 
@@ -79,10 +81,13 @@ class AnswerWidgets:
         """Say what the stage has now."""
         if self._said is None:
             return
-        there, name = self._there, f"{NAMES[self._asked.control]} {SYMBOLS.get(self._asked.control, '')}".strip()
-        where = "You say" if self._slider else "The stage has"
-        told = f"The stage has no {name}: put the run there first." if there is None else \
-            f"{where} {name} = <b>{in_unit(there, self._asked.unit)}</b>"
+        there, name = self._there, _called(self._asked.control)
+        if there is None:
+            told = tr("The stage has no {name}: put the run there first.", name=name)
+        else:
+            value = in_unit(there, self._asked.unit)
+            told = tr("You say {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
+                tr("The stage has {name} = <b>{value}</b>", name=name, value=value)
         content = f"<div class='lab-lesson lab-there'>{told}</div>"
         if self._said.content != content:
             self._said.content = content
@@ -107,8 +112,7 @@ class AnswerWidgets:
         start = low + step * round((start - low) / step)
         if control in POWERS:
             gui.add_html(LOGARITHMIC)
-        self._slider = gui.add_slider(f"{NAMES[control]} {SYMBOLS.get(control, '')}".strip(), low, high, step, start,
-                                      disabled=fixed)
+        self._slider = gui.add_slider(_called(control), low, high, step, start, disabled=fixed)
         self._slider.on_update(lambda _: self.refresh())
 
 
@@ -133,4 +137,10 @@ def _shown(answer: Any) -> str:
 
 
 def _hint(asked: Question) -> str | None:
-    return f"a number in {asked.unit}; as the page writes it, with its unit, will do" if asked.unit else None
+    return tr("a number in {unit}; as the page writes it, with its unit, will do", unit=asked.unit) if asked.unit \
+        else None
+
+
+def _called(control: str) -> str:
+    """What is dragged, with its symbol."""
+    return f"{tr(NAMES[control])} {SYMBOLS.get(control, '')}".strip()

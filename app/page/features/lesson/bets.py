@@ -3,17 +3,18 @@
 from collections.abc import Sequence
 from html import escape
 
+from app.language.spoken import later, tr
 from app.lessons.bet_lines import Lines, drawn
 from app.lessons.bets import Bettor
 
-WAITED_FOR = "Bets are being laid beside the truth …"
+WAITED_FOR = later("Bets are being laid beside the truth …")
 ROW, OWN_ROW = 7, 12  # pixels from a line to the next: of a judge, of the visitor
 
 
 def bets_html(bettors: Sequence[Bettor] | str) -> str:
     """The picture, or the sentence that stands in its place; "" of nobody."""
     if isinstance(bettors, str):
-        return f"<p class='lab-bets-later'>{escape(bettors)}</p>"
+        return f"<p class='lab-bets-later'>{escape(tr(bettors))}</p>"
     if not bettors:
         return ""
     picture = drawn(bettors)

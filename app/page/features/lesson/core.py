@@ -4,26 +4,34 @@ from collections.abc import Callable
 
 import viser
 
+from app.language.spoken import later, tr
 from app.lessons.lesson import Lesson, Step
 from app.lessons.progress import Progress
 
-ONLY = "Core only"
-SKIP = "Core only: skip what is deeper"
-GO_DEEPER = "Go deeper"
-DEEPER = "<span class='lab-kind lab-kind-deeper'>deeper</span>"
+ONLY = later("Core only")
+SKIP = later("Core only: skip what is deeper")
+GO_DEEPER = later("Go deeper")
+
+
+def deeper() -> str:
+    """The mark of a step that is no core."""
+    word = tr("deeper")
+    return f"<span class='lab-kind lab-kind-deeper'>{word}</span>"
 
 
 def takes(lesson: Lesson) -> str:
     """How long the lesson takes, as its introduction begins."""
     if not lesson.deeper:
-        return f"{lesson.minutes} minutes. Afterwards you can"
-    return f"{lesson.core_minutes} minutes for the core, {lesson.minutes} in all. Afterwards you can"
+        return tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
+    return tr("{core} minutes for the core, {minutes} in all. Afterwards you can", core=lesson.core_minutes,
+              minutes=lesson.minutes)
 
 
 def add_choice(gui: viser.GuiApi, lesson: Lesson, chosen: bool, change: Callable[[bool], None]) -> None:
     """A box to take the core alone."""
-    hint = f"the core stands by itself and takes {lesson.core_minutes} minutes; you can go deeper at its end"
-    only = gui.add_checkbox(ONLY, chosen, hint=hint)
+    hint = tr("the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
+              minutes=lesson.core_minutes)
+    only = gui.add_checkbox(tr(ONLY), chosen, hint=hint)
     only.on_update(lambda _: change(only.value))
 
 
@@ -31,10 +39,14 @@ def where(lesson: Lesson, progress: Progress) -> str:
     """How far one has come, in words, and below them as a row of segments."""
     steps = [(number, step) for number, step in enumerate(lesson.steps, 1) if step.core or not progress.core]
     at, total = sum(number <= progress.step for number, _ in steps), len(steps)
-    said = "introduction" if progress.step == 0 else "the end" if progress.step > len(lesson.steps) else \
-        ("step {at} of {total} of the core" if progress.core else "step {at} of {total}").format(at=at, total=total)
+    name = tr("progress")
+    if progress.step == 0 or progress.step > len(lesson.steps):
+        said = tr("the end") if progress.step else tr("introduction")
+    else:
+        said = tr("step {at} of {total} of the core", at=at, total=total) if progress.core else \
+            tr("step {at} of {total}", at=at, total=total)
     segments = "".join(f"<i class='{_segment(number, step, progress.step)}'></i>" for number, step in steps)
-    return f"<div>{said}</div><div class='lab-segments' role='progressbar' aria-label='progress' aria-valuemin='0' " \
+    return f"<div>{said}</div><div class='lab-segments' role='progressbar' aria-label='{name}' aria-valuemin='0' " \
            f"aria-valuemax='{total}' aria-valuenow='{at}'>{segments}</div>"
 
 
@@ -51,7 +63,9 @@ def deeper_from(lesson: Lesson) -> int:
 def left(lesson: Lesson) -> str:
     """Said at the end of the core."""
     minutes = max(1, lesson.minutes - lesson.core_minutes)
-    return f"<p>This was the core. The lesson has {len(lesson.deeper)} deeper steps, some {minutes} minutes.</p>"
+    told = tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.",
+              steps=len(lesson.deeper), minutes=minutes)
+    return f"<p>{told}</p>"
 
 
 def _segment(number: int, step: Step, at: int) -> str:

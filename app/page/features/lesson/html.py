@@ -5,17 +5,19 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from string import ascii_lowercase
 
+from app.language.spoken import language, later, speaking, tr, trn
 from app.lessons import shelf
 from app.lessons.bet_lines import scored
 from app.lessons.length import told
-from app.lessons.lesson import PREDICT, TEXT, Lesson, Numbers, Step, filled
-from app.lessons.marks import TOLD_AFTER, AnswerMark, shown
+from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, filled
+from app.lessons.marks import AnswerMark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
 from app.page.features.lesson import acts, core
 
 FIGURE = re.compile(r"(<img [^>]*>)")
-SIGNS = {True: ("right", "✓", "right"), False: ("wrong", "✗", "not so"), None: ("unmarked", "", "")}
+#: Of marks the name in the style, the sign, and what it says.
+SIGNS = {True: ("right", "✓", later("right")), False: ("wrong", "✗", later("not so")), None: ("unmarked", "", "")}
 
 
 def shelf_html(lessons: Mapping[str, Lesson]) -> str:
@@ -23,91 +25,104 @@ def shelf_html(lessons: Mapping[str, Lesson]) -> str:
     rows = "".join(
         f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
         f"data-core='{core.numbers(lesson)}' data-fingerprint='{lesson.fingerprint}'>"
-        f"<span class='lab-number'>{k}</span><b>{escape(lesson.title)}</b>"
+        f"<span class='lab-number'>{k}</span><b{lang(lesson)}>{escape(lesson.title)}</b>"
         f"<small>{told(lesson)}</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
-    return "<div class='lab-lesson lab-shelf'><p>You predict, run, observe, and then read why.</p>" \
+    how = tr("You predict, run, observe, and then read why.")
+    return f"<div class='lab-lesson lab-shelf'><p>{how}</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
+
+
+def lang(lesson: Lesson) -> str:
+    """The attribute of what a lesson says where that is not in the language that is spoken."""
+    return "" if lesson.language == language() else f" lang='{lesson.language}'"
 
 
 def head_html(lesson: Lesson, progress: Progress) -> str:
     """Title, and how far one has come."""
-    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i><b>{escape(lesson.title)}</b>" \
-           f"{core.where(lesson, progress)}</div>"
+    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
+           f"<b{lang(lesson)}>{escape(lesson.title)}</b>{core.where(lesson, progress)}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     """The lesson's beginning: what it is for, and its first words."""
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = shelf.lessons()
-    before = [known[name].title if name in known else name for name in lesson.prerequisites]
-    needs = f"<p>Do before: {escape('; '.join(before))}.</p>" if before else ""
-    return f"<div class='lab-lesson'><p>{core.takes(lesson)}</p><ul>{goals}</ul>{needs}" \
-           f"{text_html(lesson.intro, numbers)}{_notes(lesson.notes, teacher)}</div>"
+    before = [_title(known[name]) if name in known else escape(name) for name in lesson.prerequisites]
+    first = tr("Do before: {lessons}.", lessons="; ".join(before))
+    needs = f"<p>{first}</p>" if before else ""
+    untranslated = tr("This lesson is in English.")
+    only = f"<p>{untranslated}</p>" if lang(lesson) else ""
+    return f"<div class='lab-lesson'>{only}<p>{core.takes(lesson)}</p><ul{lang(lesson)}>{goals}</ul>{needs}" \
+           f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
 
 
-def step_html(step: Step, number: int, numbers: Numbers, before: str, teacher: bool) -> str:
+def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
     """A step's text, below what is said ``before`` it, which is html. What it asks for is a button that does it."""
-    text = acts.with_buttons(text_html(step.text, numbers))
-    if step.stage and acts.PUT not in text:
-        text += f"<p>The run that this is about:</p>{acts.PUT}"
-    kind = f"<span class='lab-kind lab-kind-{step.kind}'>{step.kind.capitalize()}</span>"
-    deeper = "" if step.core else core.DEEPER
-    title = f"<h2>{escape(filled(step.title, numbers))}</h2>"
-    return f"<div class='lab-lesson' data-step='{number}'>{kind}{deeper}{title}" \
-           f"{before}{text}{_notes(step.notes, teacher)}</div>"
+    kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
+    deeper = "" if step.core else core.deeper()
+    title = f"<h2{lang(lesson)}>{escape(filled(step.title, numbers))}</h2>"
+    with speaking(lesson.language):
+        text = acts.with_buttons(text_html(step.text, numbers))
+        if step.stage and acts.put() not in text:
+            about = tr("The run that this is about:")
+            text += f"<p>{about}</p>{acts.put()}"
+    return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
+           f"{before}{_own(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
 
 
-def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str) -> str:
-    """A question's options, of which one is ``chosen``, counted from 1; ``key`` tells them from those of another."""
+def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:
+    """A question's options, of which one is ``chosen``, counted from 1; ``key`` tells them from those of another,
+    ``lang`` is html's attribute of that name, or ""."""
     rows = "".join(
         f"<label class='lab-choice'><input type='radio' name='lab-answer' value='{k}' data-question='{escape(key)}'"
-        f"{' checked' * (k == chosen)}{' disabled' * fixed}><span><b>{letter})</b> {escape(option)}</span></label>"
+        f"{' checked' * (k == chosen)}{' disabled' * fixed}><span{lang}><b>{letter})</b> {escape(option)}</span>"
+        "</label>"
         for k, (letter, option) in enumerate(zip(ascii_lowercase, options, strict=False), 1))
-    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='Answer'>{rows}</div>"
+    name = tr("Answer")
+    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='{name}'>{rows}</div>"
 
 
-def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: Mapping[str, AnswerMark | str],
-                  numbers: Numbers) -> str:
+def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
+                  marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
     """Each answer beside what came out; ``marks`` has a sentence where there is no mark yet."""
-    rows = []
+    rows, own = [], lang(lesson)
     for step in steps:
         asked, answer = step.question, answers.get(step.key)
         if asked is None or answer is None:
             continue
-        mark = marks.get(step.key, "being worked out …")
+        mark = marks.get(step.key, tr("being worked out …"))
         if isinstance(mark, str):
             out = f"<td colspan='2'>{escape(mark)}</td>"
         else:
             kind, sign, word = SIGNS[mark.right]
-            came = "for your teacher" if asked.kind == TEXT else escape(scored(mark))
-            out = f"<td>{came}</td><td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
+            came = tr("for your teacher") if asked.kind == TEXT else escape(scored(mark))
+            word = tr(word) if word else ""
+            out = f"<td{own if asked.kind == CHOICE else ''}>{came}</td>" \
+                  f"<td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
         said = escape(filled(shown(asked, answer.first), numbers))
-        rows.append(f"<tr><th scope='row'>{escape(filled(step.title, numbers))}</th><td>{said}</td>{out}</tr>")
+        rows.append(f"<tr><th scope='row'{own}>{escape(filled(step.title, numbers))}</th>"
+                    f"<td{own if asked.kind == CHOICE else ''}>{said}</td>{out}</tr>")
     if not rows:
         return ""
-    head = "<tr><th></th><th scope='col'>you said</th><th scope='col'>came out</th><th></th></tr>"
+    said, came = tr("you said"), tr("came out")
+    head = f"<tr><th></th><th scope='col'>{said}</th><th scope='col'>{came}</th><th></th></tr>"
     return f"<table class='lab-compared'>{head}{''.join(rows)}</table>"
 
 
-def taken_html(step: Step, answer: Answer, numbers: Numbers, found: AnswerMark | str | None) -> str:
-    """That an answer has been taken, and what was ``found`` of it, a mark or a sentence, if that may be told yet."""
+def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
+    """That the answer of a step has been taken, and what is to be said of it."""
     said = filled(shown(step.asked, answer.last), numbers)
-    if step.kind == PREDICT:
-        return recorded_html(said, "It is recorded; now see what happens.", None)
-    if found is None or isinstance(found, str):
-        return recorded_html(said, found or "", None)
-    if found.right is not False:
-        return recorded_html(said, "", found.right)
-    told = answer.attempts >= TOLD_AFTER
-    return recorded_html(said, f"It is {found.expected}." if told else "Look again, and try once more.", False)
+    return recorded_html(said, comment, right, lang(lesson) if step.asked.kind == CHOICE else "")
 
 
-def recorded_html(said: str, comment: str, right: bool | None) -> str:
-    """That an answer has been taken: what it was, and what is to be said of it."""
+def recorded_html(said: str, comment: str, right: bool | None, lang: str = "") -> str:
+    """That an answer has been taken: what it was, and what is to be said of it; ``lang`` is the attribute of what was
+    chosen."""
     kind, sign, word = SIGNS[right]
-    mark = f" <span class='lab-{kind}'>{sign} {word}</span>" if sign else ""
-    return f"<div class='lab-lesson lab-recorded' role='status'>Your answer: <b>{escape(said)}</b>{mark} " \
+    mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
+    yours = tr("Your answer:")
+    return f"<div class='lab-lesson lab-recorded' role='status'>{yours} <b{lang}>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 
 
@@ -115,23 +130,39 @@ def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark 
              paced: bool) -> str:
     """The end: all answers, what to do with them, in a class that is ``paced`` by a board or without, and what there is
     more."""
-    table = compared_html(list(lesson.questions.values()), progress.answers, marks, numbers)
+    table = compared_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
     missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.walk(progress.core))
+    open_ones = trn("{count} question is still open; go back to answer.",
+                    "{count} questions are still open; go back to answer.", missing)
+    left = f"<p>{open_ones}</p>" if missing else ""
     more = core.left(lesson) if progress.core and not paced else ""
-    left = f"<p>{missing} question{'s are' if missing > 1 else ' is'} still open; go back to answer." \
-           "</p>" if missing else ""
-    kept = "<b>Hand in</b> saves a file with your answers and times, without a name; they are not kept otherwise." if \
-        paced else "<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. " \
-        "Nothing is sent to anybody."
-    return f"<div class='lab-lesson'><h2>The end</h2>{left}{table}<p>{kept}</p>{more}</div>"
+    what = tr("<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. Nothing "
+              "is sent to anybody.")
+    if paced:
+        what = tr("<b>Hand in</b> saves a file with your answers and times, without a name; they are not kept "
+                  "otherwise.")
+    end = tr("The end")
+    return f"<div class='lab-lesson'><h2>{end}</h2>{left}{table}<p>{what}</p>{more}</div>"
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:
     """Of a lesson, its figures as buttons that show them large."""
-    return FIGURE.sub(r"<button type='button' class='lab-enlarge' aria-label='enlarge the figure'>\1"
-                      "<span aria-hidden='true'>enlarge</span></button>",
+    name, short = tr("enlarge the figure"), tr("enlarge")
+    return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{name}'>\1"
+                      rf"<span aria-hidden='true'>{short}</span></button>",
                       html(filled(markdown, numbers), shelf.FOLDER))
 
 
-def _notes(notes: str, teacher: bool) -> str:
-    return f"<aside class='lab-teacher'><b>Teacher</b>{html(notes, shelf.FOLDER)}</aside>" if notes and teacher else ""
+def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
+    teacher_says = tr("Teacher")
+    return f"<aside class='lab-teacher'><b>{teacher_says}</b>{_own(lesson, html(notes, shelf.FOLDER))}</aside>" \
+        if notes and teacher else ""
+
+
+def _title(lesson: Lesson) -> str:
+    return f"<span{lang(lesson)}>{escape(lesson.title)}</span>" if lang(lesson) else escape(lesson.title)
+
+
+def _own(lesson: Lesson, words: str) -> str:
+    """What a lesson says, as html, so that a browser knows in which language it is."""
+    return f"<div{lang(lesson)}>{words}</div>" if lang(lesson) else words

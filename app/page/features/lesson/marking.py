@@ -6,16 +6,17 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
+from app.language.spoken import carried, later, tr
 from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
 from app.lessons.laid import laid
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
-from app.lessons.marks import AnswerMark, mark
+from app.lessons.marks import TOLD_AFTER, AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.progress import Progress
+from app.lessons.progress import Answer, Progress
 from app.page.features.lesson.seat import Seat
 
-LATER = "could not be checked just now"
+LATER = later("could not be checked just now")
 POLITE = 10  # more than the engines: marks can wait, stages cannot
 
 
@@ -89,7 +90,7 @@ class Marker:
         try:
             return mark(lesson, step, answer, drawn(lesson, progress.name), self._outcomes)
         except (RunFailed, ClaimError):
-            return LATER
+            return tr(LATER)
 
     def _later(self, work: Callable[[], None]) -> None:
         def safely() -> None:
@@ -98,7 +99,7 @@ class Marker:
             except Exception:
                 logging.getLogger(__name__).exception("an answer could not be marked")
 
-        self._thread.submit(safely)
+        self._thread.submit(carried(safely))
 
 
 def asked_since(lesson: Lesson, step: Step) -> list[Step]:
@@ -113,3 +114,15 @@ def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
     is explained; nothing of a round runs before its predictions."""
     ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
     return ends if ends is not None and ends.bets and step.kind != PREDICT else None
+
+
+def comment(step: Step, answer: Answer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
+    """What is said after an answer that has been ``found`` so, and whether it is right, as far as that is said."""
+    if step.kind == PREDICT:
+        return tr("It is recorded; now see what happens."), None
+    if found is None or isinstance(found, str):
+        return found or "", None
+    if found.right is not False:
+        return "", found.right
+    told = answer.attempts >= TOLD_AFTER
+    return tr("It is {answer}.", answer=found.expected) if told else tr("Look again, and try once more."), False

@@ -7,7 +7,7 @@ from time import monotonic
 import viser
 
 from app import state
-from app.language.spoken import carried
+from app.language.spoken import carried, speaking, tr
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
@@ -17,16 +17,13 @@ from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.bets import WAITED_FOR, bets_html
 from app.page.features.lesson.hands import Hands
-from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead
+from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead, comment
 from app.page.features.lesson.seat import Seat
-from app.page.features.lesson.way import Way
+from app.page.features.lesson.way import KEPT, MAIN, PACED, Way
 from app.page.panels.browser_store import BrowserStore
 from app.viewer.widgets import allow, is_removed
 
 FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
-MAIN = "<i class='lab-main'></i>"  # the button that is meant
-KEPT = "Your answers stay in this browser."
-PACED = "The board shows what the class has answered, without names; nothing of it is stored."
 
 
 class Player:
@@ -147,8 +144,8 @@ class Player:
         if self._paced:  # all have the same numbers
             self._buttons(back=False, onward=True)
             return
-        hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
-        name = self._gui.add_text("Your name", self._progress.name, hint=hint)
+        hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
+        name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         if lesson.deeper:
             core.add_choice(self._gui, lesson, self._progress.core, lambda only: self._choose_core(lesson, only, head))
@@ -181,7 +178,8 @@ class Player:
         if (ahead := bets_ahead(lesson, step)) is not None:
             self._marker.lay(lesson, ahead, self._progress, lambda: self._show(
                 text, lambda: self._explained(lesson, step)))
-        self._acts = acts.found(page.text_html(step.text, self._numbers))
+        with speaking(lesson.language):
+            self._acts = acts.found(page.text_html(step.text, self._numbers))
         if step.question is None:
             self._buttons(back=True, onward=True)
             return
@@ -191,20 +189,20 @@ class Player:
         answered = self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
         widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
-                                lambda: self._controls.state.scene)
+                                lambda: self._controls.state.scene, page.lang(lesson))
         self._answer = None if fixed else widgets
         for text in widgets.texts:
             allow(text, LONGEST)
         said = self._gui.add_html("" if answered is None else self._taken(step, None))
         self._gui.add_html(MAIN)
-        record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
-                                      disabled=fixed)
+        record = self._gui.add_button(tr("Record my prediction") if step.kind == PREDICT
+                                      else tr("Check my answer"), disabled=fixed)
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
             if why := trouble(step.asked, answer):
-                trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
+                trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>"
                 return self._show(said, lambda: trouble_said)
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
@@ -245,7 +243,9 @@ class Player:
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
-        return page.taken_html(step, self._progress.answers[step.key], self._numbers, found)
+        answer = self._progress.answers[step.key]
+        return page.taken_html(self._lesson, step, answer, self._numbers, *comment(step, answer, found)) \
+            if self._lesson else ""
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
@@ -254,16 +254,17 @@ class Player:
                 return
             if self._way is not None:
                 self._way.answered()
-            said.content = self._taken(step, "" if step.asked.kind == TEXT else "Being checked against the run …")
+            said.content = self._taken(step, "" if step.asked.kind == TEXT
+                                       else tr("Being checked against the run …"))
         self._marker.check(lesson, step, self._progress, lambda found: self._show(
             said, lambda: self._taken(step, found)))
 
     def _explained(self, lesson: Lesson, step: Step) -> str:
         """The step's text; where it explains, below what was said and what came out."""
-        before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
+        before = page.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
         before += bets_html(self._marker.bets.get(step.key, WAITED_FOR)) if step.bets else ""
-        return page.step_html(step, self._progress.step, self._numbers, before, self._room.teacher)
+        return page.step_html(lesson, step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Mark what a step looks back on, or everything at the end, and show it there."""
@@ -282,10 +283,13 @@ class Player:
         self._mark_all(lesson, None, text)
         if following := shelf.after(lesson):
             self._gui.add_html(MAIN)
-            self._gui.add_button(f"Next lesson: {following.title}").on_click(lambda _: self.open(following.name))
+            onward = self._gui.add_button(tr("Next lesson: {title}", title=following.title))
+            onward.on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced:
-            self._gui.add_button(core.GO_DEEPER).on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
-        hand_in = self._gui.add_button("Hand in", icon=viser.Icon.DOWNLOAD, hint="save your answers as a file")
+            deeper = self._gui.add_button(tr(core.GO_DEEPER))
+            deeper.on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
+        hand_in = self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD,
+                                       hint=tr("save your answers as a file"))
         hand_in.on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
 
@@ -303,9 +307,9 @@ class Player:
         assert lesson is not None
         self._way = Way(
             self._gui, back, onward, main, step is not None and step.kind == PREDICT,
-            lambda: paced is not None and paced.opened <= at <= len(lesson.steps), PACED if paced else KEPT, self._go,
-            self._leave, lambda: self.turn(True, lesson.beside(at, 1, core=True)),
-            step is not None and not step.core and not paced)
+            lambda: paced is not None and paced.opened <= at <= len(lesson.steps),
+            tr(PACED if paced else KEPT), self._go, self._leave,
+            lambda: self.turn(True, lesson.beside(at, 1, core=True)), step is not None and not step.core and not paced)
 
     def _step_opened(self) -> None:
         """A further step is open to all: what is seen stays, and what is being typed."""

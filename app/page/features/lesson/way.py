@@ -4,14 +4,18 @@ from collections.abc import Callable
 
 import viser
 
+from app.language.spoken import later, tr
 from app.page.features.lesson import core
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import is_removed
 
+MAIN = "<i class='lab-main'></i>"  # the button that is meant
+KEPT = later("Your answers stay in this browser.")
+PACED = later("The board shows what the class has answered, without names; nothing of it is stored.")
 BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
 LINK = "<i class='lab-link'></i>"  # the button that is less than others
-FIRST_PREDICT = "You predict first: Next opens when your answer is recorded."
-WAITS = "The next step is not open yet. Your lecturer opens it for all; you need not do anything."
+FIRST_PREDICT = later("You predict first: Next opens when your answer is recorded.")
+WAITS = later("The next step is not open yet. Your lecturer opens it for all; you need not do anything.")
 
 
 class Way:
@@ -44,16 +48,16 @@ class Way:
                  deeper: bool):
         self._done, self._first, self._waits, self._kept = done, first, waits, kept
         gui.add_html(BESIDE)
-        gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: go(-1))
+        gui.add_button(tr("Back"), icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: go(-1))
         gui.add_html(BESIDE_MAIN if main else BESIDE)
-        self._following = gui.add_button("Next", icon=viser.Icon.CHEVRON_RIGHT, disabled=waits() or not done)
+        self._following = gui.add_button(tr("Next"), icon=viser.Icon.CHEVRON_RIGHT, disabled=waits() or not done)
         self._following.on_click(lambda _: go(1))
         self._below = gui.add_html(self._said)
         if deeper:
             gui.add_html(LINK)
-            gui.add_button(core.SKIP).on_click(lambda _: skip())
+            gui.add_button(tr(core.SKIP)).on_click(lambda _: skip())
         gui.add_html(LINK)
-        gui.add_button("Close the lesson").on_click(lambda _: leave())
+        gui.add_button(tr("Close the lesson")).on_click(lambda _: leave())
 
     def answered(self) -> None:
         """What is asked here is."""
@@ -68,5 +72,6 @@ class Way:
 
     @property
     def _said(self) -> str:
-        said = [FIRST_PREDICT] * (self._first and not self._done) + [f"<b role='status'>{WAITS}</b>"] * self._waits()
+        said = [tr(FIRST_PREDICT)] * (self._first and not self._done)
+        said += [f"<b role='status'>{tr(WAITS)}</b>"] * self._waits()
         return f"<p class='lab-lesson lab-kept-here'>{' '.join([*said, self._kept])}</p>"

@@ -26,11 +26,16 @@
     field.dispatchEvent(new Event("input", {bubbles: true}));
   }
 
-  const tellLink = () => tell({link, here: location.origin + location.pathname});
+  // The address names a language that is not the lab's own, or that has been asked for: it goes with every link.
+  const spoken = document.documentElement.lang, asked = new URLSearchParams(location.search).getAll("lang").pop();
+  const named = asked?.toLowerCase() === spoken, search = named || spoken === "en" ? location.search
+    : `${location.search || "?"}${location.search ? "&" : ""}lang=${spoken}`;
+  const here = location.origin + location.pathname + (named || spoken !== "en" ? `?lang=${spoken}` : "");
+  const tellLink = () => tell({link, here});
 
   read();
   document.documentElement.classList.toggle("lab-linked", link !== "");
-  history.replaceState(null, "", location.pathname + location.search);
+  history.replaceState(null, "", location.pathname + search);
 
   function look() {
     const found = document.querySelector("[data-lab~=lab-store] + div input");

@@ -47,7 +47,7 @@
       });
     }
     const pressed = event.target.closest("[data-lab~=lab-budget] + div button");
-    if (pressed?.textContent.trim() === "Where and when?")
+    if (pressed?.textContent.trim() === tr("Where and when?"))
       wait(() => document.querySelector("dialog.lab-map:not([open])"), open, LONG);
     else if (pressed)  // what has become of the error is below what grows
       wait(() => document.querySelector(".lab-outcome"), outcome => show(outcome, "end"));

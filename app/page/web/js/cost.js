@@ -2,12 +2,13 @@
 (() => {
   const section = document.body.appendChild(document.createElement("section"));
   section.id = "lab-cost";
-  section.setAttribute("aria-label", "what accuracy costs");
+  section.setAttribute("aria-label", tr("what accuracy costs"));
+  const wanted = tr("accuracy wanted"), dear = tr("runs, from cheap to dear: arrow keys go from one to the next");
   section.innerHTML = `<header></header><div class="lab-plot"><div class="lab-shade"></div>
     <div class="lab-drop"><span></span></div>
-    <div class="lab-wish" role="slider" tabindex="0" aria-orientation="vertical" aria-label="accuracy wanted">
+    <div class="lab-wish" role="slider" tabindex="0" aria-orientation="vertical" aria-label="${wanted}">
     <span></span></div>
-    <div class="lab-dots" role="group" aria-label="runs, from cheap to dear: arrow keys go from one to the next"></div>
+    <div class="lab-dots" role="group" aria-label="${dear}"></div>
     <div class="lab-run-tip" aria-hidden="true"></div></div>`;
   const dots = section.querySelector(".lab-dots"), tip = section.querySelector(".lab-run-tip");
   const charts = document.getElementsByClassName("lab-cost-chart");

@@ -7,27 +7,27 @@
   const panel = name => [...document.querySelectorAll("[data-dock-region=right] button")].find(button =>
     button.textContent.trim() === name && button.offsetParent && !button.disabled);
   const playing = () => document.body.classList.contains("lab-playing");
-  const slow = () => ![undefined, "Slow motion"].includes(buttons("lab-at-slow")[0]?.textContent.trim());
+  const slow = () => ![undefined, tr("Slow motion")].includes(buttons("lab-at-slow")[0]?.textContent.trim());
   const back = step => {
     const slider = document.querySelector("[data-lab~=lab-at-back] + div [role=slider]");
     slider?.dispatchEvent(new KeyboardEvent("keydown", {key: step < 0 ? "ArrowLeft" : "ArrowRight", bubbles: true}));
   };
   const spark = k => document.querySelectorAll("#lab-sparks button")[k]?.click();
   const keys = new Map([
-    [" ", ["Space", "play or pause", () => named("lab-at-run", playing() ? "Pause" : "Play")?.click()]],
-    [".", [".", "one time step", () => named("lab-at-run", "Step")?.click()]],
-    ["r", ["R", "reset: from the start", () => named("lab-at-run", "Reset")?.click()]],
-    ["ArrowLeft", ["←  →", "look back, once it has paused", () => back(-1)]],
+    [" ", [tr("Space"), tr("play or pause"), () => named("lab-at-run", playing() ? tr("Pause") : tr("Play"))?.click()]],
+    [".", [".", tr("one time step"), () => named("lab-at-run", tr("Step"))?.click()]],
+    ["r", ["R", tr("reset: from the start"), () => named("lab-at-run", tr("Reset"))?.click()]],
+    ["ArrowLeft", ["←  →", tr("look back, once it has paused"), () => back(-1)]],
     ["ArrowRight", ["", "", () => back(1)]],
-    ["p", ["P", "pin this run, or unpin it", () => buttons("lab-at-pin")[0]?.click()]],
-    ["1", ["1  2  3", "the questions above the stage", () => spark(0)]],
+    ["p", ["P", tr("pin this run, or unpin it"), () => buttons("lab-at-pin")[0]?.click()]],
+    ["1", ["1  2  3", tr("the questions above the stage"), () => spark(0)]],
     ["2", ["", "", () => spark(1)]],
     ["3", ["", "", () => spark(2)]],
-    ["e", ["E", "the next judge on the stage", () => tell("judge")]],
-    ["m", ["M", "magnify the error in the plot", () => tell("magnify")]],
-    ["l", ["L", "lessons", () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}))]],
-    ["?", ["?", "this list", () => list()]],
-    ["Escape", ["Esc", "leave the presenter’s view, slow motion, an enlarged figure", () => {
+    ["e", ["E", tr("the next judge on the stage"), () => tell("judge")]],
+    ["m", ["M", tr("magnify the error in the plot"), () => tell("magnify")]],
+    ["l", ["L", tr("lessons"), () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}))]],
+    ["?", ["?", tr("this list"), () => list()]],
+    ["Escape", [tr("Esc"), tr("leave the presenter’s view, slow motion, an enlarged figure"), () => {
       if (slow()) buttons("lab-at-slow")[0].click();
     }]],
   ]);
@@ -57,7 +57,7 @@
   addEventListener("keydown", event => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || event.repeat && event.key === " ") return;
     const modal = document.querySelector(".mantine-Modal-content");
-    if (modal && event.key === "Escape") [...modal.querySelectorAll("button")].find(b => b.textContent === "Close")?.click();
+    if (modal && event.key === "Escape") [...modal.querySelectorAll("button")].find(b => b.textContent === tr("Close"))?.click();
     if (modal || document.querySelector("dialog[open]")) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (!event.isTrusted && key.startsWith("Arrow") || taken(document.activeElement, event.key)) return;

@@ -28,13 +28,13 @@
     for (const button of list.querySelectorAll(".lab-open[data-steps]")) {
       const [at, steps] = progress(button), come = button.querySelector(".lab-come");
       if (!(at > 0)) continue;
-      come.textContent = at > steps ? "done" : `${at} of ${steps}`;
+      come.textContent = at > steps ? tr("done") : tr("{at} of {steps}", {at, steps});
       button.classList.toggle("lab-done", at > steps);
       if (at > steps || button.dataset.lesson !== stored(store => store.getItem(LAST), "")) continue;
       const on = document.createElement("button");
       Object.assign(on, {type: "button", className: "lab-open lab-continue"});
       on.dataset.lesson = button.dataset.lesson;
-      on.textContent = `Continue: ${button.querySelector("b").textContent}`;
+      on.textContent = tr("Continue: {lesson}", {lesson: button.querySelector("b").textContent});
       list.querySelector(".lab-go-on").append(on);
     }
   }

@@ -13,7 +13,7 @@
       const next = mark.nextElementSibling, label = next?.querySelector("label");
       set(next?.querySelector("input"), "aria-label", label?.textContent);
     });
-    all("[role=progressbar]", bar => set(bar, "aria-label", "progress"));
+    all("[role=progressbar]", bar => set(bar, "aria-label", tr("progress")));
     all("[role=slider]", slider => {  // a logarithm is no number that anybody wants to hear
       const text = slider.closest("[data-lab~=lab-logarithmic] + div")?.nextElementSibling?.nextElementSibling;
       set(slider, "aria-valuetext", text?.querySelector("input")?.value);
@@ -21,14 +21,14 @@
     all(".uplot-container", plot => {
       const heading = plot.closest("div:has(> .uplot-container)")?.previousElementSibling?.textContent;
       set(plot, "role", "img");
-      set(plot, "aria-label", `plot over time: ${heading || ""}`);
+      set(plot, "aria-label", tr("plot over time: {heading}", {heading: heading || ""}));
     });
     all("[data-scrollarea-viewport], pre", area => set(area, "tabindex", "0"));
     set(document.querySelector("[data-dock-root] > div:first-child"), "role", "main");
-    all("[data-dock-region=left]", area => { set(area, "role", "region"); set(area, "aria-label", "measurements"); });
+    all("[data-dock-region=left]", area => { set(area, "role", "region"); set(area, "aria-label", tr("measurements")); });
     all("[data-dock-region=right], .mantine-Paper-root[style*='position: fixed']", area => {
       set(area, "role", "region");
-      set(area, "aria-label", "controls");
+      set(area, "aria-label", tr("controls"));
     });
   }
 

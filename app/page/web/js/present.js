@@ -7,10 +7,10 @@
   const scene = document.getElementById("lab-scene"), black = document.getElementById("lab-black");
 
   function turn(by) {  // a lesson's step, a phase of a step, or a step of time
-    if (studying()) panel(by > 0 ? "Next" : "Back")?.click();
+    if (studying()) panel(by > 0 ? tr("Next") : tr("Back"))?.click();
     else if (slow()) tell(by > 0 ? "phase" : "phase back");
-    else if (by > 0) named("lab-at-run", playing() ? "Pause" : "Step")?.click();
-    else if (playing()) named("lab-at-run", "Pause")?.click();
+    else if (by > 0) named("lab-at-run", playing() ? tr("Pause") : tr("Step"))?.click();
+    else if (playing()) named("lab-at-run", tr("Pause"))?.click();
     else back(-1);
   }
   function view(name) {
@@ -21,20 +21,20 @@
   const usual = key => [key, keys.get(key)];
   const speaker = new Map([
     usual(" "), usual("."), usual("r"),
-    ["ArrowRight", ["←  →", "a time step; in slow motion a phase; in a lesson its next or last slide", () => turn(1)]],
+    ["ArrowRight", ["←  →", tr("a time step; in slow motion a phase; in a lesson its next or last slide"), () => turn(1)]],
     ["ArrowLeft", ["", "", () => turn(-1)]],
-    ["PageDown", ["Page ↓  Page ↑", "the same, on a presenter’s remote", () => turn(1)]],
+    ["PageDown", [tr("Page ↓  Page ↑"), tr("the same, on a presenter’s remote"), () => turn(1)]],
     ["PageUp", ["", "", () => turn(-1)]],
-    ["m", ["M", "the next method", () => tell("method")]],
+    ["m", ["M", tr("the next method"), () => tell("method")]],
     usual("e"), usual("p"),
-    ["s", ["S", "slow motion", () => buttons("lab-at-slow")[0]?.click()]],
-    ["1", ["1", "stage and error over time", () => view("")]],
-    ["2", ["2", "the stage alone, as wide as the window", () => view("alone")]],
-    ["3", ["3", "what it costs", () => view("cost")]],
-    ["l", ["L", "lessons, as slides", () => { view(""); open("Lessons"); }]],
-    ["q", ["Q", "a code for phones", () => tell("code")]],
-    ["b", ["B", "black, and back", () => dark(black.hidden)]],
-    usual("?"), ["Escape", ["Esc", "leave", null]],
+    ["s", ["S", tr("slow motion"), () => buttons("lab-at-slow")[0]?.click()]],
+    ["1", ["1", tr("stage and error over time"), () => view("")]],
+    ["2", ["2", tr("the stage alone, as wide as the window"), () => view("alone")]],
+    ["3", ["3", tr("what it costs"), () => view("cost")]],
+    ["l", ["L", tr("lessons, as slides"), () => { view(""); open("Lessons"); }]],
+    ["q", ["Q", tr("a code for phones"), () => tell("code")]],
+    ["b", ["B", tr("black, and back"), () => dark(black.hidden)]],
+    usual("?"), ["Escape", [tr("Esc"), tr("leave"), null]],
   ]);
   window.lab.special = () => presenting() ? speaker : null;
 

@@ -12,7 +12,7 @@
     body.style.removeProperty("--sheet");
     for (const [k, name] of ["low", "middle", "high"].entries()) body.classList.toggle(`lab-sheet-${name}`, k === stop);
     grip.setAttribute("aria-valuenow", STOPS[stop]);
-    grip.setAttribute("aria-valuetext", `${STOPS[stop]} % of the screen`);
+    grip.setAttribute("aria-valuetext", tr("{percent} % of the screen", {percent: STOPS[stop]}));
   }
 
   grip.addEventListener("pointerdown", event => {

@@ -7,9 +7,9 @@
   // Widgets stand where the labels would that say what they are set to: to the gutter, or to a place of the stage.
   const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity", "/field/magnified": "magnify"};
   // Where nobody judges the run, somebody is offered.
-  const NOBODY = "no estimator is chosen", JUDGE = "companion";
+  const NOBODY = tr("no estimator is chosen"), JUDGE = "companion";
   function offer() {
-    const button = Object.assign(document.createElement("button"), {className: "lab-offer", textContent: `Switch on ${JUDGE}`});
+    const button = Object.assign(document.createElement("button"), {className: "lab-offer", textContent: tr("Switch on {judge}", {judge: JUDGE})});
     button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {judge: JUDGE}})));
     return button;
   }
@@ -18,7 +18,7 @@
   function lay(widget, label, vertical, horizontal, element) {
     const left = label.role === "gutter" ? "var(--pad)" : `calc(var(--stage-left) + (${1.03 * label.x} - 0.015) * var(--u))`;
     const top = `calc(var(--stage-top) + ${label.y} * var(--lab-high) * var(--u))`;
-    if (label.text === "error × 1") element.textContent = "";
+    if (label.text.endsWith("× 1")) element.textContent = "";
     document.body.classList.toggle(`lab-${widget}-aside`, horizontal === "right");
     element.classList.add("lab-laid", `lab-under-${widget}`);
     for (const [name, value] of [["left", left], ["top", top], ["up", `-${UP[vertical]}`], ["aside", `-${ASIDE[horizontal]}`]])

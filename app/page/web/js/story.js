@@ -32,11 +32,11 @@
       bar.id = "lab-beats";
       const steps = bar.appendChild(document.createElement("span")), skip = bar.appendChild(document.createElement("button"));
       steps.className = "lab-steps";
-      skip.textContent = "Skip the story";
+      skip.textContent = tr("Skip the story");
       skip.addEventListener("click", () => tell("skip"));
       row.after(bar);
     }
-    bar.firstChild.textContent = `${beat} of 4`;
+    bar.firstChild.textContent = tr("{beat} of 4", {beat});
     bar.style.setProperty("--beat", beat);
   }).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

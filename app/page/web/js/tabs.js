@@ -1,8 +1,10 @@
 // Which tab is open. The viewer makes its tabs anew when a window turns narrow or wide, and opens the first one then: the
-// visitor's own is opened again. And whoever says "lab-tab" has one opened, which may come only later.
+// visitor's own is opened again. And whoever says "lab-tab" has one opened, which may come only later. In style and scripts
+// they are called as in English, whatever stands on them.
 (() => {
+  const NAMES = new Map([[tr("Explore"), "Explore"], [tr("Lessons"), "Lessons"], [tr("Cost"), "Cost"], [tr("About"), "About"]]);
   let first = null, open = null, wanted = null, pressed = null;
-  const name = tab => tab.textContent.trim();
+  const name = tab => NAMES.get(tab.textContent.trim());
 
   function look() {
     const tabs = [...document.querySelectorAll("[role=tablist]")].map(list => [...list.querySelectorAll("[role=tab]")])

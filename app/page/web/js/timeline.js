@@ -24,7 +24,7 @@
       ticks[k].classList.toggle("lab-last", part > 0.97);  // within the axis
     });
     Object.assign(reach.style, {left: percent(from), width: percent(to - from)});
-    reach.dataset.says = to > 0.12 ? "look back" : "";
+    reach.dataset.says = to > 0.12 ? tr("look back") : "";
     now.style.left = percent(at.now);
     now.hidden = false;
     lost.hidden = at.lost === null;
@@ -37,8 +37,8 @@
       .join(", ")}, transparent ${at.strip.length * step}%)`;
     read.textContent = at.read.join("\n");
     read.hidden = !at.read.length;
-    const heading = at.symbol && `Error norm of ${at.symbol}`;
-    if (title.textContent !== heading) title.innerHTML = heading.replace("norm of ", "<i>norm </i><em>of </em>");  // where narrow without
+    const heading = at.symbol && tr("Error <i>norm </i><em>of </em>{symbol}", {symbol: at.symbol});  // where narrow without
+    if (title.dataset.said !== heading) title.innerHTML = title.dataset.said = heading;
     clock.textContent = at.clock;
     document.body.classList.toggle("lab-playing", at.playing);
     document.body.classList.toggle("lab-lost", at.lost !== null);

@@ -1,0 +1,222 @@
+"""The page in several languages: chosen, kept by every link, each visitor his own; no text is outside the catalogue."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+
+import pytest
+
+from app.export.lesson import lesson_page
+from app.export.record import recording
+from app.language.spoken import speaking
+from app.lessons import shelf
+from app.lessons.marks import TOLD_AFTER
+from app.lessons.reading import parse
+from tests import pseudo
+from tests.app.lessons.test_lesson_format import TEXT
+from tests.browser.conftest import FEW_FRAMES, PHONE, SIZE, serving
+from tests.browser.driving import again_until, until
+from tests.browser.features.test_export import WATCH
+from tests.browser.languages import outside, words_of
+
+SCENE = "bar;cells=20;cfl=0.2"
+LESSON = "04-grid-crossing"
+CODE = "wave-4711"
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Of a lab for a class, in which there is one language more."""
+    arguments = ("--code", CODE, "--lesson", LESSON)
+    with serving({"MPM_LAB_EXTENSIONS": "tests.pseudo"}, arguments, coded=True) as (found, *_):
+        yield found
+
+
+@contextmanager
+def visiting(chromium, address, query="", fragment=SCENE, locale="en-GB", size=SIZE):
+    """A visitor whose browser has a language, at an address with a query and a fragment, in a class that knows its
+    code; any error in the console fails the test."""
+    context = chromium.new_context(viewport=size, locale=locale)
+    page, errors = context.new_page(), []
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.add_init_script(FEW_FRAMES)
+    page.goto(f"{address}/?fixedDpr=0.5{query}#code={CODE}&{fragment}")
+    there(page)
+    yield page
+    context.close()
+    assert errors == []
+
+
+def there(page):
+    until(page.locator(".lab-says").count, "the headline")
+    until(lambda: page.evaluate("document.body.dataset.tab"), "the tabs")
+
+
+def spoken(page):
+    return page.evaluate("document.documentElement.lang")
+
+
+def at(page):
+    """The query of the address, and what of the scene it has."""
+    return page.evaluate("[location.search.replace(/.fixedDpr=0.5/, '').replace(/^&/, '?'), location.hash]")
+
+
+def switch(page, to):
+    """Press the link to a language."""
+    again_until(page.locator(f"#lab-head a.lab-language[lang={to}]").click, lambda: spoken(page) == to, to)
+    there(page)
+
+
+def test_a_visitor_changes_the_language_and_what_is_seen_stays(chromium, address):
+    with visiting(chromium, address) as page:
+        until(lambda: "cells=20" in at(page)[1], "the scene in the address")
+        assert spoken(page) == "en" and "lang=" not in at(page)[0]
+        switch(page, "de")
+        until(lambda: "cells=20" in at(page)[1], "the same scene")
+        assert "lang=de" in at(page)[0] and page.locator("#lab-head h1").text_content().endswith("Wie falsch ist es?")
+        page.reload()
+        there(page)
+        assert spoken(page) == "de"
+        switch(page, "en")
+        until(lambda: "cells=20" in at(page)[1], "the same scene again")
+        assert "lang=en" in at(page)[0] and "lang=de" not in at(page)[0]
+
+
+def test_every_link_of_a_german_page_leads_to_a_german_page(chromium, address):
+    """Its browser asks for German, and its address says so from then on: whoever gets it reads German too."""
+    with visiting(chromium, address, locale="de-CH") as page:
+        assert spoken(page) == "de" and "lang=de" in at(page)[0]
+        until(lambda: "cells=20" in at(page)[1], "the scene in the address")
+        link = page.evaluate("location.href").replace("#", f"#code={CODE}&")
+        page.locator("[role=tab]").last.click()
+        assert page.locator(".lab-languages a[lang=en]").inner_text() == "English"
+        with visiting(chromium, address) as other:
+            other.goto("about:blank")
+            other.goto(link)
+            there(other)
+            assert spoken(other) == "de" and "lang=de" in at(other)[0]
+
+
+def test_who_wants_english_has_it_though_his_browser_asks_for_german(chromium, address):
+    with visiting(chromium, address, "&lang=en", locale="de-DE") as page:
+        assert spoken(page) == "en" and "lang=en" in at(page)[0]
+        page.reload()
+        there(page)
+        assert spoken(page) == "en"
+
+
+def test_two_visitors_read_two_languages_at_once(chromium, address):
+    """Of the lesson that both are opened on, and of what is said while they go on."""
+    with visiting(chromium, address, locale="de-DE") as german, visiting(chromium, address) as english:
+        for page, words in ((german, ("Einführung", "Weiter")), (english, ("introduction", "Next"))):
+            until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+            assert words[0] in page.locator(".lab-lesson-head").inner_text()
+            again_until(page.get_by_role("button", name=words[1], exact=True).click,
+                        page.locator(".lab-kind").is_visible, words[1])
+        assert german.locator(".lab-kind").inner_text() == "Vorhersagen"
+        assert english.locator(".lab-kind").inner_text() == "Predict"
+        assert german.locator(".lab-choice span").first.inner_text().startswith("a) Er fällt")
+
+
+def test_the_code_is_asked_for_in_the_language_and_the_wish_is_kept(chromium, address):
+    context = chromium.new_context(viewport=PHONE)
+    page = context.new_page()
+    page.add_init_script(FEW_FRAMES)
+    page.goto(f"{address}/?fixedDpr=0.5&lang=de")
+    page.get_by_label("Klassencode").fill(CODE)
+    page.keyboard.press("Enter")
+    there(page)
+    assert spoken(page) == "de" and "lang=de" in at(page)[0]
+    context.close()
+
+
+def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
+    with visiting(chromium, address, f"&lang={pseudo.CODE}") as page:
+        found = {}
+
+        def look(state):
+            page.wait_for_timeout(700)  # for what follows a click
+            found.update({text: (state, where) for text, where in outside(page).items() if text not in found})
+
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+        look("introduction")
+        onward = page.locator("[data-lab~=lab-beside][data-lab~=lab-main] + div button, "
+                              "[data-lab~=lab-beside] + div + [data-lab~=lab-beside] + div button").last
+        lesson = shelf.lesson(LESSON)
+        for step in lesson.steps[:4]:
+            again_until(onward.click, lambda step=step: step.title in page.locator(".lab-lesson h2").all_inner_texts(),
+                        step.title)
+            look(step.key)
+            if step.question:
+                page.locator("[data-lab=lab-main] + div button").last.click()
+                until(page.locator(".lab-recorded").count, "what is asked for")
+                look("no answer")
+                page.locator(".lab-choice input").first.click()
+                page.locator("[data-lab=lab-main] + div button").last.click()
+                until(lambda: page.locator(".lab-recorded b").count() and onward.is_enabled(), "the answer")
+                look("answered")
+            if step.stage:
+                page.locator(".lab-put").click()
+                look("on the stage")
+        leave = page.locator("[data-lab=lab-link] + div button").last
+        again_until(leave.click, page.locator(".lab-shelf").count, "all lessons")
+        look("lessons")
+        for tab in ("Cost", "About", "Explore"):
+            page.evaluate(f"dispatchEvent(new CustomEvent('lab-tab', {{detail: '{tab}'}}))")
+            until(lambda tab=tab: page.evaluate("document.body.dataset.tab") == tab, tab)
+            for head in page.locator("[aria-expanded=false][style*='cursor: pointer']").all():
+                if head.is_visible():
+                    head.click()
+            look(tab)
+        page.keyboard.press("?")
+        look("keys")
+        page.keyboard.press("Escape")
+        page.locator("[data-lab~=lab-at-slow] + div button").click()
+        look("slow motion")
+        page.locator("[data-lab~=lab-at-slow] + div button").first.click()
+        page.locator("[data-lab~=lab-at-pin] + div button").first.click()
+        look("pinned")
+        page.evaluate("location.hash = 'bar;cells=2'")
+        until(page.locator(".lab-notice, .lab-refused").count, "why the link cannot be followed")
+        look("refused")
+        assert found == {}
+
+
+def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, monkeypatch):
+    """A lesson, which is in English: each step, and what is said of answers."""
+    monkeypatch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+    path = tmp_path / "lesson.html"
+    with speaking(pseudo.CODE):
+        path.write_text(lesson_page(parse(TEXT, "99-test"), 1, lambda part, what: None, {}), encoding="utf-8")
+    page, found = chromium.new_page(viewport=SIZE), {}
+    page.add_init_script(WATCH)
+    page.goto(path.as_uri())
+
+    def look(state):
+        found.update({text: (state, where) for text, where in outside(page).items() if text not in found})
+        drawn = page.evaluate("drawn.texts.splice(0)")  # line by line
+        found.update({words_of("\n".join(drawn)): (state, "drawn")} if words_of("\n".join(drawn)) else {})
+
+    look("introduction")
+    page.locator("button.next").click()
+    page.locator(".options + button").click()
+    look("no answer")
+    page.locator(".options input").first.click()
+    page.locator(".options + button").click()
+    look("predicted")
+    page.locator("button.next").click()
+    page.locator("button.stage").click()
+    until(page.locator("#facts tr").count, "the run")
+    look("on the stage")
+    page.locator("button.next").click()
+    for _ in range(TOLD_AFTER):
+        page.locator(".answer input").fill("1e9")
+        page.locator(".answer + button").click()
+        look("answered")
+    page.locator("button.next").click()
+    look("explained")
+    page.locator("button.next").click()
+    look("the end")
+    page.close()
+    assert found == {}
