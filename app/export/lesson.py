@@ -6,7 +6,7 @@ from typing import Any
 
 from app import state
 from app.export import lattice
-from app.export.page import Progress, assembled, quantities, record
+from app.export.page import SCRIPTS, Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
 from app.lessons import progress, shelf
 from app.lessons.claims import ClaimError, needed
@@ -23,14 +23,15 @@ MOST_RUNS = 12  # of a stage's lattice
 ELSEWHERE = ("slow-motion", "look-back", "trace", "effects", "details", "pin")  # no recording has these
 
 
-def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS) -> str:
-    """The page of a lesson, with so many values of each field on its sliders."""
+def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
+                scripts: Sequence[str] = SCRIPTS) -> str:
+    """The page of a lesson, with so many values of each field on its sliders, and with these scripts of the player."""
     plans = _plans(lesson, counts)
     right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
     recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
-    return assembled(lesson.title, once, recorded, _data(lesson, right, stages))
+    return assembled(lesson.title, once, recorded, _data(lesson, right, stages), scripts)
 
 
 def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:

@@ -51,7 +51,7 @@ function budgetButton() {
 function introduction() {
   const goals = element("ul"), name = element("input", "", {type: "text", value: progress.name, maxLength: LESSON.longest_name, autocomplete: "off"});
   goals.append(...LESSON.goals.map((goal) => element("li", goal)));
-  name.disabled = Object.keys(progress.answers).length > 0;  // its numbers are those of the answers
+  name.disabled = keeper.name !== "" || Object.keys(progress.answers).length > 0;  // its numbers are those of the answers
   name.addEventListener("input", () => {
     progress.name = [...name.value.trim()].slice(0, LESSON.longest_name).join("");
     keep();
@@ -62,8 +62,7 @@ function introduction() {
   if (LESSON.needs.length) parts.push(element("p", `Do before: ${LESSON.needs.join("; ")}.`));
   if (LESSON.elsewhere.length) parts.push(element("p", "This file shows recorded runs. What the text says of "
     + `${LESSON.elsewhere.join(", ").replaceAll("-", " ")} needs the live page.`, {className: "elsewhere"}));
-  const hint = "It gives you numbers of your own, and stands in the file that you hand in. It is sent to nobody.";
-  return [...parts, text, field("Your name", name), element("p", hint, {className: "hint"}), moves(false, true)];
+  return [...parts, text, field("Your name", name), element("p", keeper.hint, {className: "hint"}), moves(false, true)];
 }
 
 function stepParts(step) {
@@ -151,14 +150,13 @@ function ending() {
   const button = element("button", "Hand in", {type: "button", title: "save your answers as a file"});
   button.addEventListener("click", handIn);
   const open = missing ? [element("p", `${missing} question${missing > 1 ? "s are" : " is"} still open; go back to answer.`)] : [];
-  return [element("h2", "The end"), ...open, compared(asked), element("p", "Hand in saves a file with your answers and times, and your "
-    + "name if you have given one. Nothing is sent to anybody."), button, moves(true, false), again()];
+  return [element("h2", "The end"), ...open, compared(asked), element("p", keeper.handed), button, moves(true, false), again()];
 }
 
 function again() {
   const button = element("button", "Begin anew", {type: "button", className: "again"});
   button.addEventListener("click", () => {
-    if (!window.confirm("Forget all answers in this browser?")) return;
+    if (!window.confirm(keeper.forget)) return;
     progress = begun();
     keep();
     showStep();
