@@ -16,7 +16,13 @@ function go(by) {
   showStep();
   lessonBox.scrollTop = 0;
   if (window.scrollY > lessonBox.offsetTop) lessonBox.scrollIntoView();
-  document.getElementById("where").focus({preventScroll: true});
+  goOnAt(lessonBox.querySelector("h2") ?? document.getElementById("where"));
+}
+
+// The focus goes on with the reader: what had it is there no more.
+function goOnAt(place) {
+  place.tabIndex = -1;
+  place.focus({preventScroll: true});
 }
 
 function showStep() {
@@ -101,7 +107,10 @@ function asking(step) {
     }
     record(step.key, answer, (performance.now() - shownAt) / 1000);
     shownAt = performance.now();
-    if (step.kind === "predict") return showStep();
+    if (step.kind === "predict") {
+      showStep();
+      return goOnAt(lessonBox.querySelector(".recorded"));
+    }
     tellTaken(step, said, true);
     onward.querySelector(".next").disabled = false;
   });
@@ -160,6 +169,7 @@ function again() {
     progress = begun();
     keep();
     showStep();
+    goOnAt(document.getElementById("where"));
   });
   return button;
 }

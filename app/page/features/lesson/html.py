@@ -87,15 +87,15 @@ def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: M
         rows.append(f"<tr><th scope='row'>{escape(filled(step.title, numbers))}</th><td>{said}</td>{out}</tr>")
     if not rows:
         return ""
-    head = "<tr><th></th><th scope='col'>you said</th><th scope='col'>came out</th><th></th></tr>"
-    return f"<table class='lab-compared'>{head}{''.join(rows)}</table>"
+    heads = "".join(f"<th scope='col'>{name}</th>" for name in ("question", "you said", "came out", "mark"))
+    return f"<table class='lab-compared'><tr>{heads}</tr>{''.join(rows)}</table>"
 
 
 def recorded_html(said: str, comment: str, right: bool | None) -> str:
-    """That an answer has been taken: what it was, and what is to be said of it."""
+    """That an answer has been taken: what it was, and what is to be said of it (read out by ``js/lesson_aloud.js``)."""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {word}</span>" if sign else ""
-    return f"<div class='lab-lesson lab-recorded' role='status'>Your answer: <b>{escape(said)}</b>{mark} " \
+    return f"<div class='lab-lesson lab-recorded'>Your answer: <b>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 
 
