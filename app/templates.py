@@ -1,9 +1,15 @@
-"""Text that is content stands in files of its own; what changes in it has its place there: ``{{name}}``."""
+"""Text that is content stands in files of its own; what changes in it has its place there, ``{{name}}``, and so have
+words that other languages have others for: ``{{"Play"}}``."""
 
 import re
+from html import escape
 from pathlib import Path
+
+from app.language.spoken import tr
 
 
 def rendered(file: Path, **parts: object) -> str:
-    """The text of a file with the parts in their places."""
-    return re.sub(r"\{\{(\w+)\}\}", lambda place: f"{parts[place[1]]}", file.read_text(encoding="utf-8"))
+    """The text of a file with the parts in their places, and its words in the language that is spoken."""
+    return re.sub(r"\{\{(?:(\w+)|\"([^\"]+)\")\}\}",
+                  lambda place: f"{parts[place[1]]}" if place[1] else escape(tr(place[2])),
+                  file.read_text(encoding="utf-8"))

@@ -14,13 +14,14 @@ from typing import NamedTuple
 from app.doors.address import Headers
 from app.doors.bucket import Bucket
 from app.doors.network import Buckets, network_of
+from app.language.spoken import later, tr
 
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # none that is taken for another one on a board
 MADE_UP, SHORTEST, LONGEST = 8, 6, 64  # letters; half of 31^8 codes, a thousand a second: 13 years
 # Wrong guesses at once and a second: of one network, behind which a whole class may be, and of all.
 ONE, ALL = (20, 1 / 6), (60, 1 / 2)
 
-WRONG = "This is not the code. Look at the board again, or ask your teacher."
+WRONG = later("This is not the code. Look at the board again, or ask your teacher.")
 
 
 class Entry(NamedTuple):
@@ -71,10 +72,11 @@ class ClassCode:
         own = self._of.of(network_of(who))
         wait = math.ceil(max(own.wait(), self._all.wait()))
         if wait:
-            return Entry(sentence=f"There were too many wrong codes. Wait {wait} s, then try again.", wait=wait)
+            told = tr("There were too many wrong codes. Wait {wait} s, then try again.", wait=wait)
+            return Entry(sentence=told, wait=wait)
         own.pay()
         self._all.pay()
-        return Entry(sentence=WRONG)
+        return Entry(sentence=tr(WRONG))
 
     def _cookie(self, token: str) -> str:
         """The header that sets it, until the browser is closed or the server ends."""

@@ -10,6 +10,7 @@ from app import state
 from app.doors.faults import noted
 from app.frame.scale import ColourScale
 from app.frame.sentence import Said
+from app.language.spoken import carried
 from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.features.budget.panel import BudgetFold
@@ -38,6 +39,7 @@ from app.page.visit.opening import OPENING
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
+from app.viewer.callbacks import speak
 from app.viewer.pulse import stands_still
 from app.viewer.widgets import number
 from solvers.engine.frames import FrameArrays
@@ -60,6 +62,7 @@ class Page:
         self._keeping = threading.Lock()
         self._watched = self._takes = True  # the browser shows the page, and takes what is sent to it
         self._stands = threading.Event()  # the frame that has come is the last for now
+        speak(client)
         self._recent = Recent()
         self._trace = Trace(self._recent)
         self._scale = ColourScale()
@@ -97,7 +100,7 @@ class Page:
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
-        threading.Thread(target=self._refresh_loop, name="page-refresh", daemon=True).start()
+        threading.Thread(target=carried(self._refresh_loop), name="page-refresh", daemon=True).start()
 
     def attend(self, watched: bool) -> None:
         """The browser shows the page, or no longer: then nothing is computed or sent for it."""

@@ -20,6 +20,7 @@ from app.doors.address import Addresses
 from app.doors.code import ClassCode, made_up
 from app.doors.faults import Brief
 from app.identity import ICON
+from app.language.spoken import carried
 from app.lessons import shelf
 from app.page.ending import ending, in_background
 from app.page.features.lesson.marking import Classroom
@@ -210,7 +211,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
                   classroom: Classroom, notes: str = "") -> Any:
     from app.page.page import Page
-    from app.page.panels.head import GROUND, set_up
+    from app.page.panels.head import ground, set_up
     from app.viewer import faults
     from app.viewer.index import Index
     from app.viewer.server import Doors, Lab
@@ -222,7 +223,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     doors = Doors(addresses, ClassCode(code, port, notes) if code else None)
     # The viewer would announce itself in a box of its own.
-    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(GROUND, ICON)):
+    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(ground, ICON)):
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
 
@@ -237,7 +238,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     makers = ThreadPoolExecutor(MAKERS, "page")
 
     def connect(client: Any) -> None:
-        makers.submit(visitors.connect, client)
+        makers.submit(carried(visitors.connect, doors.language(client.client_id)), client)
 
     server.on_client_connect(connect)
     server.visitors = visitors

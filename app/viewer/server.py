@@ -26,6 +26,9 @@ from app.doors.faults import noted
 from app.doors.network import Buckets, network_of
 from app.doors.page import has_page
 from app.doors.refusals import Refusals
+from app.language.spoken import ENGLISH, carried, kept, language, later, tr
+from app.language.wish import of_cookie, wished
+from app.templates import rendered
 from app.viewer import faults
 from app.viewer.answers import dressed, said
 from app.viewer.hearing import PARTS, PARTS_A_SECOND, Hearing
@@ -44,10 +47,16 @@ AWAY = 10.0  # seconds in which the address of one who was sent away must wait
 STOPPING = 0.2  # seconds that browsers have to say goodbye when the server ends
 SILENT = 60.0  # seconds in which a browser, however busy, says where its camera is; one that never speaks is none
 NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
-NO_CODE = "The class code is missing. Load the page again and type it."
+NO_CODE = later("The class code is missing. Load the page again and type it.")
 
 _LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
-_CODE_PAGE = (Path(__file__).parents[1] / "doors" / "code.html").read_text(encoding="utf-8")
+_CODE_PAGE = Path(__file__).parents[1] / "doors" / "code.html"
+
+
+@kept(1)
+def _code_page() -> str:
+    """What asks for the class code."""
+    return rendered(_CODE_PAGE, language=language())
 
 
 class Lab(viser.ViserServer):
@@ -177,13 +186,19 @@ class Doors:
 
     def _answer(self, connection: Line, request: Request, index: Index) -> Response | None:
         """What a request gets; None for one that gets a websocket."""
+        path, _, query = request.path.partition("?")
+        code = wished(query, ",".join(request.headers.get_all("Accept-Language")))
+        return carried(self._answered, code)(connection, request, index, path)
+
+    def _answered(self, connection: Line, request: Request, index: Index, path: str) -> Response | None:
+        """The same, in the visitor's language."""
         who, headers = self._who(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
         refusal = FOREIGN_PAGE if untidy(connection.head) else self._addresses.refusal(headers, opens_socket)
         if refusal:
             self._refusals.note(refusal, who)
             return said(HTTPStatus.FORBIDDEN, refusal)
-        path, known = request.path.partition("?")[0], not self._code or self._code.knows(headers)
+        known = not self._code or self._code.knows(headers)
         if path == "/health" and self._host and not opens_socket:
             health = self._host.health()
             shown = health if known else {"ready": health["ready"]}
@@ -193,12 +208,12 @@ class Doors:
         if not known:
             if opens_socket:
                 self._refusals.note(NO_CODE, who)
-                return said(HTTPStatus.FORBIDDEN, NO_CODE)
-            return said(HTTPStatus.OK if has_page(path) else HTTPStatus.FORBIDDEN, _CODE_PAGE, "text/html")
+                return said(HTTPStatus.FORBIDDEN, tr(NO_CODE))
+            return said(HTTPStatus.OK if has_page(path) else HTTPStatus.FORBIDDEN, _code_page(), "text/html")
         if opens_socket:
             return self._wait(who)
         if not (looks := _LOOKS.search(path)):
-            return index.answer(request)
+            return index.answer(request, language())
         there = self._host is not None and self._host.attend(looks[2], looks[1] == "here")
         return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
@@ -206,9 +221,18 @@ class Doors:
         """Whether a visitor who is here has come with the teacher's code; everyone has where none is asked for."""
         if self._code is None:
             return True
-        server: Any = self._server
-        connection = server._websock_server._live_connections.get(visitor) if server else None
+        connection = self._connection(visitor)
         return connection is not None and self._code.teaches(connection.request.headers)
+
+    def language(self, visitor: int) -> str:
+        """The code of the language in which the page of a visitor who is here has come."""
+        connection = self._connection(visitor)
+        return ENGLISH if connection is None else of_cookie(connection.request.headers.get_all("Cookie"))
+
+    def _connection(self, visitor: int) -> Any:
+        """The websocket of a visitor who is here. Of the viewer only its private parts know it."""
+        server: Any = self._server
+        return server._websock_server._live_connections.get(visitor) if server else None
 
     def _wait(self, who: str) -> Response | None:
         """Who opens a websocket may have to wait, because many of its network do or because its address was sent
@@ -218,7 +242,7 @@ class Doors:
         wait = max(handshakes.wait(), self._away.get(who, now) - now)
         if wait:
             self._refusals.note("a visitor, because there were too many at once", who)
-            return said(HTTPStatus.SERVICE_UNAVAILABLE, "Too many come at once. Try again in a moment.", wait=wait)
+            return said(HTTPStatus.SERVICE_UNAVAILABLE, tr("Too many come at once. Try again in a moment."), wait=wait)
         handshakes.pay()
         return None
 

@@ -1,12 +1,14 @@
 """The head of the page: style and theme. The viewer lets style be set by html of one's own only."""
 
 import colorsys
+import json
 from pathlib import Path
 
 import viser
 
 from app.colours import TEXTS, rgb
 from app.identity import MARK, faces
+from app.language.spoken import catalogue, language
 from app.templates import rendered
 
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
@@ -24,9 +26,12 @@ def _web(folder: str, ending: str) -> str:
     return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
 
 
-#: What the html that a browser loads first has of ours: all style, the page's own frame, and the scripts.
-GROUND = f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + rendered(WEB / "ground.html", mark=MARK) \
-    + f"<script>\n{_web('js', 'js')}</script>"
+def ground() -> str:
+    """What the html that a browser loads first has of ours: all style, the page's own frame, the scripts, and what
+    these say in the language that is spoken."""
+    words = json.dumps(catalogue(language()).of_files("app/page/web/js/"), ensure_ascii=False).replace("<", "\\u003c")
+    return f"<style>\n{faces()}{_web('css', 'css')}</style>\n" + rendered(WEB / "ground.html", mark=MARK) \
+        + f"<script type='application/json' id='lab-words'>{words}</script>\n<script>\n{_web('js', 'js')}</script>"
 
 
 def set_up(gui: viser.GuiApi, dark: bool = False) -> None:

@@ -58,11 +58,12 @@ class WorstRegions:
         self.scene: Scene | None = None  # of which they are
         self.by_estimate: WorstRegion | None = None
         self.by_truth: WorstRegion | None = None
-        self._remarks = NOTHING
+        self._remarks: tuple[Scene | None, Remarks] = None, NOTHING  # and whose: another thread may look meanwhile
 
     def remarks(self, scene: Scene) -> Remarks:
         """What is to be written into a picture of a scene."""
-        return self._remarks if scene == self.scene else NOTHING
+        whose, remarks = self._remarks
+        return remarks if scene == whose else NOTHING
 
     def look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
         """Find both in a frame, of the errors of a quantity by its key."""
@@ -71,12 +72,13 @@ class WorstRegions:
 
     def _look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
         if report.scene != self.scene:
+            self.by_estimate = self.by_truth = None
             self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
             at_rest = np.nan_to_num(arrays.position - arrays.displacement)
             self._regions = VIEWS[report.scene.problem].regions(at_rest)
         if len(self._regions.number) != len(arrays.position):
             return  # the view is of another frame
-        self._remarks = NOTHING
+        self._remarks = None, NOTHING
         errors = [None if sizes is None or len(sizes) != len(arrays.position) else self._regions.errors(sizes)
                   for sizes in (view.estimated, view.true)]
         self.by_estimate, self.by_truth = (self._region(worst, own, errors)
@@ -90,7 +92,7 @@ class WorstRegions:
             size = (region.estimated if estimated else region.true) if region else None
             return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
 
-        self._remarks = Remarks(
+        self._remarks = scene, Remarks(
             (told(estimate, True) if view.left.sizes is view.estimated else None,
              told(truth, False)), report.status != soundness.OK, _alike(view))
 

@@ -1,10 +1,22 @@
 """Lines that one page asks of the engines."""
 
 import threading
+from typing import Any, cast
 from weakref import WeakSet
 
+from app.language.spoken import carried, language
 from app.page.visit.health import Tally
 from solvers.engine.pool import EnginePool, Listener, SessionLink
+
+
+class _Told:
+    """What a listener hears from the engine's thread, in the language in which the line is opened."""
+
+    def __init__(self, listener: Listener):
+        self._listener, self._language = listener, language()
+
+    def __getattr__(self, name: str) -> Any:
+        return carried(getattr(self._listener, name), self._language)
 
 
 class PageLinks:
@@ -17,7 +29,7 @@ class PageLinks:
 
     def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
         """A line; where the page is closed already it is closed at once, and nothing comes of it."""
-        link = self._pool.open(listener, beside)
+        link = self._pool.open(cast(Listener, _Told(listener)), beside)
         with self._opening:
             self._links.add(link)
             closed = self._closed

@@ -13,9 +13,11 @@ import pytest
 from app.frame.crossings import WINDOW
 from app.frame.sentence import Said
 from app.frame.silences import NONE_CHOSEN, UNKNOWN
+from app.frame.stage import NOTHING
 from app.frame.view import look
 from app.page.stage.worst import WorstRegions
 from app.page.summary import SAY_SECONDS, WAITING, Speaker, compared, summary
+from app.problems.views import VIEWS
 from app.words import per_cent
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver.soundness import LOST, UNSTABLE
@@ -48,6 +50,24 @@ def test_how_wrong_comes_first_then_whether_it_is_known_then_where():
                       "Worst at X = 0.30–0.35 m. No particle crossed a cell boundary in the last 0.05 s.")
     assert "; transport says 1.30 times as much. " in said(series=SERIES | {"transport/index_x": [1.0, 1.3]})
     assert "; transport finds 100 % of it. " in said(series=SERIES | {"transport/index_x": [1.0, 1.004]})
+
+
+def test_no_place_of_a_run_is_marked_in_another_one(monkeypatch):
+    """Also by a thread that draws while another one looks at the first frame of a new scene, which takes time."""
+    other = replace(BAR, amplitude=0.5 * BAR.amplitude)
+    worst, drawn = WorstRegions(), []
+
+    def found(scene):
+        report, arrays = replace(report_of(scene), time=0.35), arrays_of(ERROR / 2, ERROR)
+        worst.look(report, arrays, look(report, arrays, "x", "transport", False), "x")
+
+    found(BAR)
+    assert worst.remarks(BAR).worst[1] is not None and worst.remarks(other) == NOTHING
+    view, usual = VIEWS["bar"], VIEWS["bar"].regions
+    monkeypatch.setitem(VIEWS, "bar", replace(view, regions=lambda at_rest: [
+        drawn.extend((worst.remarks(other), worst.by_truth)), usual(at_rest)][1]))
+    found(other)
+    assert drawn == [NOTHING, None] and worst.remarks(BAR) == NOTHING and worst.remarks(other).worst[1] is not None
 
 
 def test_where_it_is_worst_is_looked_for_in_each_of_the_two():

@@ -1,0 +1,128 @@
+"""The language in which a visitor is spoken to, and what the words of the code are in it.
+
+English is what the code says; ``CODE.po`` beside this file says what that is in another language. Whoever does
+something for one visitor does it while his language is spoken (:func:`speaking`): then :func:`tr` finds his words. A
+thread begins with English: what is done on another one for a visitor is :func:`carried` there.
+"""
+
+import functools
+import gettext
+import io
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+import polib
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+ENGLISH = "en"
+FOLDER = Path(__file__).parent
+
+
+class Language(NamedTuple):
+    """A language: what it calls itself, and the file of its words, which English has not."""
+
+    name: str
+    file: Path | None = None
+
+
+#: By their codes.
+LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po")}
+
+_spoken: ContextVar[str] = ContextVar("language", default=ENGLISH)
+
+
+class Catalogue:
+    """What the words of the code are in one language; those that it does not have stay as they are. ``entries`` are
+    those of a file of translations: text, plural or "", translations, files in which the text stands."""
+
+    def __init__(self, file: polib.POFile):
+        self._words = gettext.GNUTranslations(io.BytesIO(file.to_binary()))
+        self._texts = {entry.msgid: (entry.msgstr, {place for place, _ in entry.occurrences}) for entry in file}
+
+    def one(self, text: str) -> str:
+        return self._words.gettext(text)
+
+    def several(self, one: str, many: str, count: float) -> str:
+        return self._words.ngettext(one, many, int(count) if count == int(count) else 2)  # 2.5 are several
+
+    def of_files(self, folder: str) -> dict[str, str]:
+        """The texts of files in a folder, for those whose language is none of Python."""
+        return {text: said for text, (said, places) in self._texts.items() if said
+                and any(place.startswith(folder) for place in places)}
+
+    def texts(self) -> dict[str, str]:
+        """All texts that have one form."""
+        return {text: said for text, (said, _) in self._texts.items() if said}
+
+
+@functools.lru_cache
+def catalogue(code: str) -> Catalogue:
+    """The words of a language; of English there are none, for the code has them."""
+    file = LANGUAGES[code].file
+    return Catalogue(polib.pofile(str(file)) if file else polib.POFile())
+
+
+def language() -> str:
+    """The code of the language that is spoken now."""
+    return _spoken.get()
+
+
+@contextmanager
+def speaking(code: str) -> Iterator[None]:
+    """Speak a language meanwhile."""
+    before = _spoken.set(code)
+    try:
+        yield
+    finally:
+        _spoken.reset(before)
+
+
+def carried(work: Callable[P, T], code: str = "") -> Callable[P, T]:
+    """The same work, on whatever thread, in the language that is spoken now, or in that of a ``code``."""
+    code = code or language()
+
+    def spoken(*args: P.args, **options: P.kwargs) -> T:
+        with speaking(code):
+            return work(*args, **options)
+
+    return spoken
+
+
+def tr(text: str, **values: Any) -> str:
+    """A text of the code in the language that is spoken, with the ``values`` in its places: ``{name}``."""
+    said = text if language() == ENGLISH else catalogue(language()).one(text)
+    return said.format(**values) if values else said
+
+
+def trn(one: str, many: str, count: float, **values: Any) -> str:
+    """Of two texts the one that goes with a count, which ``{count}`` is in both, in the language that is spoken."""
+    said = (one if count == 1 else many) if language() == ENGLISH else catalogue(language()).several(one, many, count)
+    return said.format(count=count, **values)
+
+
+def later(text: str) -> str:
+    """A text that is put into the visitor's language by :func:`tr` where it is said: one of a table, say."""
+    return text
+
+
+def kept(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """As :func:`functools.lru_cache`, of so many results, for what has words in it: each language has its own."""
+    def keeping(work: Callable[..., T]) -> Callable[..., T]:
+        @functools.lru_cache(most)
+        def in_language(_: str, *args: Any, **options: Any) -> T:
+            return work(*args, **options)
+
+        return functools.wraps(work)(lambda *args, **options: in_language(language(), *args, **options))
+
+    return keeping
+
+
+def localised(path: Path) -> Path:
+    """A file of text in the language that is spoken: ``about.de.html`` beside ``about.html``, where there is one."""
+    own = path.with_suffix(f".{language()}{path.suffix}")
+    return own if language() != ENGLISH and own.is_file() else path

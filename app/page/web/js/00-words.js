@@ -1,0 +1,3 @@
+// What the page says, in its language: words of the scripts stand in them in English. A text may have places, {name}.
+const WORDS = JSON.parse(document.getElementById("lab-words").textContent);
+const tr = (text, values = {}) => (WORDS[text] || text).replace(/\{(\w+)\}/g, (place, name) => values[name] ?? place);

@@ -1,0 +1,78 @@
+"""Texts in the language that is spoken: with places and counts, on other threads, kept, and of files."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import polib
+import pytest
+
+from app.language import spoken
+from app.language.spoken import LANGUAGES, Language, carried, kept, language, localised, speaking, tr, trn
+
+WORDS = {"Play": "Los", "{n} of {all} are here": "von {all} sind {n} da"}
+
+
+@pytest.fixture
+def other(tmp_path, monkeypatch):
+    """The code of a language with a few words."""
+    file = polib.POFile(wrapwidth=100)
+    file.metadata = {"Content-Type": "text/plain; charset=utf-8", "Plural-Forms": "nplurals=2; plural=(n != 1);"}
+    for text, said in WORDS.items():
+        file.append(polib.POEntry(msgid=text, msgstr=said, occurrences=[("app/page/web/js/a.js", "")]))
+    file.append(polib.POEntry(msgid="{count} dot", msgid_plural="{count} dots",
+                              msgstr_plural={0: "{count} Punkt", 1: "{count} Punkte"}))
+    file.save(str(tmp_path / "zz.po"))
+    monkeypatch.setitem(LANGUAGES, "zz", Language("Other", tmp_path / "zz.po"))
+    yield "zz"
+    spoken.catalogue.cache_clear()
+
+
+def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
+    assert tr("Play") == "Play" and tr("{n} of {all} are here", n=1, all=3) == "1 of 3 are here"
+    with speaking(other):
+        assert tr("Play") == "Los" and tr("{n} of {all} are here", n=1, all=3) == "von 3 sind 1 da"
+        assert tr("not there") == "not there"
+    assert language() == "en" and tr("Play") == "Play"
+
+
+@pytest.mark.parametrize(("count", "english", "said"), [(1, "1 dot", "1 Punkt"), (2, "2 dots", "2 Punkte"),
+                                                        (0, "0 dots", "0 Punkte"), (2.5, "2.5 dots", "2.5 Punkte")])
+def test_a_count_chooses_its_form(other, count, english, said):
+    assert trn("{count} dot", "{count} dots", count) == english
+    with speaking(other):
+        assert trn("{count} dot", "{count} dots", count) == said
+
+
+def test_a_thread_speaks_what_was_spoken_where_its_work_was_given_to_it(other):
+    with ThreadPoolExecutor(1) as thread, speaking(other):
+        assert thread.submit(language).result() == "en"
+        assert thread.submit(carried(tr), "Play").result() == "Los"
+        assert thread.submit(carried(tr, "en"), "Play").result() == "Play"
+        assert thread.submit(language).result() == "en"
+
+
+def test_what_is_kept_is_kept_by_language(other):
+    asked = []
+
+    @kept(4)
+    def said(name):
+        asked.append(name)
+        return tr("Play")
+
+    assert [said("a"), said("a")] == ["Play"] * 2
+    with speaking(other):
+        assert [said("a"), said("a")] == ["Los"] * 2
+    assert asked == ["a", "a"]
+
+
+def test_a_file_has_its_translation_beside_it_or_stands_for_itself(tmp_path):
+    (tmp_path / "about.html").touch()
+    assert localised(tmp_path / "about.html").name == "about.html"
+    with speaking("de"):
+        assert localised(tmp_path / "about.html").name == "about.html"
+        (tmp_path / "about.de.html").touch()
+        assert localised(tmp_path / "about.html").name == "about.de.html"
+
+
+def test_scripts_get_their_own_words(other):
+    assert spoken.catalogue(other).of_files("app/page/web/js/") == WORDS
+    assert spoken.catalogue(other).of_files("app/export/") == spoken.catalogue("en").of_files("app/") == {}
