@@ -1,9 +1,10 @@
 // A lesson for who hears it or has no mouse: the focus goes on with the step, and what is said of an answer is read out.
 (() => {
   const PATIENCE = 4000;  // ms in which a step comes that has been asked for
-  const aloud = document.getElementById("lab-aloud"), find = selector => document.querySelector(selector);
+  const told = document.getElementById("lab-told"), find = selector => document.querySelector(selector);
   const words = selector => find(selector)?.textContent || "";
   let pressed = -PATIENCE, before = {}, at = null;  // when, what stood there then, and what has been given the focus
+  let step = "";
 
   document.addEventListener("click", () => {
     pressed = performance.now();
@@ -30,10 +31,12 @@
   }
 
   function look() {
-    const said = words(".lab-recorded");
-    if (said && said !== before.said && words(".lab-lesson-head") === before.step) {
+    const said = words(".lab-recorded"), now = words(".lab-lesson-head");
+    if (now !== step) told.textContent = "";  // what was said of another step's answer, which may be the same
+    step = now;
+    if (said && said !== before.said && now === before.step) {
       before.said = said;
-      aloud.textContent = said;
+      told.textContent = said;
     }
     if (lost()) setTimeout(follow, 100);
   }
